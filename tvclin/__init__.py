@@ -1,0 +1,77 @@
+"""tvclin: how much thrust-vector deflection a booster needs to survive a wind.
+
+Everything public stands here; the rooms behind it are loaded when they are first used, so that
+``import tvclin`` costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tvclin.boundary import BoundaryLimit as BoundaryLimit
+    from tvclin.boundary import boundary_limit as boundary_limit
+    from tvclin.boundary import is_sufficient as is_sufficient
+    from tvclin.boundary import survivable_peak as survivable_peak
+    from tvclin.coefficients import Coefficients as Coefficients
+    from tvclin.deflections import BangBang as BangBang
+    from tvclin.deflections import HeldDeflection as HeldDeflection
+    from tvclin.deflections import trim_deflection as trim_deflection
+    from tvclin.deflections import trim_then_hold as trim_then_hold
+    from tvclin.errors import InputError as InputError
+    from tvclin.histories import History as History
+    from tvclin.modes import LeftOver as LeftOver
+    from tvclin.modes import UnstableModes as UnstableModes
+    from tvclin.modes import Verdict as Verdict
+    from tvclin.modes import is_stable as is_stable
+    from tvclin.modes import judge as judge
+    from tvclin.modes import residues as residues
+    from tvclin.modes import unstable_modes as unstable_modes
+    from tvclin.plant import Plant as Plant
+    from tvclin.vehicle import Vehicle as Vehicle
+    from tvclin.vehicle_file import list_vehicles as list_vehicles
+    from tvclin.vehicle_file import load_vehicle as load_vehicle
+    from tvclin.winds import RectangularWind as RectangularWind
+    from tvclin.winds import SampledWind as SampledWind
+    from tvclin.winds import TriangularWind as TriangularWind
+    from tvclin.winds import angle_from_speed as angle_from_speed
+
+__version__ = "0.1.0"
+
+_ROOMS = {
+    "boundary": ("BoundaryLimit", "boundary_limit", "is_sufficient", "survivable_peak"),
+    "coefficients": ("Coefficients",),
+    "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
+    "errors": ("InputError",),
+    "histories": ("History",),
+    "modes": (
+        "LeftOver",
+        "UnstableModes",
+        "Verdict",
+        "is_stable",
+        "judge",
+        "residues",
+        "unstable_modes",
+    ),
+    "plant": ("Plant",),
+    "vehicle": ("Vehicle",),
+    "vehicle_file": ("list_vehicles", "load_vehicle"),
+    "winds": ("RectangularWind", "SampledWind", "TriangularWind", "angle_from_speed"),
+}
+_HOME = {name: room for room, names in _ROOMS.items() for name in names}
+
+__all__ = sorted(_HOME)  # noqa: PLE0605
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(f"tvclin.{_HOME[name]}"), name)
+    if name in _MODULES:
+        return import_module(f"tvclin.{name}")
+    raise AttributeError(f"module 'tvclin' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *_MODULES, "__version__"]
+
+
+_MODULES = (*_ROOMS, "plots", "study")

@@ -1,0 +1,239 @@
+"""The report's boundary limits in closed form: eqs (7), (12), (16) and (18), for arrays.
+
+    p = tau beta/2,   y = y_BR,   R = 2 e^(-p) - e^(-2p),   L = -ln R,   z = p y
+    kappa = 1 - K1 = (b1 - b2)/(beta + b1),   rho = b1/beta,   psi(x) = (e^(-x) - 1 + x)/x^2
+
+The printed forms lose all digits at the ends of their ranges; those used here do not: nothing
+is divided by K, 1 - K or b1, and no large numbers are subtracted.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.errors import InputError, finite, plain, positive, together, within
+from tvclin.kernels.moments import moments
+
+FloatArray = NDArray[np.float64]
+
+OK = "ok"
+NOT_CONVERGED = "not converged: the bracket could not be narrowed to rounding"
+NOT_UNIQUE = "b2 is above b1: a solution, but perhaps not the only one"
+NEVER_SATURATES = "trim never saturates: K times the limit is above the trim deflection"
+
+_EPS = np.finfo(float).eps
+
+
+@dataclass(frozen=True, eq=False)
+class TriangularLimit:
+    """Solutions of eq (18), every field of shape ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        y_BR.
+    switch : float or ndarray
+        a/tau = y_BR K/2, eq (11): when the dead band is left.
+    status : str or ndarray of str
+        "ok", or in words what is wrong with the element.
+    """
+
+    limit: Any
+    switch: Any
+    status: Any
+
+
+def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:  # noqa: N803
+    """Return y_BR of a rectangular wind, eq (7), and with drift eq (16).
+
+        y_BR = K1 (1 - e^(-tau beta))
+
+    Parameters
+    ----------
+    tau_beta : array_like
+        tau beta, positive: the duration in units of 1/beta.
+    K1 : array_like
+        (beta + b2)/(beta + b1), eq (15b); 1 without drift.
+
+    Raises
+    ------
+    InputError
+        For a tau_beta not above zero.
+    """
+    tau_beta, K1 = positive("tau_beta", tau_beta), finite("K1", K1)
+    together(tau_beta=tau_beta, K1=K1)
+    return plain(np.asarray(-K1 * np.expm1(-tau_beta)))
+
+
+def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
+    """Return y_BR of a triangular wind without drift, eq (12) in closed form.
+
+    Parameters
+    ----------
+    tau_beta : array_like
+        tau beta, positive: the duration in units of 1/beta.
+    dead_band : array_like
+        K in [0, 1]; broadcasts with `tau_beta`.
+
+    Returns
+    -------
+    float or ndarray
+        y_BR, to about 1e-15. The dead band is left at a = y_BR K tau/2 <= tau/2, always.
+
+    Raises
+    ------
+    InputError
+        For a tau_beta not above zero, or a dead band outside [0, 1].
+
+    Notes
+    -----
+    The printed form is [1 - p y (1 - K)] e^(-p y K) = R. With c = K/(1 - K) its solution is
+    y = [1 - W(c R e^c)/c]/(p (1 - K)), W being Lambert's function; its ends are
+    y = (1 - e^(-p))^2/p for K = 0 and y = L/p for K = 1. W cancels where c is large, so it is
+    evaluated as y = (1 - e^(-s))/(p (1 - K)) with s + c (1 - e^(-s)) = L, which Newton's
+    iteration solves monotonically from s = L/(1 + c).
+    """
+    tau_beta = positive("tau_beta", tau_beta)
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    together(tau_beta=tau_beta, dead_band=K)
+    p, K = np.broadcast_arrays(tau_beta / 2.0, K)
+    L = _minus_log_R(p)
+    with np.errstate(divide="ignore"):
+        c = K / (1.0 - K)
+    partly = np.where(np.isinf(c), 0.0, c)
+    s = L / (1.0 + partly)
+    for _ in range(60):
+        step = (L - s + partly * np.expm1(-s)) / (1.0 + partly * np.exp(-s))
+        s = s + np.maximum(step, 0.0)
+        if np.all(step <= 2.0 * _EPS * s):
+            break
+    y = np.where(np.isinf(c), L, -np.expm1(-s) / np.where(np.isinf(c), 1.0, 1.0 - K)) / p
+    return plain(np.asarray(y))
+
+
+def triangular_limit_with_drift(
+    tau_beta: ArrayLike,
+    dead_band: ArrayLike,
+    beta: ArrayLike,
+    b1: ArrayLike,
+    b2: ArrayLike,
+) -> Any:
+    """Return y_BR of a triangular wind with drift, eq (18); NaN where it was not found.
+
+    `solve_triangular_with_drift` gives the same with a status for each element.
+
+    Parameters
+    ----------
+    tau_beta : array_like
+        tau beta, positive.
+    dead_band : array_like
+        K in [0, 1].
+    beta : array_like
+        Vehicle response parameter [1/s], positive.
+    b1, b2 : array_like
+        Zeros of the numerators [1/s], eq (B7), with beta + b1 and beta + b2 positive.
+
+    Raises
+    ------
+    InputError
+        For arguments outside these ranges.
+    """
+    return solve_triangular_with_drift(tau_beta, dead_band, beta, b1, b2).limit
+
+
+def solve_triangular_with_drift(
+    tau_beta: ArrayLike,
+    dead_band: ArrayLike,
+    beta: ArrayLike,
+    b1: ArrayLike,
+    b2: ArrayLike,
+) -> TriangularLimit:
+    """Return the solution of eq (18) with a status for each element.
+
+    Parameters
+    ----------
+    tau_beta, dead_band, beta, b1, b2 : array_like
+        As of `triangular_limit_with_drift`.
+
+    Raises
+    ------
+    InputError
+        For arguments outside their ranges.
+
+    Notes
+    -----
+    With z = p y eq (18) reads
+
+        K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0.
+
+    For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so there is
+    one root, below p/K and 1/(1 - K); Newton's iteration is kept between the ends.
+    """
+    arrays = {
+        "tau_beta": positive("tau_beta", tau_beta),
+        "dead_band": within("dead_band", dead_band, 0.0, 1.0),
+        "beta": positive("beta", beta, "1/s"),
+        "b1": finite("b1", b1, "1/s"),
+        "b2": finite("b2", b2, "1/s"),
+    }
+    together(**arrays)
+    tau_beta, K, beta, b1, b2 = np.broadcast_arrays(*arrays.values())
+    if np.any(beta + b1 <= 0.0) or np.any(beta + b2 <= 0.0):
+        raise InputError("beta + b1 and beta + b2 must be positive; change b1 or b2")
+    p = tau_beta / 2.0
+    z, converged = _newton(p, K, (b1 - b2) / (beta + b1), (beta + b2) / (beta + b1), b1 / beta)
+    y = z / p
+    never = K * y > 1.0 + 4.0 * _EPS
+    status = np.select(
+        [~converged, never, b2 > b1], [NOT_CONVERGED, NEVER_SATURATES, NOT_UNIQUE], OK
+    )
+    y = np.where(converged, y, np.nan)
+    return TriangularLimit(
+        plain(y), plain(np.asarray(y * K / 2.0)), status if status.ndim else str(status)
+    )
+
+
+def _newton(
+    p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
+) -> tuple[FloatArray, Any]:
+    L = _minus_log_R(p)
+    with np.errstate(divide="ignore"):
+        high = np.minimum(p / K, 1.0 / (1.0 - K))
+    low = np.zeros_like(high)
+    z = np.minimum(K1 * p * np.asarray(triangular_limit(2.0 * p, K)), high)
+    converged = np.zeros(z.shape, dtype=bool)
+    for _ in range(100):
+        x = K * z
+        growth = np.exp(x - L)
+        psi = _psi(rho * x)
+        left = -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi)
+        slope = -K1 * K * growth - (1.0 - K) - kappa * K * (1.0 + x * _psi_slope(rho * x))
+        low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
+        new = z - left / slope
+        new = np.where((new >= low) & (new <= high), new, (low + high) / 2.0)
+        new = np.where(left == 0.0, z, new)
+        converged = np.abs(new - z) <= 4.0 * _EPS * new
+        z = new
+        if np.all(converged):
+            break
+    return z, converged
+
+
+def _minus_log_R(p: FloatArray) -> FloatArray:  # noqa: N802
+    """L = -ln(2 e^(-p) - e^(-2p)), without cancellation at either end."""
+    with np.errstate(divide="ignore"):
+        short = -np.log1p(-np.expm1(-p) ** 2)
+    return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))
+
+
+def _psi(x: FloatArray) -> FloatArray:
+    """(e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x)."""
+    m = moments(x, 1)
+    return np.asarray(m[..., 0] - m[..., 1])
+
+
+def _psi_slope(x: FloatArray) -> FloatArray:
+    """(1 - e^(-x))/x, the derivative of x^2 psi(x) over x."""
+    return np.asarray(moments(x, 0)[..., 0])

@@ -1,0 +1,108 @@
+"""What goes wrong at the doors, said in one sentence each.
+
+Every check names the argument, the rule it breaks, and what came, so that the
+reader knows which argument to change.
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class InputError(ValueError):
+    """An argument, a key or a file that cannot be used; the message says how to mend it."""
+
+
+def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a read-only float array; raise `InputError` unless it is real and finite."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "bcOSUmMV":
+            raise TypeError
+        array = np.array(array, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number{_in(unit)}; got {_shown(value)}") from None
+    _require(name, "finite", array, np.isfinite(array), unit)
+    array.flags.writeable = False
+    return array
+
+
+def positive(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a float array; raise `InputError` unless every element is above zero."""
+    array = finite(name, value, unit)
+    _require(name, "positive", array, array > 0, unit)
+    return array
+
+
+def nonnegative(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a float array; raise `InputError` if an element is below zero."""
+    array = finite(name, value, unit)
+    _require(name, "zero or positive", array, array >= 0, unit)
+    return array
+
+
+def nonzero(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a float array; raise `InputError` if an element is zero."""
+    array = finite(name, value, unit)
+    _require(name, "other than zero", array, array != 0, unit)
+    return array
+
+
+def within(
+    name: str, value: ArrayLike, lowest: float, highest: float, unit: str = ""
+) -> NDArray[np.float64]:
+    """Return `value` as a float array; raise `InputError` outside [lowest, highest]."""
+    array = finite(name, value, unit)
+    rule = f"between {lowest:.6g} and {highest:.6g}"
+    _require(name, rule, array, (array >= lowest) & (array <= highest), unit)
+    return array
+
+
+def one_of(name: str, value: object, choices: Iterable[str]) -> str:
+    """Return `value` if it is among `choices`; otherwise raise `InputError` with the near ones."""
+    names = list(choices)
+    if isinstance(value, str) and value in names:
+        return value
+    near = get_close_matches(value, names, n=2, cutoff=0.5) if isinstance(value, str) else []
+    hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""
+    raise InputError(f"{name} must be one of {', '.join(names)}; got {_shown(value)}{hint}")
+
+
+def plain(array: NDArray[np.float64]) -> float | NDArray[np.float64]:
+    """Return a Python float for an array of shape ``()``, and any other array as it is."""
+    return float(array) if array.ndim == 0 else array
+
+
+def together(**arrays: NDArray[Any]) -> None:
+    """Raise `InputError` unless the named arrays broadcast with each other."""
+    try:
+        np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.ndim)
+        raise InputError(
+            f"arguments must have shapes that broadcast together; got {shapes}"
+        ) from None
+
+
+def _require(
+    name: str, rule: str, array: NDArray[np.float64], good: NDArray[np.bool_], unit: str
+) -> None:
+    if np.all(good):
+        return
+    where = np.unravel_index(int(np.argmin(good)), good.shape)
+    index = where[0] if len(where) == 1 else tuple(int(i) for i in where)
+    place = f" at index {index}" if where else ""
+    unit = f" {unit}" if unit else ""
+    raise InputError(f"{name} must be {rule}; got {array[where]:.6g}{unit}{place}")
+
+
+def _in(unit: str) -> str:
+    return f" in {unit}" if unit else ""
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

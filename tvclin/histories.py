@@ -1,0 +1,276 @@
+"""Time histories, exact: the one kind of thing that winds and deflections are.
+
+A history is a row of pieces between knots, each a sum of terms c t^k e^(lambda t). It has a
+value at any time, an exact Laplace transform, and it stays a history when it is added, scaled,
+shifted, cut short, or sent through a rational filter. Boundaries and verdicts need only the
+transform; nothing is sampled.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.errors import InputError, finite
+from tvclin.kernels import pieces as kernel
+from tvclin.kernels import polynomials
+from tvclin.kernels.pieces import Pieces
+
+FloatArray = NDArray[np.float64]
+
+
+class History(ABC):
+    """A real function of time, zero before its first knot, given exactly.
+
+    Histories come in batches: every quantity has the leading axes ``batch``, and one history
+    is the batch of shape ``()``. Concrete winds and deflections only say what their pieces are.
+    """
+
+    @property
+    @abstractmethod
+    def pieces(self) -> Pieces:
+        """The pieces as arrays: knots, coefficients and rates."""
+
+    @property
+    def knots(self) -> FloatArray:
+        """Times [s] at which one piece ends and the next begins, shape ``(..., n)``."""
+        return self.pieces.knots
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the leading axes."""
+        return self.pieces.batch
+
+    def __call__(self, t: ArrayLike) -> FloatArray:
+        """Return the value at the times `t` [s], shape ``batch + t.shape``.
+
+        At a jump it is the value after the jump.
+        """
+        times = finite("t", t, "s")
+        values = np.real(kernel.value(self.pieces, times.ravel()))
+        return values.reshape(*self.batch, *times.shape)
+
+    def laplace(self, s: ArrayLike) -> NDArray[Any]:
+        """Return the Laplace transform, the integral of e^(-s t) times the history.
+
+        Parameters
+        ----------
+        s : array_like
+            Laplace variable [rad/s], real or complex; broadcasts with ``batch``.
+
+        Returns
+        -------
+        ndarray
+            Shape ``broadcast(batch, s.shape)``, real for a real `s`; infinite where the
+            integral diverges. Accurate for s near zero and for large s t.
+
+        Notes
+        -----
+        The integral starts at the first knot, so that a history that begins before t = 0 keeps
+        its whole effect; for all others it is the usual one-sided transform.
+        """
+        s = _laplace_variable(s)
+        return _real_if_real(kernel.laplace(self.pieces, s), s)
+
+    def laplace_magnitude(self, s: ArrayLike) -> FloatArray:
+        """Return the sum of the sizes of all terms of ``laplace(s)``.
+
+        Times the floating-point epsilon it bounds the rounding error of the transform.
+        """
+        return kernel.magnitude(self.pieces, _laplace_variable(s))
+
+    def future(self, s: ArrayLike, t: ArrayLike) -> NDArray[Any]:
+        """Return the discounted future, the integral from `t` on of e^(-s (r - t)) f(r) dr.
+
+        It is what the history will still do, after the time `t` [s], to a mode that grows with
+        the rate `s` [1/s]. Shape ``broadcast(batch, s.shape) + t.shape``.
+        """
+        s = _laplace_variable(s)
+        times = finite("t", t, "s")
+        values = _real_if_real(kernel.future(self.pieces, s, times.ravel()), s)
+        return values.reshape(*values.shape[:-1], *times.shape)
+
+    def __add__(self, other: object) -> "History":
+        if not isinstance(other, History):
+            return NotImplemented
+        return Piecewise(kernel.add(self.pieces, other.pieces))
+
+    def __sub__(self, other: object) -> "History":
+        return self + (-other) if isinstance(other, History) else NotImplemented
+
+    def __neg__(self) -> "History":
+        return self * -1.0
+
+    def __mul__(self, factor: ArrayLike) -> "History":
+        """Return the history times `factor`, which broadcasts with ``batch``."""
+        if isinstance(factor, History):
+            return NotImplemented
+        return Piecewise(_scaled(self.pieces, finite("factor", factor)))
+
+    __rmul__ = __mul__
+    __array_ufunc__ = None  # so that numpy leaves `array * history` to __rmul__
+
+    def shift(self, dt: ArrayLike) -> "History":
+        """Return the same history, later by `dt` [s], which broadcasts with ``batch``."""
+        dt = finite("dt", dt, "s")[..., np.newaxis]
+        return Piecewise(Pieces(self.knots + dt, self.pieces.coefficients, self.pieces.rates))
+
+    def before(self, time: ArrayLike) -> "History":
+        """Return the history up to `time` [s], zero from there on; an infinite time keeps all."""
+        return Piecewise(kernel.before(self.pieces, np.asarray(time, dtype=float)))
+
+    def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> "History":
+        """Return the exact answer of the filter numerator(s)/denominator(s), at rest before.
+
+        Parameters
+        ----------
+        numerator, denominator : array_like
+            Polynomial coefficients, highest power first, ``(..., m)`` and ``(..., n)``; the
+            leading axes broadcast with ``batch``. The filter must not differentiate: m <= n.
+
+        Raises
+        ------
+        InputError
+            When the filter differentiates or its denominator begins with zero.
+        """
+        num, den = finite("numerator", numerator), finite("denominator", denominator)
+        if num.shape[-1] > den.shape[-1] or not np.all(den[..., 0]):
+            raise InputError(
+                "numerator must not be of higher degree than denominator, which must not begin"
+                f" with zero; got {num.shape[-1] - 1} over {den.shape[-1] - 1}"
+            )
+        return _cascade(self.pieces, num, den)
+
+    @cached_property
+    def onset(self) -> FloatArray:
+        """Time [s] at which the history first differs from zero, shape ``batch``; inf if never."""
+        return np.where(self._live, self.knots, np.inf).min(axis=-1)
+
+    @cached_property
+    def end(self) -> FloatArray:
+        """Time [s] from which the history is zero for ever, shape ``batch``; inf if there is none.
+
+        A history that is zero throughout ends at -inf.
+        """
+        return np.where(self._live, self.knots + self.pieces.widths, -np.inf).max(axis=-1)
+
+    @cached_property
+    def final_value(self) -> FloatArray:
+        """The value that is approached for ever, shape ``batch``; NaN when there is none."""
+        last, rates = self.pieces.coefficients[..., -1, :, :], self.pieces.rates
+        constant = np.where(rates == 0.0, last[..., 0], 0.0).sum(axis=-1)
+        endless = (np.real(rates) >= 0.0)[..., np.newaxis] & (last != 0.0)
+        endless[..., 0] &= rates != 0.0
+        return np.where(np.any(endless, axis=(-2, -1)), np.nan, np.real(constant))
+
+    @cached_property
+    def peak(self) -> FloatArray:
+        """The value that is largest in size, with its sign, shape ``batch``.
+
+        It is sought at the knots, on both sides of each jump, and between them.
+        """
+        times = self.probe_times()
+        values = np.real(kernel.value(self.pieces, times))
+        where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
+        largest = np.take_along_axis(values, where, axis=-1)[..., 0]
+        return largest if self._linear else self._refined_peak(times, where, largest)
+
+    def probe_times(self, between: int = 8) -> FloatArray:
+        """Return times [s] that show the shape: both sides of every knot and `between` more.
+
+        Shape ``(..., m)``, not decreasing. The left side of a knot is the last floating-point
+        number before it.
+        """
+        start, stop = self.knots[..., :-1, np.newaxis], self.knots[..., 1:, np.newaxis]
+        inside = start + (stop - start) * (np.arange(between + 1) / (between + 1))
+        times = np.concatenate([inside, np.maximum(np.nextafter(stop, -np.inf), start)], axis=-1)
+        flat = times.reshape(*times.shape[:-2], -1)
+        return np.concatenate([flat, self.knots[..., -1:]], axis=-1)
+
+    @property
+    def _live(self) -> NDArray[np.bool_]:
+        filled = np.any(self.pieces.coefficients != 0.0, axis=(-2, -1))
+        return np.asarray(filled & (self.pieces.widths > 0.0))
+
+    @property
+    def _linear(self) -> bool:
+        return self.pieces.degree <= 1 and not np.any(self.pieces.rates)
+
+    def _refined_peak(
+        self, times: FloatArray, where: NDArray[np.intp], largest: FloatArray
+    ) -> FloatArray:
+        from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
+
+        sign = np.broadcast_to(np.sign(largest), self.batch).ravel()
+        times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
+        last = times.shape[-1] - 1
+        near = [np.clip(where + step, 0, last) for step in (-1, 0, 1)]
+        bracket = [np.take_along_axis(times, i, axis=-1).ravel() for i in near]
+
+        def negative(t: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+            one = kernel.take(self.pieces, index)
+            return -sign[index] * np.real(kernel.value(one, t[:, np.newaxis]))[:, 0]
+
+        found = find_minimum(negative, bracket, args=(np.arange(sign.size),))
+        refined = np.where(found.success, -sign * found.f_x, 0.0).reshape(self.batch)
+        return np.where(np.abs(refined) > np.abs(largest), refined, largest)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Piecewise(History):
+    """A history given by its pieces; sums, shifts and filters of other histories are these."""
+
+    arrays: Pieces
+
+    @property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays: knots, coefficients and rates."""
+        return self.arrays
+
+    def __repr__(self) -> str:
+        n = self.knots.shape[-1]
+        return f"Piecewise({n} pieces from {np.min(self.knots):.6g} s to {np.max(self.knots):.6g} s)"
+
+
+def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pieces:
+    """Return pieces that start at ``knots (..., n)`` with the given values and slopes [1/s]."""
+    coefficients = np.stack(np.broadcast_arrays(values, slopes), axis=-1).astype(float)
+    return Pieces(np.asarray(knots, float), coefficients[..., np.newaxis, :], np.zeros(1))
+
+
+def _scaled(pieces: Pieces, factor: NDArray[Any]) -> Pieces:
+    factor = factor[..., np.newaxis, np.newaxis, np.newaxis]
+    return Pieces(pieces.knots, pieces.coefficients * factor, pieces.rates)
+
+
+def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
+    """Filter by a chain of lags: num/den = c0 + c1/(s-p1) + c2/((s-p1)(s-p2)) + ...
+
+    Unlike partial fractions it needs no distinct poles.
+    """
+    poles = polynomials.roots(den)
+    order = poles.shape[-1]
+    rest = np.pad(num, [(0, 0)] * (num.ndim - 1) + [(order + 1 - num.shape[-1], 0)]) / den[..., :1]
+    gains = []
+    for k in reversed(range(order)):
+        rest, remainder = polynomials.divide(rest, poles[..., k])
+        gains.append(remainder)
+    answer, stage = _scaled(pieces, rest[..., 0]), pieces
+    for k, gain in enumerate(reversed(gains)):
+        stage = kernel.lag(stage, poles[..., k])
+        answer = kernel.add(answer, _scaled(stage, gain))
+    return Piecewise(answer)
+
+
+def _laplace_variable(s: ArrayLike) -> NDArray[Any]:
+    array = np.asarray(s)
+    if array.dtype.kind not in "iufc" or not np.all(np.isfinite(array)):
+        raise InputError(f"s must be finite numbers, real or complex; got {s!r}")
+    return array.astype(complex if array.dtype.kind == "c" else float)
+
+
+def _real_if_real(values: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
+    return values if np.iscomplexobj(s) else np.real(values)

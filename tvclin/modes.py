@@ -1,0 +1,232 @@
+"""The unstable modes of a plant, the residues at them, and the verdict of eq (4b).
+
+A deflection and a wind leave no growing exponential behind exactly when the residue of the
+attitude vanishes at every unstable pole. Residues come from the exact transforms; no verdict
+ever comes from watching a simulation.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.histories import History
+from tvclin.kernels import polynomials
+from tvclin.plant import INPUTS, Plant
+
+FloatArray = NDArray[np.float64]
+
+_MARGINAL = 1e-12
+"""A pole whose real part is below this part of the largest pole counts as not growing."""
+_ROUNDING = 32 * np.finfo(float).eps
+"""Rounding of a sum of transforms, for each unit of the size of its terms."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnstableModes:
+    """The unstable poles and the residues of the attitude transfer functions there.
+
+    All have shape ``(..., N)``, sorted from the fastest pole down; real when every pole is.
+    In a batch N is the largest number of unstable poles and the rest is filled with NaN.
+
+    Attributes
+    ----------
+    poles : ndarray
+        beta_i [1/s], the poles with a positive real part.
+    deflection_residues, wind_residues : ndarray
+        Residues [1/s] of the attitude per unit impulse of deflection and of wind: N(p)/D'(p).
+    """
+
+    poles: NDArray[Any]
+    deflection_residues: NDArray[Any]
+    wind_residues: NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """Whether a history leaves a growing exponential in the attitude, eq (4b).
+
+    Attributes
+    ----------
+    stable : bool or ndarray
+        True when every residue is zero within `tolerance`, ``(...)``.
+    residues : ndarray
+        Residue of the attitude [rad] at each unstable pole, ``(..., N)``.
+    tolerance : ndarray
+        The rounding [rad] to which each residue is known, ``(..., N)``.
+    left_over : LeftOver
+        What stays in the attitude for ever, which (4b) does not ask about but (4a) does.
+    """
+
+    stable: Any
+    residues: NDArray[Any]
+    tolerance: FloatArray
+    left_over: "LeftOver"
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOver:
+    """What the attitude does long after the wind, besides the decaying terms.
+
+    Attributes
+    ----------
+    offset : ndarray
+        Constant attitude error [rad], ``(...)``; NaN where it ramps.
+    rate : ndarray
+        Slope of a ramp [rad/s], ``(...)``.
+    e_folding_times : ndarray
+        For each unstable pole that is excited, the time [s] in which it grows by e; NaN for the
+        others, ``(..., N)``.
+    oscillates : bool or ndarray
+        True when the plant has an undamped oscillation, ``(...)``.
+    """
+
+    offset: FloatArray
+    rate: FloatArray
+    e_folding_times: FloatArray
+    oscillates: Any
+
+    def __str__(self) -> str:
+        parts = [
+            f"a growing exponential with an e-folding time of {time:.4g} s"
+            for time in np.ravel(self.e_folding_times)
+            if np.isfinite(time)
+        ]
+        if np.any(self.rate != 0.0):
+            parts.append(f"a ramp of {np.degrees(_first(self.rate)):.4g} deg/s")
+        elif np.any(self.offset != 0.0):
+            parts.append(f"a held attitude error of {np.degrees(_first(self.offset)):.4g} deg")
+        if np.any(self.oscillates):
+            parts.append("an undamped oscillation")
+        return ", ".join(parts) or "nothing"
+
+
+def unstable_modes(plant: Plant) -> UnstableModes:
+    """Return the unstable poles of a plant and the residues of its attitude there.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+
+    Notes
+    -----
+    One for eqs (5) and (B8); two for the exact third-order model of an unstable vehicle (or a
+    slow one only); three for the fourth-order model, two of them a complex pair; none for a
+    stable vehicle on a fixed path. The residue at a pole p is N(p)/D'(p), after (4b).
+    """
+    poles = polynomials.roots(plant.denominator)
+    size = np.abs(poles).max(axis=-1, keepdims=True)
+    growing = np.real(poles) > _MARGINAL * size
+    order = np.lexsort((-np.imag(poles), -np.where(growing, np.real(poles), -np.inf)), axis=-1)
+    poles = np.take_along_axis(np.where(growing, poles, np.nan), order, axis=-1)
+    poles = poles[..., : int(growing.sum(axis=-1).max(initial=0))]
+    if np.iscomplexobj(poles) and np.all((np.imag(poles) == 0.0) | np.isnan(poles)):
+        poles = np.real(poles)
+    slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
+    at_poles = [polynomials.value(plant.numerator("attitude", i), poles) / slope for i in INPUTS]
+    return UnstableModes(poles, *at_poles)
+
+
+def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
+    """Return the residue of the attitude response [rad] at each unstable pole, ``(..., N)``.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Any two histories; their batches broadcast with the plant's.
+
+    Notes
+    -----
+    Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p).
+    """
+    return _residues(unstable_modes(plant), deflection, wind)
+
+
+def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
+    """Return whether this deflection in this wind leaves a growing exponential, eq (4b).
+
+    It judges the history as it is: a deflection above the boundary that is held for ever is
+    unstable by (4b), although its capability is sufficient (see `boundary.is_sufficient`).
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Any two histories; their batches broadcast with the plant's.
+    """
+    modes = unstable_modes(plant)
+    found = _residues(modes, deflection, wind)
+    terms = [
+        np.abs(residue) * _at_poles(history.laplace_magnitude, modes.poles)
+        for residue, history in _inputs(modes, deflection, wind)
+    ]
+    tolerance = _ROUNDING * np.real(sum(terms))
+    zero = (np.abs(found) <= tolerance) | np.isnan(modes.poles)
+    stable = np.all(zero, axis=-1)
+    with np.errstate(invalid="ignore"):
+        e_folding = np.where(zero, np.nan, 1.0 / np.real(modes.poles))
+    offset, rate = _final_attitude(plant, deflection, wind)
+    return Verdict(
+        bool(stable) if stable.ndim == 0 else stable,
+        found,
+        np.broadcast_to(tolerance, found.shape),
+        LeftOver(offset, rate, e_folding, _oscillates(plant)),
+    )
+
+
+def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
+    """Return ``judge(plant, deflection, wind).stable``: True where (4b) is met."""
+    return judge(plant, deflection, wind).stable
+
+
+def _inputs(
+    modes: UnstableModes, deflection: History, wind: History
+) -> tuple[tuple[NDArray[Any], History], ...]:
+    return ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
+
+
+def _residues(modes: UnstableModes, deflection: History, wind: History) -> NDArray[Any]:
+    terms = [r * _at_poles(h.laplace, modes.poles) for r, h in _inputs(modes, deflection, wind)]
+    return np.asarray(terms[0] + terms[1])
+
+
+def _at_poles(transform: Any, poles: NDArray[Any]) -> NDArray[Any]:
+    """Evaluate a transform at each pole; NaN poles stay NaN."""
+    columns = []
+    for pole in np.moveaxis(poles, -1, 0):
+        missing = np.isnan(pole)
+        columns.append(np.where(missing, np.nan, transform(np.where(missing, 1.0, pole))))
+    return np.stack(columns, axis=-1) if columns else np.zeros((*poles.shape[:-1], 0))
+
+
+def _final_attitude(
+    plant: Plant, deflection: History, wind: History
+) -> tuple[FloatArray, FloatArray]:
+    """The constant or the ramp that the last values of the inputs leave (final value theorem)."""
+    last = plant.denominator[..., -1]
+    marginal = last == 0.0
+    slope = np.where(marginal, plant.denominator[..., -2], 1.0)
+    gains = [plant.numerator("attitude", i)[..., -1] for i in INPUTS]
+    ends = [h.final_value for h in (deflection, wind)]
+    held = gains[0] * ends[0] + gains[1] * ends[1]
+    areas = [np.where(end == 0.0, h.laplace(0.0), 0.0) for end, h in zip(ends, (deflection, wind))]
+    total = gains[0] * areas[0] + gains[1] * areas[1]
+    rate = np.where(marginal, held / slope, 0.0)
+    drifted = np.where(rate == 0.0, total / slope, np.nan)
+    return np.where(marginal, drifted, held / np.where(marginal, 1.0, last)), rate
+
+
+def _oscillates(plant: Plant) -> Any:
+    poles = polynomials.roots(plant.denominator)
+    size = np.abs(poles).max(axis=-1, keepdims=True)
+    undamped = (np.abs(np.real(poles)) <= _MARGINAL * size) & (np.imag(poles) != 0.0)
+    return np.any(undamped, axis=-1)
+
+
+def _first(array: FloatArray) -> float:
+    return float(np.ravel(array)[0])

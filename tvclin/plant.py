@@ -1,0 +1,280 @@
+"""The plant: four linear models of the attitude, as transfer functions and in state space.
+
+    model               denominator                                     report
+    fixed-path          s^2 - beta^2                                    eq (5)
+    drift               s (s^2 - beta^2)                                eqs (14), (B8)
+    drift-exact         s^3 + C1 s^2 - beta^2 s + C2                    eq (B7)
+    drift-and-speed     s^4 + C1 s^3 + (q - beta^2) s^2 + C2 s - q beta^2    from (B5)
+
+Inputs are the deflection and the wind angle of attack; outputs are the attitude, its rate, the
+flight path angle (where the model has one) and the angle of attack. Everything is a deviation
+from the nominal flight. This is the only door at which python-control objects are made.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.coefficients import Coefficients
+from tvclin.errors import InputError, one_of
+from tvclin.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    import control
+
+FloatArray = NDArray[np.float64]
+
+MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
+INPUTS = ("deflection", "wind")
+
+
+@dataclass(frozen=True)
+class Plant:
+    """One linear model of one vehicle, or of a batch of them.
+
+    Make it with `from_coefficients` or `from_vehicle`.
+
+    Attributes
+    ----------
+    coefficients : Coefficients
+        The numbers of the model.
+    model : str
+        "fixed-path", "drift", "drift-exact" or "drift-and-speed".
+    """
+
+    coefficients: Coefficients
+    model: str = "fixed-path"
+
+    def __post_init__(self) -> None:
+        one_of("model", self.model, MODELS)
+        if self.model == "drift" and np.any(np.asarray(self.coefficients.mu_alpha) == 0.0):
+            raise InputError(
+                'model "drift" needs an aerodynamic moment, mu_alpha other than zero; use'
+                ' "fixed-path", which is then exact'
+            )
+
+    @classmethod
+    def from_coefficients(cls, coefficients: Coefficients, model: str = "fixed-path") -> Self:
+        """Return the plant of a model, eq (5), (B8), (B7) or its fourth-order parent."""
+        return cls(coefficients, model)
+
+    @classmethod
+    def from_vehicle(
+        cls, vehicle: Vehicle, model: str = "fixed-path", plane: str = "pitch"
+    ) -> Self:
+        """Return the plant of a vehicle in the pitch or the yaw plane."""
+        return cls(Coefficients.from_vehicle(vehicle, plane), model)
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one vehicle."""
+        return self.coefficients.batch
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs; the fixed-path model has no flight path angle."""
+        path = () if self.model == "fixed-path" else ("flight_path_angle",)
+        return ("attitude", "attitude_rate", *path, "angle_of_attack")
+
+    @cached_property
+    def denominator(self) -> FloatArray:
+        """The characteristic polynomial, ``(..., order + 1)``, highest power first."""
+        c = self.coefficients
+        last = {
+            "fixed-path": (1.0, 0.0, -c.mu_alpha),
+            "drift": (1.0, 0.0, -c.mu_alpha, 0.0),
+            "drift-exact": (1.0, c.C1, -c.mu_alpha, c.C2),
+            "drift-and-speed": (1.0, c.C1, c.q - c.mu_alpha, c.C2, -c.q * c.mu_alpha),
+        }
+        return self._stack(last[self.model])
+
+    def numerator(self, output: str, input: str) -> FloatArray:  # noqa: A002 - control's word
+        """Return the numerator from `input` to `output`, over the one denominator.
+
+        Shape ``(..., k)``, highest power first.
+
+        Raises
+        ------
+        InputError
+            For an output or an input that the model does not have.
+        """
+        one_of("output", output, self.outputs)
+        one_of("input", input, INPUTS)
+        if output == "attitude":
+            return self._attitude(input)
+        if output == "attitude_rate":
+            return _times_s(self._attitude(input))
+        if output == "flight_path_angle":
+            return self._flight_path(input)
+        angle = self._attitude(input)
+        if self.model != "fixed-path":
+            angle = _minus(angle, self._flight_path(input))
+        angle = _minus(angle, self.denominator) if input == "wind" else angle
+        return angle
+
+    def tf(self, output: str = "attitude", input: str = "deflection") -> "control.TransferFunction":  # noqa: A002
+        """Return one transfer function as `control.TransferFunction`.
+
+        Raises
+        ------
+        InputError
+            For a batch, and for signals that the model does not have.
+
+        Notes
+        -----
+        From the deflection to the attitude it is -(beta^2/B)/(s^2 - beta^2) for eq (5) and
+        -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8). Ask for one pair of signals at a
+        time: sums of transfer functions of one plant repeat its poles, `ss` does not.
+        """
+        import control
+
+        self._require_single("tf")
+        numerator = np.trim_zeros(self.numerator(output, input), "f")
+        return control.TransferFunction(
+            numerator if numerator.size else [0.0],
+            self.denominator,
+            0,
+            name=f"{self.model}: {input} to {output}",
+            inputs=[input],
+            outputs=[output],
+        )
+
+    def ss(self) -> "control.StateSpace":
+        """Return the whole plant as `control.StateSpace` with named signals.
+
+        Inputs deflection and wind [rad]; outputs as `outputs` [rad, rad/s]. The states are the
+        attitude, its rate, the flight path angle, and in "drift-and-speed" the relative change
+        of speed, scaled by nothing else: V/V_n.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+        """
+        import control
+
+        self._require_single("ss")
+        A, B, C, D = self.matrices()
+        return control.StateSpace(
+            A,
+            B,
+            C,
+            D,
+            0,
+            name=self.model,
+            inputs=list(INPUTS),
+            outputs=list(self.outputs),
+            states=list(self.states),
+        )
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        names = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed")
+        return names[: self.denominator.shape[-1] - 1]
+
+    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return A, B, C, D with the leading axes of the batch.
+
+        Notes
+        -----
+        theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta, and
+        gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
+        w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B and
+        n = N/(m V_n) = C1 - b2; in the drift model gamma' = (b1/B) delta + b2 alpha_w instead.
+        """
+        c, order = self.coefficients, self.denominator.shape[-1] - 1
+        A, B = np.zeros((*self.batch, order, order)), np.zeros((*self.batch, order, 2))
+        A[..., 0, 1] = 1.0
+        A[..., 1, 0] = c.mu_alpha
+        B[..., 1, 0], B[..., 1, 1] = -c.mu_delta, -c.mu_alpha
+        if order > 2:
+            A[..., 1, 2] = -c.mu_alpha
+            path = self._path
+            A[..., 2, 0], A[..., 2, 2] = path.attitude, -path.damping
+            B[..., 2, 0], B[..., 2, 1] = path.deflection, -path.wind
+        if order > 3:
+            A[..., 2, 3] = np.sqrt(c.q)
+            A[..., 3, 2] = -np.sqrt(c.q)
+        C = np.zeros((*self.batch, len(self.outputs), order))
+        C[..., :-1, : len(self.outputs) - 1] = np.eye(len(self.outputs) - 1)
+        C[..., -1, 0] = 1.0
+        if order > 2:
+            C[..., -1, 2] = -1.0
+        D = np.zeros((*self.batch, len(self.outputs), 2))
+        D[..., -1, 1] = -1.0
+        return A, B, C, D
+
+    def _attitude(self, input: str) -> FloatArray:  # noqa: A002
+        c = self.coefficients
+        gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
+        factors: dict[str, tuple[Any, ...]] = {
+            "fixed-path": (1.0,),
+            "drift": (1.0, zero),
+            "drift-exact": (1.0, zero),
+            "drift-and-speed": (1.0, zero, c.q),
+        }
+        return self._stack(factors[self.model]) * -np.asarray(gain)[..., np.newaxis]
+
+    def _flight_path(self, input: str) -> FloatArray:  # noqa: A002
+        """(damping + s) gamma = path.attitude theta + path.deflection delta - path.wind alpha_w,
+        put into the moment equation and solved for gamma.
+        """
+        c, path = self.coefficients, self._path
+        if input == "deflection":
+            terms = (path.deflection, 0.0, -c.mu_alpha * path.deflection - path.attitude * c.mu_delta)
+        else:
+            terms = (-path.wind, 0.0, c.mu_alpha * (path.wind - path.attitude))
+        numerator = self._stack(terms)
+        return _times_s(numerator) if self.model == "drift-and-speed" else numerator
+
+    @property
+    def _path(self) -> "_PathCoefficients":
+        c = self.coefficients
+        if self.model == "drift":
+            return _PathCoefficients(0.0, 0.0, c.b1 / c.B, -c.b2)
+        if np.any(np.asarray(c.mu_alpha) == 0.0):
+            raise InputError(
+                "the flight path does not follow from the coefficients of a vehicle with mu_alpha"
+                ' = 0; use model "fixed-path" or an aerodynamic_arm other than zero'
+            )
+        gravity = c.C2 / c.mu_alpha
+        return _PathCoefficients(c.C1 + gravity, c.C1, (c.b1 - c.C1) / c.B, c.C1 - c.b2)
+
+    def _stack(self, polynomial: tuple[Any, ...]) -> FloatArray:
+        rows = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
+        return np.stack(rows, axis=-1)
+
+    def _require_single(self, what: str) -> None:
+        if self.batch:
+            raise InputError(
+                f"{what}() is for one vehicle; this plant is a batch of shape {self.batch}"
+                " (use denominator, numerator() or matrices())"
+            )
+
+
+@dataclass(frozen=True)
+class _PathCoefficients:
+    """gamma' + damping gamma = attitude theta + deflection delta - wind alpha_w, all [1/s]."""
+
+    attitude: Any
+    damping: Any
+    deflection: Any
+    wind: Any
+
+
+def _times_s(polynomial: FloatArray) -> FloatArray:
+    return np.concatenate([polynomial, np.zeros_like(polynomial[..., :1])], axis=-1)
+
+
+def _minus(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Subtract polynomials of different degree."""
+    degree = max(first.shape[-1], second.shape[-1])
+    wide = [
+        np.concatenate([np.zeros((*p.shape[:-1], degree - p.shape[-1])), p], axis=-1)
+        for p in (first, second)
+    ]
+    return np.asarray(wide[0] - wide[1])

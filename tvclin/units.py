@@ -1,0 +1,36 @@
+"""Units at the door: the suffixes that keys of vehicle files may carry, and their factors to SI."""
+
+from math import pi
+
+POUND = 0.45359237
+"""kg, exact (international pound)."""
+FOOT = 0.3048
+"""m, exact (international foot)."""
+POUND_FORCE = POUND * 9.80665
+"""N, exact."""
+DEGREE = pi / 180
+
+UNITS: dict[str, dict[str, float]] = {
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND_FORCE},
+    "inertia": {
+        "kg_m2": 1.0,
+        "slug_ft2": POUND_FORCE * FOOT,
+        "lb_ft2": POUND * FOOT**2,
+    },
+    "force slope": {
+        "N_per_rad": 1.0,
+        "kN_per_rad": 1e3,
+        "lbf_per_rad": POUND_FORCE,
+        "N_per_deg": 1.0 / DEGREE,
+        "lbf_per_deg": POUND_FORCE / DEGREE,
+    },
+    "length": {"m": 1.0, "ft": FOOT, "in": FOOT / 12},
+    "speed": {"m_per_s": 1.0, "km_per_s": 1e3, "ft_per_s": FOOT, "kt": 1852 / 3600},
+    "angle": {"rad": 1.0, "deg": DEGREE},
+    "time": {"s": 1.0},
+    "pressure": {"Pa": 1.0, "kPa": 1e3, "psf": POUND_FORCE / FOOT**2},
+    "area": {"m2": 1.0, "ft2": FOOT**2},
+    "per angle": {"per_rad": 1.0, "per_deg": 1.0 / DEGREE},
+    "number": {"": 1.0},
+}
+"""For each quantity the suffixes of its keys and their factors to SI."""
