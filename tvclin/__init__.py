@@ -20,13 +20,16 @@ if TYPE_CHECKING:
     from tvclin.errors import InputError as InputError
     from tvclin.histories import History as History
     from tvclin.modes import LeftOver as LeftOver
-    from tvclin.modes import UnstableModes as UnstableModes
+    from tvclin.modes import Modes as Modes
     from tvclin.modes import Verdict as Verdict
+    from tvclin.modes import all_modes as all_modes
     from tvclin.modes import is_stable as is_stable
     from tvclin.modes import judge as judge
     from tvclin.modes import residues as residues
     from tvclin.modes import unstable_modes as unstable_modes
     from tvclin.plant import Plant as Plant
+    from tvclin.plant import available_models as available_models
+    from tvclin.study import Study as Study
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
     from tvclin.vehicle_file import load_vehicle as load_vehicle
@@ -45,14 +48,16 @@ _ROOMS = {
     "histories": ("History",),
     "modes": (
         "LeftOver",
-        "UnstableModes",
+        "Modes",
         "Verdict",
+        "all_modes",
         "is_stable",
         "judge",
         "residues",
         "unstable_modes",
     ),
-    "plant": ("Plant",),
+    "plant": ("Plant", "available_models"),
+    "study": ("Study",),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),
     "winds": ("RectangularWind", "SampledWind", "TriangularWind", "angle_from_speed"),

@@ -122,7 +122,7 @@ def boundary_limit(
         np.broadcast_to(K, shape),
     )
     time, jumps = problem.leaving_time()
-    onset = np.broadcast_to(driver.onset, shape)
+    onset = np.broadcast_to(np.where(unstable, driver.onset, 0.0), shape)
     time = np.where(problem.dead_band == 0.0, onset, time)
     limit = np.where(unstable, problem.demand(time[..., np.newaxis])[..., 0], 0.0)
     jumps = jumps & (problem.dead_band > 0.0)
@@ -236,9 +236,7 @@ class _Problem:
         first = np.where(low < 0, np.maximum(high - 1, 0), low)[..., np.newaxis]
         floor = np.where(low < 0, 0.0, np.take_along_axis(highest, first, axis=-1)[..., 0])
         ends = [np.take_along_axis(times, i, axis=-1) for i in (first, high[..., np.newaxis])]
-        flat_pole, flat_band, flat_floor = (
-            a.ravel() for a in (self.pole, self.dead_band, floor)
-        )
+        flat_pole, flat_band, flat_floor = (a.ravel() for a in (self.pole, self.dead_band, floor))
 
         def excess(t: FloatArray, i: NDArray[np.intp]) -> FloatArray:
             column = t[:, np.newaxis]

@@ -45,7 +45,7 @@ class TriangularLimit:
     status: Any
 
 
-def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:  # noqa: N803
+def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:
     """Return y_BR of a rectangular wind, eq (7), and with drift eq (16).
 
         y_BR = K1 (1 - e^(-tau beta))
@@ -221,10 +221,10 @@ def _newton(
     return z, converged
 
 
-def _minus_log_R(p: FloatArray) -> FloatArray:  # noqa: N802
+def _minus_log_R(p: FloatArray) -> FloatArray:
     """L = -ln(2 e^(-p) - e^(-2p)), without cancellation at either end."""
     with np.errstate(divide="ignore"):
-        short = -np.log1p(-np.expm1(-p) ** 2)
+        short = -np.log1p(-(np.expm1(-p) ** 2))
     return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))
 
 

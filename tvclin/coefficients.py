@@ -12,7 +12,16 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, finite, nonnegative, nonzero, one_of, plain, positive, together
+from tvclin.errors import (
+    InputError,
+    finite,
+    nonnegative,
+    nonzero,
+    one_of,
+    plain,
+    positive,
+    together,
+)
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -157,12 +166,12 @@ class Coefficients:
         return plain(np.sqrt(self.mu_alpha))
 
     @property
-    def B(self) -> float | FloatArray:  # noqa: N802 - the report's symbol
+    def B(self) -> float | FloatArray:
         """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2)."""
         return self.mu_alpha / self.mu_delta
 
     @property
-    def K1(self) -> float | FloatArray:  # noqa: N802 - the report's symbol
+    def K1(self) -> float | FloatArray:
         """K1 = (beta + b2)/(beta + b1), eq (15b); `InputError` for a stable vehicle."""
         return (self.beta + self.b2) / (self.beta + self.b1)
 

@@ -17,13 +17,13 @@ class InputError(ValueError):
 
 
 def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
-    """Return `value` as a read-only float array; raise `InputError` unless it is real and finite."""
+    """Return `value` as a read-only float array; `InputError` unless it is real and finite."""
     try:
         array = np.asarray(value)
         if array.dtype.kind in "bcOSUmMV":
             raise TypeError
         array = np.array(array, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number{_in(unit)}; got {_shown(value)}") from None
     _require(name, "finite", array, np.isfinite(array), unit)
     array.flags.writeable = False

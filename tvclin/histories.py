@@ -9,7 +9,7 @@ transform; nothing is sampled.
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -232,7 +232,9 @@ class Piecewise(History):
 
     def __repr__(self) -> str:
         n = self.knots.shape[-1]
-        return f"Piecewise({n} pieces from {np.min(self.knots):.6g} s to {np.max(self.knots):.6g} s)"
+        return (
+            f"Piecewise({n} pieces from {np.min(self.knots):.6g} s to {np.max(self.knots):.6g} s)"
+        )
 
 
 def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pieces:

@@ -24,18 +24,20 @@ _ROUNDING = 32 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False)
-class UnstableModes:
-    """The unstable poles and the residues of the attitude transfer functions there.
+class Modes:
+    """Poles, and the residues of the attitude transfer functions there.
 
-    All have shape ``(..., N)``, sorted from the fastest pole down; real when every pole is.
-    In a batch N is the largest number of unstable poles and the rest is filled with NaN.
+    All have shape ``(..., N)``, sorted from the fastest growing pole down; real when every pole
+    is. Where the plants of a batch have different numbers of poles of the kind asked for, N is
+    the largest and the rest is filled with NaN.
 
     Attributes
     ----------
     poles : ndarray
-        beta_i [1/s], the poles with a positive real part.
+        Poles [1/s]; the unstable ones are the report's beta_i.
     deflection_residues, wind_residues : ndarray
-        Residues [1/s] of the attitude per unit impulse of deflection and of wind: N(p)/D'(p).
+        Residues [1/s] of the attitude per unit impulse of deflection and of wind, N(p)/D'(p);
+        NaN at a repeated pole.
     """
 
     poles: NDArray[Any]
@@ -102,7 +104,20 @@ class LeftOver:
         return ", ".join(parts) or "nothing"
 
 
-def unstable_modes(plant: Plant) -> UnstableModes:
+def all_modes(plant: Plant) -> Modes:
+    """Return every pole of a plant and the residues of its attitude there.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    """
+    poles = polynomials.roots(plant.denominator)
+    order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
+    return _with_residues(plant, np.take_along_axis(poles, order, axis=-1))
+
+
+def unstable_modes(plant: Plant) -> Modes:
     """Return the unstable poles of a plant and the residues of its attitude there.
 
     Parameters
@@ -112,21 +127,25 @@ def unstable_modes(plant: Plant) -> UnstableModes:
 
     Notes
     -----
-    One for eqs (5) and (B8); two for the exact third-order model of an unstable vehicle (or a
-    slow one only); three for the fourth-order model, two of them a complex pair; none for a
-    stable vehicle on a fixed path. The residue at a pole p is N(p)/D'(p), after (4b).
+    Eq (4b) asks about these. There is one for eqs (5) and (B8); there are two for the exact
+    third-order model of an unstable vehicle, three for the fourth-order model, two of them a
+    complex pair, and none for a stable vehicle on a fixed path. Poles on the imaginary axis do
+    not count.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> tv.unstable_modes(plant).poles.round(5)
+    array([0.5102 , 0.01285])
     """
-    poles = polynomials.roots(plant.denominator)
-    size = np.abs(poles).max(axis=-1, keepdims=True)
-    growing = np.real(poles) > _MARGINAL * size
-    order = np.lexsort((-np.imag(poles), -np.where(growing, np.real(poles), -np.inf)), axis=-1)
-    poles = np.take_along_axis(np.where(growing, poles, np.nan), order, axis=-1)
-    poles = poles[..., : int(growing.sum(axis=-1).max(initial=0))]
+    every = all_modes(plant).poles
+    size = np.abs(every).max(axis=-1, keepdims=True)
+    growing = np.real(every) > _MARGINAL * size
+    poles = np.where(growing, every, np.nan)[..., : int(growing.sum(axis=-1).max(initial=0))]
     if np.iscomplexobj(poles) and np.all((np.imag(poles) == 0.0) | np.isnan(poles)):
         poles = np.real(poles)
-    slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
-    at_poles = [polynomials.value(plant.numerator("attitude", i), poles) / slope for i in INPUTS]
-    return UnstableModes(poles, *at_poles)
+    return _with_residues(plant, poles)
 
 
 def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
@@ -185,12 +204,12 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
 
 
 def _inputs(
-    modes: UnstableModes, deflection: History, wind: History
+    modes: Modes, deflection: History, wind: History
 ) -> tuple[tuple[NDArray[Any], History], ...]:
     return ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
 
 
-def _residues(modes: UnstableModes, deflection: History, wind: History) -> NDArray[Any]:
+def _residues(modes: Modes, deflection: History, wind: History) -> NDArray[Any]:
     terms = [r * _at_poles(h.laplace, modes.poles) for r, h in _inputs(modes, deflection, wind)]
     return np.asarray(terms[0] + terms[1])
 
@@ -214,11 +233,25 @@ def _final_attitude(
     gains = [plant.numerator("attitude", i)[..., -1] for i in INPUTS]
     ends = [h.final_value for h in (deflection, wind)]
     held = gains[0] * ends[0] + gains[1] * ends[1]
-    areas = [np.where(end == 0.0, h.laplace(0.0), 0.0) for end, h in zip(ends, (deflection, wind))]
+    areas = [_area(history) for history in (deflection, wind)]
     total = gains[0] * areas[0] + gains[1] * areas[1]
     rate = np.where(marginal, held / slope, 0.0)
     drifted = np.where(rate == 0.0, total / slope, np.nan)
     return np.where(marginal, drifted, held / np.where(marginal, 1.0, last)), rate
+
+
+def _area(history: History) -> FloatArray:
+    """The integral of a history that dies out; zero for one that does not."""
+    return np.where(history.final_value == 0.0, history.laplace(0.0), 0.0)
+
+
+def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:
+    slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
+    simple = slope != 0.0
+    divisor = np.where(simple, slope, 1.0)
+    values = [polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS]
+    at_poles = [np.where(simple, value / divisor, np.nan) for value in values]
+    return Modes(poles, *at_poles)
 
 
 def _oscillates(plant: Plant) -> Any:

@@ -91,7 +91,7 @@ class Plant:
         }
         return self._stack(last[self.model])
 
-    def numerator(self, output: str, input: str) -> FloatArray:  # noqa: A002 - control's word
+    def numerator(self, output: str, input: str) -> FloatArray:
         """Return the numerator from `input` to `output`, over the one denominator.
 
         Shape ``(..., k)``, highest power first.
@@ -112,10 +112,9 @@ class Plant:
         angle = self._attitude(input)
         if self.model != "fixed-path":
             angle = _minus(angle, self._flight_path(input))
-        angle = _minus(angle, self.denominator) if input == "wind" else angle
-        return angle
+        return _minus(angle, self.denominator) if input == "wind" else angle
 
-    def tf(self, output: str = "attitude", input: str = "deflection") -> "control.TransferFunction":  # noqa: A002
+    def tf(self, output: str = "attitude", input: str = "deflection") -> "control.TransferFunction":
         """Return one transfer function as `control.TransferFunction`.
 
         Raises
@@ -146,8 +145,8 @@ class Plant:
         """Return the whole plant as `control.StateSpace` with named signals.
 
         Inputs deflection and wind [rad]; outputs as `outputs` [rad, rad/s]. The states are the
-        attitude, its rate, the flight path angle, and in "drift-and-speed" the relative change
-        of speed, scaled by nothing else: V/V_n.
+        attitude, its rate, the flight path angle, and in "drift-and-speed" the change of speed
+        over the nominal speed, V/V_n.
 
         Raises
         ------
@@ -208,7 +207,7 @@ class Plant:
         D[..., -1, 1] = -1.0
         return A, B, C, D
 
-    def _attitude(self, input: str) -> FloatArray:  # noqa: A002
+    def _attitude(self, input: str) -> FloatArray:
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
         factors: dict[str, tuple[Any, ...]] = {
@@ -219,13 +218,16 @@ class Plant:
         }
         return self._stack(factors[self.model]) * -np.asarray(gain)[..., np.newaxis]
 
-    def _flight_path(self, input: str) -> FloatArray:  # noqa: A002
-        """(damping + s) gamma = path.attitude theta + path.deflection delta - path.wind alpha_w,
-        put into the moment equation and solved for gamma.
-        """
+    def _flight_path(self, input: str) -> FloatArray:
+        # (s + damping) gamma = attitude theta + deflection delta - wind alpha_w, put into the
+        # moment equation and solved for gamma.
         c, path = self.coefficients, self._path
         if input == "deflection":
-            terms = (path.deflection, 0.0, -c.mu_alpha * path.deflection - path.attitude * c.mu_delta)
+            terms = (
+                path.deflection,
+                0.0,
+                -c.mu_alpha * path.deflection - path.attitude * c.mu_delta,
+            )
         else:
             terms = (-path.wind, 0.0, c.mu_alpha * (path.wind - path.attitude))
         numerator = self._stack(terms)
@@ -254,6 +256,12 @@ class Plant:
                 f"{what}() is for one vehicle; this plant is a batch of shape {self.batch}"
                 " (use denominator, numerator() or matrices())"
             )
+
+
+def available_models(coefficients: Coefficients) -> list[str]:
+    """Return the models that exist for these coefficients: (B8) needs an aerodynamic moment."""
+    without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
+    return [name for name in MODELS if name != "drift" or not without_moment]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,16 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, nonnegative, nonzero, plain, positive, together, within
+from tvclin.errors import (
+    InputError,
+    finite,
+    nonnegative,
+    nonzero,
+    plain,
+    positive,
+    together,
+    within,
+)
 
 STANDARD_GRAVITY = 9.80665
 """g [m/s^2]: the mass of a vehicle is its weight over this."""
@@ -77,8 +86,8 @@ class Vehicle:
     control_force_slope: float | FloatArray | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str):
-            raise InputError(f"name must be a text; got {self.name!r}")
+        if not isinstance(self.name, str) or not self.name.isprintable():
+            raise InputError(f"name must be a text of printable characters; got {self.name!r}")
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
         for name in ("time", "control_force_slope"):
             given = getattr(self, name)

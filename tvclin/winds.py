@@ -168,7 +168,9 @@ class SampledWind(History):
         return f"SampledWind({time.size} samples from {time[0]:.6g} s to {time[-1]:.6g} s)"
 
 
-def angle_from_speed(speed: ArrayLike, velocity: ArrayLike, flight_path_angle: ArrayLike) -> FloatArray:
+def angle_from_speed(
+    speed: ArrayLike, velocity: ArrayLike, flight_path_angle: ArrayLike
+) -> FloatArray:
     """Return the wind angle of attack [rad] of a horizontal wind, eq (B1e).
 
         sin(alpha_w) = (V_w/V_R) sin(gamma)

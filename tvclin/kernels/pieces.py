@@ -133,7 +133,7 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     """Return the sum, on the knots of both."""
     shape = np.broadcast_shapes(first.batch, second.batch)
     knots = [np.broadcast_to(p.knots, (*shape, p.knots.shape[-1])) for p in (first, second)]
-    if np.array_equal(*knots):
+    if np.array_equal(knots[0], knots[1]):
         merged = knots[0]
     else:
         merged = np.sort(np.concatenate(knots, axis=-1), axis=-1)
@@ -142,7 +142,7 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     both = [_widened(_on_knots(p, merged), degree) for p in (first, second)]
     c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in both]
     rates = [np.broadcast_to(p.rates, (*shape, p.rates.shape[-1])) for p in (first, second)]
-    if np.array_equal(*rates):
+    if np.array_equal(rates[0], rates[1]):
         return Pieces(merged, c[0] + c[1], rates[0])
     return Pieces(merged, np.concatenate(c, axis=-2), np.concatenate(rates, axis=-1))
 
@@ -303,4 +303,3 @@ def _on_knots(pieces: Pieces, knots: NDArray[np.float64]) -> NDArray[Any]:
 def _widened(c: NDArray[Any], degree: int) -> NDArray[Any]:
     extra = degree + 1 - c.shape[-1]
     return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, extra)])
-

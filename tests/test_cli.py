@@ -1,0 +1,201 @@
+"""The command line: exit codes, JSON that equals the library, and never a traceback."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.cli.app import app
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+def test_the_study_prints_the_report_numbers() -> None:
+    result = run("study", "configuration-i", "--duration", str(4 / 0.5292825), "--peak-deg", "5")
+
+    assert result.exit_code == 0
+    for number in (
+        "0.5293",
+        "0.1072",
+        "0.510204, 0.012854",
+        "0.6885",
+        "0.5588",
+        "0.3738",
+        "0.6648",
+    ):
+        assert number in result.output
+
+
+def test_json_equals_the_library() -> None:
+    document = json.loads(run("study", "configuration-ii", "--limit-deg", "0.2", "--json").output)
+    expected = tv.Study.from_vehicle(
+        tv.load_vehicle("configuration-ii"), duration=7.5, peak=np.radians(5), limit=np.radians(0.2)
+    )
+
+    assert expected.boundaries["drift"].limit.tolist() == document["boundaries"]["drift"]["limit"]
+    assert expected.sufficient is document["verdict"]["sufficient"]
+    assert document["verdict"]["required_deflection_deg"] == pytest.approx(
+        np.degrees(expected.required_deflection), rel=1e-15
+    )
+
+
+@pytest.mark.parametrize(("limit", "code"), [("0.37", 0), ("0.36", 1)])
+def test_the_exit_code_is_the_verdict(limit: str, code: int) -> None:
+    assert code == run("study", "--limit-deg", limit).exit_code
+
+
+def test_a_wind_speed_becomes_the_angle_of_eq_b1e() -> None:
+    pitch = json.loads(run("study", "--peak-speed", "69.4", "--json").output)
+    yaw = json.loads(run("study", "--peak-speed", "69.4", "--plane", "yaw", "--json").output)
+
+    sine = 69.4 / 538.81
+    expected = np.degrees(np.arcsin(sine * np.sin(np.radians(44.83))))
+    assert pitch["wind"]["peak_deg"] == pytest.approx(expected, rel=1e-12)
+    assert yaw["wind"]["peak_deg"] == pytest.approx(np.degrees(np.arcsin(sine)), rel=1e-12)
+
+
+def test_boundary_prints_figure_two() -> None:
+    result = run("boundary", "--tau-beta", "4", "--json")
+
+    expected = [0.6884593698, 0.6539593346, 0.5587576750, 0.4554095018, 0.3738225362]
+    assert json.loads(result.output)["limit"][0] == pytest.approx(expected, abs=5e-11)
+
+
+def test_boundary_of_a_vehicle_includes_its_drift() -> None:
+    result = run("boundary", "configuration-i", "--tau-beta", "4", "--dead-band", "1", "--json")
+
+    assert json.loads(result.output)["limit"][0][0] == pytest.approx(0.66484, abs=5e-6)
+
+
+def test_poles_prints_every_model() -> None:
+    result = run("poles", "configuration-i")
+
+    assert result.exit_code == 0
+    for number in ("-0.548119", "+0.510204", "+0.012854", "+0.00642+0.01121j"):
+        assert number in result.output
+
+
+def test_vehicles_and_version_are_told() -> None:
+    assert "configuration-ii" in run("vehicles").output
+    assert json.loads(run("vehicles", "--json").output)["configuration-i"]["B"] == pytest.approx(
+        0.107229, abs=5e-7
+    )
+    assert tv.__version__ in run("--version").output
+
+
+def test_a_file_from_init_can_be_studied_and_is_not_overwritten(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+
+    assert run("init", str(file)).exit_code == 0
+    assert run("study", str(file)).exit_code == 0
+    before = file.read_text()
+    again = run("init", str(file))
+    assert again.exit_code == 2
+    assert "exists already" in again.output
+    assert before == file.read_text()
+
+
+@pytest.mark.parametrize("command", ["study", "poles", "boundary"])
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+def test_figures_are_written(tmp_path: Path, command: str, kind: str) -> None:
+    file = tmp_path / f"figure.{kind}"
+
+    assert run(command, "--plot", str(file)).exit_code == 0
+    assert file.stat().st_size > 5000
+    assert [file] == list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["study", "configuration-3"],
+        ["study", "--wind", "square"],
+        ["study", "--duration", "0"],
+        ["study", "--duration", "nan"],
+        ["study", "--duration", "many"],
+        ["study", "--peak-deg", "0"],
+        ["study", "--peak-deg", "90"],
+        ["study", "--peak-deg", "5", "--peak-speed", "40"],
+        ["study", "--peak-speed", "1e4"],
+        ["study", "--dead-band", "1.5"],
+        ["study", "--limit-deg", "0"],
+        ["study", "--limit-deg", "-1"],
+        ["study", "--model", "drifty"],
+        ["study", "--plane", "roll"],
+        ["study", "--plot", "figure.xyz"],
+        ["study", "--plot", "/nowhere/at/all/figure.png"],
+        ["study", "."],
+        ["study", "missing.toml"],
+        ["boundary", "--tau-beta", "-1"],
+        ["boundary", "--dead-band", "2"],
+        ["boundary", "--wind", "square"],
+        ["poles", "--model", "none"],
+        ["init", "."],
+        ["init", "/nowhere/at/all/x.toml"],
+        ["nonsense"],
+    ],
+)
+def test_bad_input_is_exit_code_two_without_a_traceback(arguments: list[str]) -> None:
+    result = run(*arguments)
+
+    assert result.exit_code == 2
+    assert isinstance(result.exception, SystemExit)
+    assert result.output.strip()
+
+
+WORDS = st.one_of(
+    st.sampled_from(
+        ["study", "boundary", "poles", "--json", "--wind", "--duration", "--limit-deg"]
+    ),
+    st.sampled_from(["--peak-deg", "--dead-band", "--model", "configuration-i", "all", "drift"]),
+    st.floats().map(str),
+    st.text(max_size=8),
+)
+
+
+@given(st.lists(WORDS, max_size=6))
+@settings(max_examples=150, deadline=None)
+def test_rubbish_never_ends_in_a_traceback(arguments: list[str]) -> None:
+    if "init" in arguments or "--plot" in arguments:
+        return
+    result = run(*arguments)
+
+    assert result.exit_code in (0, 1, 2)
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+
+
+def test_nothing_heavy_is_loaded_before_it_is_needed() -> None:
+    code = (
+        "import sys, tvclin; from tvclin.cli.app import app;"
+        "print([m for m in ('numpy', 'control', 'scipy', 'matplotlib') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert out.stdout.strip() == "[]"
+
+
+def test_a_study_needs_neither_control_nor_pyplot() -> None:
+    code = (
+        "import sys, tvclin as tv;"
+        "tv.Study.from_vehicle(tv.load_vehicle('configuration-i'), duration=7.5, peak=0.08);"
+        "print([m for m in ('control', 'matplotlib') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert out.stdout.strip() == "[]"
+
+
+def test_python_m_is_the_command_line() -> None:
+    command = [sys.executable, "-m", "tvclin", "boundary", "--tau-beta", "4"]
+    out = subprocess.run(command, capture_output=True, text=True, check=True)
+
+    assert "0.6885" in out.stdout

@@ -1,0 +1,82 @@
+"""The study: the same numbers as the rooms it is made of."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
+def test_the_required_deflection_is_the_boundary_of_the_chosen_model(
+    configuration_i: tv.Vehicle, model: str
+) -> None:
+    result = tv.Study.from_vehicle(
+        configuration_i, duration=7.5, peak=0.08, dead_band=0.6, model=model
+    )
+    plant = tv.Plant.from_vehicle(configuration_i, model)
+    expected = tv.boundary_limit(plant, tv.TriangularWind(peak=0.08, duration=7.5), 0.6)
+
+    assert abs(expected.deflection) == result.required_deflection
+    assert 0.6 in result.dead_bands
+
+
+def test_the_limit_is_sufficient_exactly_from_the_required_deflection_on(
+    configuration_ii: tv.Vehicle,
+) -> None:
+    need = tv.Study.from_vehicle(configuration_ii, duration=9.0, peak=-0.05).required_deflection
+
+    for factor, expected in ((1.0, True), (1.0001, True), (0.9999, False)):
+        result = tv.Study.from_vehicle(
+            configuration_ii, duration=9.0, peak=-0.05, limit=need * factor
+        )
+        assert result.sufficient is expected
+        assert result.survivable_peak == pytest.approx(-0.05 * factor, rel=1e-13)
+
+
+def test_a_stable_vehicle_needs_no_deflection(configuration_i: tv.Vehicle) -> None:
+    stable = configuration_i.replace(aerodynamic_arm=-2.0)
+    result = tv.Study.from_vehicle(stable, duration=7.5, peak=0.08, limit=1e-6)
+
+    assert result.sufficient is True
+    assert result.required_deflection == 0.0
+    assert np.isinf(result.survivable_peak)
+
+
+@pytest.mark.parametrize("arm", [0.0, -1e-9, 1e-9])
+def test_a_vehicle_with_hardly_an_aerodynamic_moment_is_studied(
+    configuration_i: tv.Vehicle, arm: float
+) -> None:
+    result = tv.Study.from_vehicle(
+        configuration_i.replace(aerodynamic_arm=arm), duration=7.5, peak=0.08
+    )
+
+    assert 0.0 <= result.required_deflection < 1e-9
+    assert np.isfinite(result.trim_deflection)
+
+
+@pytest.mark.parametrize(
+    ("changes", "names"),
+    [
+        ({"wind": "square"}, "wind must be one of"),
+        ({"duration": 0.0}, "duration must be positive"),
+        ({"peak": 0.0}, "peak must be other than zero"),
+        ({"peak": 2.0}, "within 90 degrees"),
+        ({"dead_band": 1.2}, "dead_band must be between 0 and 1"),
+        ({"limit": -0.1}, "limit must be positive"),
+        ({"model": "Drift"}, "did you mean 'drift'"),
+        ({"plane": "roll"}, "plane must be one of"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    configuration_i: tv.Vehicle, changes: dict[str, object], names: str
+) -> None:
+    arguments = {"duration": 7.5, "peak": 0.08} | changes
+    with pytest.raises(tv.InputError, match=names):
+        tv.Study.from_vehicle(configuration_i, **arguments)
+
+
+def test_a_batch_of_vehicles_is_refused(configuration_i: tv.Vehicle) -> None:
+    with pytest.raises(tv.InputError, match="one vehicle"):
+        tv.Study.from_vehicle(
+            configuration_i.replace(thrust=np.array([2e6, 3e6])), duration=7.5, peak=0.08
+        )

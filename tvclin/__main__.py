@@ -1,0 +1,5 @@
+"""``python -m tvclin`` is the command line."""
+
+from tvclin.cli.app import main
+
+main()

@@ -1,0 +1,65 @@
+"""The commands together, and what becomes of a bad input: one sentence and exit code 2.
+
+Only typer is imported at the top of this room; a command loads what it needs when it runs, so
+that ``tvclin --help`` answers at once.
+"""
+
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from tvclin.cli.boundary import boundary
+from tvclin.cli.poles import poles
+from tvclin.cli.study import study
+from tvclin.cli.vehicles import init, vehicles
+
+
+class Commands(TyperGroup):
+    """The group of commands, which turns bad input into one sentence."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except ValueError as error:
+            from tvclin.errors import InputError
+
+            if not isinstance(error, InputError):
+                raise
+            typer.echo(f"Error: {error}", err=True)
+            raise typer.Exit(2) from None
+
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="How much thrust-vector deflection must this booster have to survive this wind?",
+    epilog="First steps: tvclin vehicles | tvclin study configuration-i | tvclin init my.toml",
+)
+for command in (study, boundary, poles, vehicles, init):
+    app.command()(command)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from tvclin import __version__
+
+        typer.echo(f"tvclin {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _top(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    del version  # its callback has done the work
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="tvclin")

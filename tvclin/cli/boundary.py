@@ -1,0 +1,84 @@
+"""`tvclin boundary`: the boundary limit over the duration of the wind."""
+
+from typing import Annotated, Any
+
+import typer
+
+from tvclin.cli.options import VEHICLE_HELP, AsJson, Plane, Plot, Wind
+
+TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
+DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
+
+
+def boundary(
+    vehicle: Annotated[
+        str | None,
+        typer.Argument(help=f"{VEHICLE_HELP} Without one the flight path is held fixed."),
+    ] = None,
+    wind: Wind = "triangular",
+    tau_beta: Annotated[
+        list[float] | None, typer.Option(help="Duration times beta; may be given several times.")
+    ] = None,
+    dead_band: Annotated[
+        list[float] | None,
+        typer.Option(help="Dead band K in [0, 1]; may be given several times."),
+    ] = None,
+    model: Annotated[str, typer.Option(help="Model, when a vehicle is given.")] = "drift",
+    plane: Plane = "pitch",
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
+    import numpy as np
+
+    from tvclin.cli.output import print_json, print_table, save_figure
+    from tvclin.errors import positive, within
+    from tvclin.plots import boundary_chart
+
+    x = positive("--tau-beta", tau_beta or TAU_BETA)
+    K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
+    name, limits, coefficients = _limits(vehicle, wind, x, K, model, plane)
+    if plot is not None:
+        curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
+        save_figure(boundary_chart(curve, K.tolist(), coefficients), plot)
+    if as_json:
+        print_json(
+            {
+                "vehicle": name or None,
+                "wind": wind,
+                "model": model if vehicle else "fixed-path",
+                "tau_beta": x,
+                "dead_band": K,
+                "limit": limits.limit,
+                "status": limits.status.tolist(),
+            }
+        )
+        return
+    rows = [[f"{b:g}", *(f"{y:.4f}" for y in row)] for b, row in zip(x, limits.limit, strict=True)]
+    headings = ["tau*beta", *(f"K = {k:g}" for k in K)]
+    title = f"{name}, {model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
+    print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
+
+
+def _limits(
+    source: str | None, wind: str, x: Any, K: Any, model: str, plane: str
+) -> tuple[str, Any, Any]:
+    """One unit of peak is enough: the boundary limit does not depend on it."""
+    from tvclin.boundary import boundary_limit
+    from tvclin.coefficients import Coefficients
+    from tvclin.errors import one_of
+    from tvclin.plant import MODELS, Plant
+    from tvclin.study import SHAPES
+    from tvclin.vehicle_file import load_vehicle
+
+    shape = SHAPES[one_of("--wind", wind, SHAPES)]
+    one_of("--model", model, MODELS)
+    if source is None:
+        fixed = Coefficients.from_beta(beta=1.0, B=1.0)
+        history = shape(peak=1.0, duration=x[:, None])
+        return "", boundary_limit(Plant(fixed), history, K), None
+    vehicle = load_vehicle(source)
+    coefficients = Coefficients.from_vehicle(vehicle, plane)
+    history = shape(peak=1.0, duration=x[:, None] / coefficients.beta)
+    limits = boundary_limit(Plant(coefficients, model), history, K)
+    return vehicle.name or source, limits, coefficients

@@ -1,0 +1,108 @@
+"""Tables, JSON and figures, written so that nothing is left half-written."""
+
+import json
+import os
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from tvclin.errors import InputError
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+
+def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print one table: the first column to the left, numbers to the right."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    for column, heading in enumerate(headings):
+        table.add_column(Text(heading), justify="right" if column else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*map(Text, row))
+    Console(highlight=False).print(table)
+
+
+def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) -> None:
+    """Print names and values side by side, `columns` pairs to a line."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        box=None,
+        show_header=False,
+        padding=(0, 2, 0, 0),
+    )
+    cells = [Text(text) for pair in pairs for text in pair]
+    for start in range(0, len(cells), 2 * columns):
+        table.add_row("", *cells[start : start + 2 * columns])
+    Console(highlight=False).print(table)
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """Print a document as JSON; numbers that do not exist become null."""
+    typer.echo(json.dumps(_cleaned(document), indent=2, allow_nan=False))
+
+
+def save_figure(plot: "ControlPlot", path: Path) -> None:
+    """Write a figure, whole or not at all."""
+    import matplotlib.pyplot as plt
+
+    formats = plot.figure.canvas.get_supported_filetypes()
+    kind = path.suffix.lstrip(".").lower()
+    if kind not in formats:
+        raise InputError(
+            f"--plot must name a figure file such as boundary.png, .pdf or .svg; got {path}"
+        )
+    with plt.rc_context({"svg.hashsalt": "tvclin"}):
+        write_whole(path, lambda target: plot.figure.savefig(target, format=kind, dpi=150))
+    plt.close(plot.figure)
+
+
+def write_whole(path: Path, write: Any) -> None:
+    """Call `write` with a temporary path and move the result into place when it is complete."""
+    if path.is_dir():
+        raise InputError(f"{path} is a directory; name a file in it")
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        os.close(handle)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path} cannot be written: {reason}") from None
+    try:
+        write(temporary)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(temporary).chmod(0o666 & ~mask)
+        Path(temporary).replace(path)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror}") from None
+    finally:
+        Path(temporary).unlink(missing_ok=True)
+
+
+def _cleaned(value: Any) -> Any:
+    import numpy as np
+
+    if isinstance(value, dict):
+        return {key: _cleaned(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_cleaned(item) for item in value]
+    if isinstance(value, complex):
+        return {"real": value.real, "imag": value.imag}
+    if isinstance(value, np.bool_ | bool):
+        return bool(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value

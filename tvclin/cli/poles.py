@@ -1,0 +1,67 @@
+"""`tvclin poles`: where the poles are, and how strongly the inputs excite the unstable ones."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.options import AsJson, Plane, Plot, Vehicle
+
+if TYPE_CHECKING:
+    from tvclin.coefficients import Coefficients
+
+
+def poles(
+    vehicle: Vehicle = "configuration-i",
+    model: Annotated[
+        str,
+        typer.Option(help="fixed-path, drift, drift-exact, drift-and-speed, or all."),
+    ] = "all",
+    plane: Plane = "pitch",
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Print the poles of the models, and the residues at the unstable ones."""
+    from tvclin.cli.output import print_json, print_table, save_figure
+    from tvclin.coefficients import Coefficients
+    from tvclin.errors import one_of
+    from tvclin.plant import MODELS, available_models
+    from tvclin.vehicle_file import load_vehicle
+
+    one_of("model", model, [*MODELS, "all"])
+    loaded = load_vehicle(vehicle)
+    coefficients = Coefficients.from_vehicle(loaded, plane)
+    models = available_models(coefficients) if model == "all" else [model]
+    found = {name: _poles(coefficients, name) for name in models}
+    if plot is not None:
+        from tvclin.plots import pole_map
+
+        save_figure(pole_map(coefficients, models), plot)
+    if as_json:
+        print_json({"vehicle": loaded.name, "plane": plane, "models": found})
+        return
+    rows = []
+    for name, entries in found.items():
+        upper = [pole for pole in entries if pole["pole_per_s"].imag >= 0.0]
+        first, *others = [[_shown(value) for value in pole.values()] for pole in upper]
+        rows += [[name, *first], *(["", *other] for other in others)]
+    headings = ["model", "pole [1/s]", "residue, deflection [1/s]", "wind [1/s]"]
+    print_table(f"{loaded.name}, {plane}: poles of the attitude", headings, rows)
+
+
+def _poles(coefficients: "Coefficients", model: str) -> list[dict[str, Any]]:
+    from tvclin.modes import all_modes
+    from tvclin.plant import Plant
+
+    every = all_modes(Plant(coefficients, model))
+    columns = (every.poles, every.deflection_residues, every.wind_residues)
+    return [
+        {"pole_per_s": p, "deflection_residue_per_s": d, "wind_residue_per_s": w}
+        for p, d, w in zip(*(column.tolist() for column in columns), strict=True)
+    ]
+
+
+def _shown(value: complex) -> str:
+    """A complex pole stands for its pair; the residue of its mate is the conjugate."""
+    if value.imag == 0.0:
+        return f"{value.real:+.6f}"
+    return f"{value.real:+.5f}{value.imag:+.5f}j"

@@ -1,0 +1,211 @@
+"""`tvclin study`: the main job, one vehicle in one wind."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.options import AsJson, Duration, Plane, Plot, Vehicle, Wind
+
+if TYPE_CHECKING:
+    from tvclin.study import Study
+
+
+def study(
+    vehicle: Vehicle = "configuration-i",
+    wind: Wind = "triangular",
+    duration: Duration = 7.5,
+    peak_deg: Annotated[
+        float | None, typer.Option(help="Peak wind angle of attack [deg]; 5 if nothing is given.")
+    ] = None,
+    peak_speed: Annotated[
+        float | None, typer.Option(help="Peak wind speed [m/s] in its place, by eq (B1e).")
+    ] = None,
+    dead_band: Annotated[
+        float, typer.Option(help="Dead band K of the verdict, in [0, 1]; 1 needs no forecast.")
+    ] = 1.0,
+    limit_deg: Annotated[
+        float | None, typer.Option(help="Deflection capability [deg]: is it sufficient?")
+    ] = None,
+    model: Annotated[
+        str,
+        typer.Option(help="Model of the verdict: fixed-path, drift, drift-exact, drift-and-speed."),
+    ] = "fixed-path",
+    plane: Plane = "pitch",
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Say how much deflection a booster needs in a wind, and whether its limit is enough.
+
+    Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
+    """
+    import numpy as np
+
+    from tvclin.cli.output import print_json, save_figure
+    from tvclin.errors import InputError, positive
+    from tvclin.study import Study
+    from tvclin.vehicle_file import load_vehicle
+
+    loaded = load_vehicle(vehicle)
+    if peak_deg is not None and peak_speed is not None:
+        raise InputError("give --peak-deg or --peak-speed, not both")
+    if peak_speed is not None:
+        peak = _from_speed(loaded, peak_speed, plane)
+    else:
+        peak = np.radians(5.0 if peak_deg is None else peak_deg)
+    limit = None if limit_deg is None else np.radians(float(positive("--limit-deg", limit_deg)))
+    result = Study.from_vehicle(
+        loaded,
+        wind=wind,
+        duration=duration,
+        peak=peak,
+        limit=limit,
+        dead_band=dead_band,
+        model=model,
+        plane=plane,
+    )
+    if plot is not None:
+        from tvclin.plots import study_chart
+
+        save_figure(study_chart(result), plot)
+    if as_json:
+        print_json(_document(result, wind))
+    else:
+        _print(result, wind, vehicle)
+    if result.sufficient is False:
+        raise typer.Exit(1)
+
+
+def _from_speed(vehicle: Any, speed: float, plane: str) -> float:
+    """Eq (B1e); a cross wind meets the vehicle at right angles, so in yaw its sine is 1."""
+    import numpy as np
+
+    from tvclin.winds import angle_from_speed
+
+    angle = np.pi / 2 if plane == "yaw" else vehicle.attitude
+    return float(angle_from_speed(speed, vehicle.velocity, angle))
+
+
+def _print(result: "Study", shape: str, source: str) -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_pairs
+
+    v, c, deg = result.vehicle, result.coefficients, np.degrees
+    print_pairs(
+        f"Vehicle: {v.name or source}",
+        [
+            ("weight W", f"{v.weight:.4g} N"),
+            ("thrust T", f"{v.thrust:.4g} N"),
+            ("inertia I", f"{v.moment_of_inertia:.4g} kg m2"),
+            ("normal force N", f"{v.normal_force_slope:.4g} N/rad"),
+            ("aerodynamic arm l_a", f"{v.aerodynamic_arm:.4g} m"),
+            ("axial force F_A", f"{v.axial_force:.4g} N"),
+            ("control arm l_c", f"{v.control_arm:.4g} m"),
+            ("velocity V_n", f"{v.velocity:.5g} m/s"),
+            ("attitude Theta_n", f"{deg(v.attitude):.4g} deg"),
+            ("time", "-" if v.time is None else f"{v.time:g} s"),
+        ],
+    )
+    print_pairs(
+        f"\nCoefficients, {result.plane} plane",
+        [
+            ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
+            ("B", f"{c.B:.4f} deg/deg"),
+            ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
+            ("C1", f"{c.C1:.5f} 1/s"),
+            ("C2", f"{c.C2:.6f} 1/s3"),
+            ("b1", f"{c.b1:.5f} 1/s"),
+            ("b2", f"{c.b2:.5f} 1/s"),
+        ],
+        columns=4,
+    )
+    print_pairs(
+        "\nUnstable poles [1/s]",
+        [(name, _poles(modes.poles)) for name, modes in result.modes.items()],
+        columns=1,
+    )
+    typer.echo()
+    _print_boundaries(result, shape)
+
+
+def _print_boundaries(result: "Study", shape: str) -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+
+    deg = np.degrees
+    names = list(result.boundaries)
+    rows = []
+    for i, K in enumerate(result.dead_bands):
+        mark = " <" if result.dead_band == K else ""
+        row = [f"{K:g}{mark}"]
+        for name in names:
+            found = result.boundaries[name]
+            row += [f"{found.limit[i]:.4f}", f"{abs(deg(found.deflection[i])):.4f}"]
+        rows.append(row)
+    peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
+    print_table(
+        f"Boundary in a {shape} wind of {peak:.4g} deg and {duration:g} s"
+        f" (trim takes {deg(result.trim_deflection):.4f} deg)",
+        ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
+        rows,
+    )
+    needed = f"{deg(result.required_deflection):.4f} deg"
+    basis = f"(model {result.model}, dead band {result.dead_band:g})"
+    typer.echo(f"Required deflection: {needed} {basis}")
+    if result.limit is not None and result.survivable_peak is not None:
+        word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
+        largest = abs(deg(result.survivable_peak))
+        said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
+        typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}")
+
+
+def _poles(poles: Any) -> str:
+    shown = [
+        f"{p.real:.6f}" if p.imag == 0.0 else f"{p.real:.6f} +- {p.imag:.6f}j"
+        for p in poles
+        if p.imag >= 0.0
+    ]
+    return ", ".join(shown) or "none"
+
+
+def _document(result: "Study", shape: str) -> dict[str, Any]:
+    import numpy as np
+
+    v, c, deg = result.vehicle, result.coefficients, np.degrees
+    return {
+        "vehicle": {name: getattr(v, name) for name in v.__dataclass_fields__},
+        "plane": result.plane,
+        "coefficients": {
+            "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
+            "B": c.B,
+            **{name: getattr(c, name) for name in c.__dataclass_fields__},
+        },
+        "wind": {
+            "shape": shape,
+            "peak_deg": deg(result.wind.peak),
+            "duration_s": result.wind.duration,
+        },
+        "unstable_poles_per_s": {name: m.poles.tolist() for name, m in result.modes.items()},
+        "trim_deflection_deg": deg(result.trim_deflection),
+        "boundaries": {
+            name: {
+                "dead_band": result.dead_bands,
+                "limit": found.limit,
+                "deflection_deg": np.abs(deg(found.deflection)),
+                "switch_time_s": found.switch_time,
+                "status": found.status.tolist(),
+            }
+            for name, found in result.boundaries.items()
+        },
+        "verdict": {
+            "model": result.model,
+            "dead_band": result.dead_band,
+            "required_deflection_deg": deg(result.required_deflection),
+            "limit_deg": None if result.limit is None else deg(result.limit),
+            "sufficient": result.sufficient,
+            "survivable_peak_deg": None
+            if result.survivable_peak is None
+            else deg(result.survivable_peak),
+        },
+    }

@@ -1,0 +1,152 @@
+"""One vehicle, one wind: the whole answer as one value."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
+from tvclin.coefficients import Coefficients
+from tvclin.errors import InputError, one_of, positive, within
+from tvclin.modes import Modes, unstable_modes
+from tvclin.plant import MODELS, Plant, available_models
+from tvclin.vehicle import Vehicle
+from tvclin.winds import RectangularWind, TriangularWind
+
+DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
+SHAPES = {"rectangular": RectangularWind, "triangular": TriangularWind}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What a booster needs to survive a wind, and whether a given limit is enough.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        The vehicle, one.
+    plane, model : str
+        The plane, and the model on which the verdict rests.
+    coefficients : Coefficients
+        Its linear coefficients in that plane.
+    wind : RectangularWind or TriangularWind
+        The wind.
+    modes : dict of str to Modes
+        Unstable poles of every model.
+    trim_deflection : float
+        |B alpha_w,max| [rad], the largest deflection that ideal trim without drift takes.
+    boundaries : dict of str to BoundaryLimit
+        For "fixed-path" and for a model with drift, the boundary at each of `dead_bands`.
+    dead_bands : ndarray
+        K, falling; the dead band of the verdict is among them.
+    dead_band : float
+        K of the verdict.
+    limit : float or None
+        The capability [rad] in question.
+    sufficient : bool or None
+        Whether the limit is at or above the boundary of `model`.
+    survivable_peak : float or None
+        The largest peak [rad] of such a wind that the limit survives.
+    """
+
+    vehicle: Vehicle
+    plane: str
+    model: str
+    coefficients: Coefficients
+    wind: Any
+    modes: dict[str, Modes]
+    trim_deflection: float
+    boundaries: dict[str, BoundaryLimit]
+    dead_bands: NDArray[np.float64]
+    dead_band: float
+    limit: float | None
+    sufficient: bool | None
+    survivable_peak: float | None
+
+    @classmethod
+    def from_vehicle(
+        cls,
+        vehicle: Vehicle,
+        *,
+        wind: str = "triangular",
+        duration: float,
+        peak: float,
+        limit: float | None = None,
+        dead_band: float = 1.0,
+        model: str = "fixed-path",
+        plane: str = "pitch",
+    ) -> Self:
+        """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            One vehicle.
+        wind : {"triangular", "rectangular"}
+            Shape of the wind.
+        duration : float
+            Duration tau [s].
+        peak : float
+            Wind angle of attack alpha_w,max [rad].
+        limit : float, optional
+            Deflection capability delta_max [rad], positive, to be judged.
+        dead_band : float
+            K of the verdict, in [0, 1].
+        model : str
+            Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed".
+        plane : {"pitch", "yaw"}
+            Plane of the motion.
+
+        Raises
+        ------
+        InputError
+            For a batch of vehicles, an unknown shape, model or plane, and numbers out of range.
+
+        Examples
+        --------
+        >>> import numpy as np, tvclin as tv
+        >>> vehicle = tv.load_vehicle("configuration-i")
+        >>> result = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5))
+        >>> round(float(np.degrees(result.required_deflection)), 3)
+        0.368
+        """
+        shape = SHAPES[one_of("wind", wind, SHAPES)]
+        one_of("model", model, MODELS)
+        dead_band = float(within("dead_band", dead_band, 0.0, 1.0))
+        coefficients = Coefficients.from_vehicle(vehicle, plane)
+        if coefficients.batch:
+            raise InputError(
+                f"vehicle must be one vehicle; got a batch of shape {coefficients.batch}"
+            )
+        plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
+        history = shape(peak=peak, duration=duration)
+        dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
+        with_drift = model if model != "fixed-path" else "drift"
+        shown = [name for name in ("fixed-path", with_drift) if name in plants]
+        plant = plants.get(model) or Plant(coefficients, model)
+        if limit is not None:
+            limit = float(positive("limit", limit, "rad"))
+        return cls(
+            vehicle=vehicle,
+            plane=plane,
+            model=model,
+            coefficients=coefficients,
+            wind=history,
+            modes={name: unstable_modes(plant) for name, plant in plants.items()},
+            trim_deflection=abs(float(coefficients.B * history.peak)),
+            boundaries={name: boundary_limit(plants[name], history, dead_bands) for name in shown},
+            dead_bands=dead_bands,
+            dead_band=dead_band,
+            limit=limit,
+            sufficient=None if limit is None else is_sufficient(plant, history, limit, dead_band),
+            survivable_peak=None
+            if limit is None
+            else survivable_peak(plant, history, limit, dead_band),
+        )
+
+    @property
+    def required_deflection(self) -> float:
+        """The deflection [rad] that the verdict's model and dead band ask for."""
+        row = int(np.argmax(self.dead_bands == self.dead_band))
+        return float(np.abs(self.boundaries[self.model].deflection[row]))

@@ -1,0 +1,152 @@
+"""Vehicle files: TOML with one table [vehicle], every key carrying its unit."""
+
+import tomllib
+from difflib import get_close_matches
+from importlib.resources import files
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+from tvclin.errors import InputError, finite, one_of
+from tvclin.units import UNITS
+from tvclin.vehicle import Vehicle
+
+_REQUIRED = {
+    "weight": "force",
+    "moment_of_inertia": "inertia",
+    "thrust": "force",
+    "aerodynamic_arm": "length",
+    "control_arm": "length",
+    "velocity": "speed",
+    "attitude": "angle",
+}
+_FORCES = {"normal_force_slope": "force slope", "axial_force": "force"}
+_AERODYNAMICS = {
+    "dynamic_pressure": "pressure",
+    "reference_area": "area",
+    "normal_force_coefficient_slope": "per angle",
+    "axial_force_coefficient": "number",
+}
+_OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
+
+_QUANTITIES = _REQUIRED | _FORCES | _AERODYNAMICS | _OPTIONAL
+_KEYS = {
+    (f"{name}_{suffix}" if suffix else name): (name, factor)
+    for name, dimension in _QUANTITIES.items()
+    for suffix, factor in UNITS[dimension].items()
+}
+
+
+def list_vehicles() -> list[str]:
+    """Return the names of the vehicles that come with the package."""
+    entries = (entry.name for entry in files("tvclin").joinpath("vehicles").iterdir())
+    return sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml"))
+
+
+def load_vehicle(source: str | PathLike[str]) -> Vehicle:
+    """Return a vehicle by its name in the package, or from a TOML file.
+
+    Parameters
+    ----------
+    source : str or path
+        One of `list_vehicles`, or the path of a file (anything that ends in .toml, holds a
+        path separator, or exists).
+
+    Raises
+    ------
+    InputError
+        For an unknown name (the near ones are offered) and for a file that cannot be read, is
+        not TOML, lacks a key, has one too many, or holds a value that is not a number. One
+        sentence says which and how to mend it.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tv.load_vehicle("configuration-i").weight
+    1480000.0
+    """
+    text = fspath(source)
+    if not isinstance(text, str) or "\0" in text:
+        raise InputError(f"vehicle must be a name or a path; got {source!r}")
+    if text in list_vehicles():
+        resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
+        return parse_vehicle(resource.read_text(encoding="utf-8"), text)
+    path = Path(text)
+    looks_like_a_path = isinstance(source, PathLike) or path.suffix == ".toml" or path.name != text
+    if not looks_like_a_path and not path.exists():
+        one_of("vehicle", text, list_vehicles())
+    return parse_vehicle(_read(path), text)
+
+
+def parse_vehicle(text: str, source: str) -> Vehicle:
+    """Return the vehicle that a TOML text describes; `source` names it in messages."""
+    try:
+        document = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{source} is not valid TOML: {error}") from None
+    table = document.get("vehicle")
+    if not isinstance(table, dict):
+        raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
+    for heading in document.keys() - {"vehicle"}:
+        raise InputError(f"{source}: unknown heading or key {heading!r} outside [vehicle]")
+    try:
+        return _build(dict(table))
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+
+
+def template() -> str:
+    """Return a commented vehicle file to fill in."""
+    return files("tvclin").joinpath("vehicles", "template.txt").read_text(encoding="utf-8")
+
+
+def _read(path: Path) -> str:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except IsADirectoryError:
+        raise InputError(f"{path} is a directory; name a vehicle file in it") from None
+    except FileNotFoundError:
+        raise InputError(
+            f"{path} does not exist; write a vehicle file with: tvclin init {path}"
+        ) from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not a text file in UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+    if not text.strip():
+        raise InputError(f"{path} is empty; write a vehicle file with: tvclin init FILE")
+    return text
+
+
+def _build(table: dict[str, Any]) -> Vehicle:
+    name = table.pop("name", "")
+    values: dict[str, Any] = {}
+    keys: dict[str, str] = {}
+    for key, value in table.items():
+        quantity, factor = _quantity(key)
+        if quantity in keys:
+            raise InputError(f"{quantity} is given twice, as {keys[quantity]} and {key}; keep one")
+        keys[quantity] = key
+        values[quantity] = float(finite(key, value)) * factor
+    aerodynamic = values.keys() & _AERODYNAMICS
+    needed = _REQUIRED | (_AERODYNAMICS if aerodynamic else _FORCES)
+    for quantity, dimension in needed.items():
+        if quantity not in values:
+            raise InputError(f"a key is missing: {_spellings(quantity, dimension)}")
+    build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
+    return build(name=name, **values)
+
+
+def _quantity(key: str) -> tuple[str, float]:
+    if key in _KEYS:
+        return _KEYS[key]
+    for quantity, dimension in sorted(_QUANTITIES.items(), key=lambda item: -len(item[0])):
+        if key == quantity or key.startswith(f"{quantity}_"):
+            raise InputError(f"{key} has no known unit; write {_spellings(quantity, dimension)}")
+    near = get_close_matches(key, ["name", *_KEYS], n=2, cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(_QUANTITIES)}"
+    raise InputError(f"unknown key {key!r} in [vehicle]; {hint}")
+
+
+def _spellings(quantity: str, dimension: str) -> str:
+    return " or ".join(f"{quantity}_{unit}" if unit else quantity for unit in UNITS[dimension])
