@@ -207,8 +207,8 @@ def _newton(
     for _ in range(100):
         x = K * z
         growth = np.exp(x - L)
-        psi = _psi(rho * x)
-        left = -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi)
+        curved = x**2 * psi(rho * x)
+        left = -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + curved)
         slope = -K1 * K * growth - (1.0 - K) - kappa * K * (1.0 + x * _psi_slope(rho * x))
         low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
         new = z - left / slope
@@ -228,7 +228,7 @@ def _minus_log_R(p: FloatArray) -> FloatArray:
     return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))
 
 
-def _psi(x: FloatArray) -> FloatArray:
+def psi(x: FloatArray) -> FloatArray:
     """(e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x)."""
     m = moments(x, 1)
     return np.asarray(m[..., 0] - m[..., 1])

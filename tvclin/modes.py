@@ -140,12 +140,17 @@ def unstable_modes(plant: Plant) -> Modes:
     array([0.5102 , 0.01285])
     """
     every = all_modes(plant).poles
-    size = np.abs(every).max(axis=-1, keepdims=True)
-    growing = np.real(every) > _MARGINAL * size
-    poles = np.where(growing, every, np.nan)[..., : int(growing.sum(axis=-1).max(initial=0))]
+    unstable = growing(every)
+    poles = np.where(unstable, every, np.nan)[..., : int(unstable.sum(axis=-1).max(initial=0))]
     if np.iscomplexobj(poles) and np.all((np.imag(poles) == 0.0) | np.isnan(poles)):
         poles = np.real(poles)
     return _with_residues(plant, poles)
+
+
+def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which of all the poles ``(..., N)`` of a plant grow; those on the axis do not."""
+    size = np.abs(poles).max(axis=-1, keepdims=True)
+    return np.asarray(np.real(poles) > _MARGINAL * size)
 
 
 def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
@@ -162,7 +167,7 @@ def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
     -----
     Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p).
     """
-    return _residues(unstable_modes(plant), deflection, wind)
+    return residues_at(unstable_modes(plant), deflection, wind)[0]
 
 
 def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
@@ -179,12 +184,7 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
         Any two histories; their batches broadcast with the plant's.
     """
     modes = unstable_modes(plant)
-    found = _residues(modes, deflection, wind)
-    terms = [
-        np.abs(residue) * _at_poles(history.laplace_magnitude, modes.poles)
-        for residue, history in _inputs(modes, deflection, wind)
-    ]
-    tolerance = _ROUNDING * np.real(sum(terms))
+    found, tolerance = residues_at(modes, deflection, wind)
     zero = (np.abs(found) <= tolerance) | np.isnan(modes.poles)
     stable = np.all(zero, axis=-1)
     with np.errstate(invalid="ignore"):
@@ -203,15 +203,17 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
     return judge(plant, deflection, wind).stable
 
 
-def _inputs(
+def residues_at(
     modes: Modes, deflection: History, wind: History
-) -> tuple[tuple[NDArray[Any], History], ...]:
-    return ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
+) -> tuple[NDArray[Any], FloatArray]:
+    """Return the residues [rad] at the poles of `modes`, and the rounding to which they are known.
 
-
-def _residues(modes: Modes, deflection: History, wind: History) -> NDArray[Any]:
-    terms = [r * _at_poles(h.laplace, modes.poles) for r, h in _inputs(modes, deflection, wind)]
-    return np.asarray(terms[0] + terms[1])
+    Both have shape ``(..., N)``; NaN at a pole that is NaN.
+    """
+    inputs = ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
+    terms = [gain * _at_poles(h.laplace, modes.poles) for gain, h in inputs]
+    sizes = [np.abs(gain) * _at_poles(h.laplace_magnitude, modes.poles) for gain, h in inputs]
+    return np.asarray(terms[0] + terms[1]), _ROUNDING * np.real(sizes[0] + sizes[1])
 
 
 def _at_poles(transform: Any, poles: NDArray[Any]) -> NDArray[Any]:

@@ -100,6 +100,22 @@ def future(pieces: Pieces, s: NDArray[Any], t: NDArray[np.float64]) -> NDArray[A
     return np.where(early, lead, rest + tail)
 
 
+def past(pieces: Pieces, pole: NDArray[Any], t: NDArray[np.float64]) -> NDArray[Any]:
+    """Return the discounted past, the integral up to t of e^(pole (t - r)) f(r) dr.
+
+    At the times ``t (..., m)``, as in `value`; `pole` broadcasts with the batch. It is the
+    answer of a first-order lag at the time t; accurate for poles that do not grow.
+    """
+    shape = np.broadcast_shapes(pieces.batch, pole.shape)
+    index, u = _locate(pieces, t)
+    u = np.maximum(u, 0.0)
+    here = _moved(_at(pieces.coefficients, index, 2), pieces.rates, u)
+    # Seen backwards from t, the part of the piece before t is an integral over -u.
+    part = -_integrals(here, pieces.rates, -u, pole)
+    carried = _at(_states(pieces, pole, shape), index, 0)
+    return np.asarray(np.exp(pole[..., np.newaxis] * u) * carried + part)
+
+
 def lag(pieces: Pieces, pole: NDArray[Any]) -> Pieces:
     """Return y with y' = pole y + f and y = 0 before the first knot; the pole joins the rates.
 

@@ -1,0 +1,239 @@
+"""The forced response of a plant, exact at any time and on the stability boundary.
+
+The response is taken apart into the modes of the plant. A mode that does not grow is the
+discounted past of its inputs, carried from knot to knot. A mode that grows is written as
+
+    z(t) = R e^(p t) - (discounted future of its inputs),
+
+R being its residue, eq (4b). On the boundary R is zero and what remains decays, so nothing is
+lost; integrated forward, the same mode would be the difference of two numbers that grow with
+e^(p t). A residue that is zero within the rounding of its own sum counts as zero.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.errors import InputError, finite
+from tvclin.histories import History
+from tvclin.kernels import pieces as kernel
+from tvclin.modes import Modes, all_modes, growing, residues_at
+from tvclin.plant import INPUTS, Plant
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+FloatArray = NDArray[np.float64]
+
+_SEPARATE = 1e-3
+"""Poles nearer to each other than this part of the largest are answered by a chain of lags."""
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """The responses of a batch.
+
+    Attributes
+    ----------
+    time : ndarray
+        Times [s], ``(n,)``.
+    outputs : ndarray
+        Responses, ``(..., output, n)`` in the order of `labels` [rad, rad/s].
+    labels : tuple of str
+        Names of the outputs.
+    """
+
+    time: FloatArray
+    outputs: FloatArray
+    labels: tuple[str, ...]
+
+    def __getitem__(self, label: str) -> FloatArray:
+        """Return one output by its name, ``(..., n)``."""
+        if label not in self.labels:
+            raise InputError(f"output must be one of {', '.join(self.labels)}; got {label!r}")
+        return self.outputs[..., self.labels.index(label), :]
+
+
+def attitude_response(
+    plant: Plant, deflection: History, wind: History, timepts: ArrayLike
+) -> "TimeResponseData":
+    """Return the exact response of one plant as `control.TimeResponseData`.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant of any model.
+    deflection, wind : History
+        Any two histories, not batches.
+    timepts : array_like
+        Times [s], ``(n,)``, in any order and spacing; knots need not be among them.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs attitude, attitude_rate, flight_path_angle (where the model has it) and
+        angle_of_attack [rad, rad/s]; inputs deflection and wind [rad], all by name.
+
+    Raises
+    ------
+    InputError
+        For a batch (use `attitude_responses`), and for times that are not finite or none at all.
+
+    Notes
+    -----
+    Eqs (5), (B7) and (B8) answered mode by mode. On the stability boundary all digits are kept
+    at any time, where forward integration has lost them all beyond tau beta of about 12.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.53, B=0.107))
+    >>> wind = tv.TriangularWind(peak=0.09, duration=7.5)
+    >>> limit = tv.boundary_limit(plant, wind).deflection
+    >>> held = tv.trim_then_hold(plant, wind, limit)
+    >>> response = tv.attitude_response(plant, held, wind, np.linspace(0, 100, 5))
+    >>> bool(np.isclose(response.outputs["attitude"][-1], limit / 0.107, rtol=1e-13))
+    True
+    """
+    from control import TimeResponseData
+
+    found = attitude_responses(plant, deflection, wind, timepts)
+    if found.outputs.ndim > 2:
+        raise InputError(
+            f"attitude_response is for one case; got a batch of shape {found.outputs.shape[:-2]}"
+            " (use attitude_responses)"
+        )
+    return TimeResponseData(
+        found.time,
+        found.outputs,
+        None,
+        np.stack([deflection(found.time), wind(found.time)]),
+        issiso=False,
+        output_labels=list(found.labels),
+        input_labels=list(INPUTS),
+        sysname=plant.model,
+        plot_inputs=True,
+        title=f"Exact response, {plant.model} model",
+        trace_types=["forced"],
+    )
+
+
+def attitude_responses(
+    plant: Plant, deflection: History, wind: History, timepts: ArrayLike
+) -> Responses:
+    """Return the exact responses of a batch: many winds, many plants, or both, in one call.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Any two histories; their batches broadcast with the plant's.
+    timepts : array_like
+        Times [s], ``(n,)``, the same for all.
+
+    Raises
+    ------
+    InputError
+        For times that are not finite, not one row, or none at all, and for batches that do not
+        broadcast.
+    """
+    times = finite("timepts", timepts, "s")
+    if times.ndim != 1 or not times.size:
+        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    shapes = {"plant": plant.batch, "deflection": deflection.batch, "wind": wind.batch}
+    try:
+        shape = np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        raise InputError(f"the batches must broadcast together; got {shapes}") from None
+    modes = all_modes(plant)
+    if _repeated(modes.poles):
+        return Responses(times, _by_lags(plant, deflection, wind, times, shape), plant.outputs)
+    amplitudes = _amplitudes(plant, modes, deflection, wind, times)
+    return Responses(times, _outputs(plant, modes, amplitudes, wind, times, shape), plant.outputs)
+
+
+def _amplitudes(
+    plant: Plant, modes: Modes, deflection: History, wind: History, times: FloatArray
+) -> NDArray[Any]:
+    """The part of the attitude that each mode makes, ``(..., N, n)``."""
+    unstable = growing(modes.poles)
+    fast = Modes(
+        np.where(unstable, modes.poles, np.nan), modes.deflection_residues, modes.wind_residues
+    )
+    found, tolerance = residues_at(fast, deflection, wind)
+    found = np.where(unstable & (np.abs(found) > tolerance), found, 0.0)
+    columns = []
+    for k in range(modes.poles.shape[-1]):
+        pole, up = modes.poles[..., k], unstable[..., k]
+        weights = (modes.deflection_residues[..., k], modes.wind_residues[..., k])
+        forward = _sum(kernel.past, np.where(up, 0.0, pole), weights, (deflection, wind), times)
+        if not np.any(up):
+            columns.append(forward)
+            continue
+        back = _sum(kernel.future, np.where(up, pole, 1.0), weights, (deflection, wind), times)
+        with np.errstate(over="ignore", invalid="ignore"):
+            growth = np.where(up, pole, 0.0)[..., np.newaxis] * times
+            excess = found[..., k, np.newaxis]
+            grown = np.where(excess == 0.0, 0.0, excess * np.exp(growth))
+        columns.append(np.where(up[..., np.newaxis], grown - back, forward))
+    return np.stack(np.broadcast_arrays(*columns), axis=-2)
+
+
+def _sum(
+    integral: Any,
+    pole: NDArray[Any],
+    weights: tuple[NDArray[Any], ...],
+    histories: tuple[History, ...],
+    times: FloatArray,
+) -> NDArray[Any]:
+    terms = [
+        weight[..., np.newaxis] * integral(history.pieces, pole, times)
+        for weight, history in zip(weights, histories, strict=True)
+    ]
+    return np.asarray(terms[0] + terms[1])
+
+
+def _outputs(
+    plant: Plant,
+    modes: Modes,
+    amplitudes: NDArray[Any],
+    wind: History,
+    times: FloatArray,
+    shape: tuple[int, ...],
+) -> FloatArray:
+    """A mode e^(p t) of the attitude turns with p, and has p^2/mu_alpha of angle of attack."""
+    poles = modes.poles[..., np.newaxis]
+    mu_alpha = np.asarray(plant.coefficients.mu_alpha)[..., np.newaxis]
+    attitude = np.real(amplitudes.sum(axis=-2))
+    rate = np.real((poles * amplitudes).sum(axis=-2))
+    rows = [attitude, rate]
+    if "flight_path_angle" in plant.outputs:
+        path = attitude - np.real((poles**2 * amplitudes).sum(axis=-2)) / mu_alpha
+        rows += [path, attitude - path - wind(times)]
+    else:
+        rows += [attitude - wind(times)]
+    return np.stack([np.broadcast_to(row, (*shape, times.size)) for row in rows], axis=-2)
+
+
+def _by_lags(
+    plant: Plant, deflection: History, wind: History, times: FloatArray, shape: tuple[int, ...]
+) -> FloatArray:
+    """The response by a chain of lags, which needs no distinct poles (a vehicle without moment)."""
+    rows = []
+    for output in plant.outputs:
+        parts = [
+            history.filter(plant.numerator(output, name), plant.denominator)(times)
+            for name, history in zip(INPUTS, (deflection, wind), strict=True)
+        ]
+        rows.append(np.broadcast_to(parts[0] + parts[1], (*shape, times.size)))
+    return np.stack(rows, axis=-2)
+
+
+def _repeated(poles: NDArray[Any]) -> bool:
+    gaps = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
+    gaps[..., np.arange(poles.shape[-1]), np.arange(poles.shape[-1])] = np.inf
+    size = np.abs(poles).max(axis=-1)
+    return bool(np.any(gaps.min(axis=(-2, -1)) <= _SEPARATE * size))
