@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from tvclin.modes import unstable_modes as unstable_modes
     from tvclin.plant import Plant as Plant
     from tvclin.plant import available_models as available_models
+    from tvclin.response import Responses as Responses
+    from tvclin.response import attitude_response as attitude_response
+    from tvclin.response import attitude_responses as attitude_responses
     from tvclin.study import Study as Study
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
@@ -57,6 +60,7 @@ _ROOMS = {
         "unstable_modes",
     ),
     "plant": ("Plant", "available_models"),
+    "response": ("Responses", "attitude_response", "attitude_responses"),
     "study": ("Study",),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),

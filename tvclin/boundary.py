@@ -29,10 +29,9 @@ from tvclin.deflections import dead_band_driver, trim_deflection
 from tvclin.errors import InputError, nonzero, plain, within
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
-from tvclin.kernels.crossings import refine
-from tvclin.kernels.pieces import Pieces
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
+from tvclin.switching import Problem
 
 __all__ = [
     "BoundaryLimit",
@@ -50,6 +49,7 @@ FloatArray = NDArray[np.float64]
 
 OK = "ok"
 STABLE = "no real unstable pole: no deflection is needed"
+NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b), a higher one is not needed"
 JUMP = "no limit meets (4b) exactly: every limit above this one is sufficient"
 
 
@@ -64,7 +64,7 @@ class BoundaryLimit:
     deflection : float or ndarray
         The same as a deflection [rad], -y_BR B alpha_w,max; its sign opposes the wind.
     switch_time : float or ndarray
-        a [s], when the dead band is left on the boundary; NaN where no deflection is needed.
+        a [s], when the dead band is left on the boundary; NaN where it never is.
     status : str or ndarray of str
         "ok", or in words why the limit is not a solution of (4b).
     """
@@ -95,8 +95,10 @@ def boundary_limit(
     -------
     BoundaryLimit
         The condition (4b) is met at the largest real unstable pole. Slower poles of the exact
-        models are not met; `judge` reports them. Where several limits meet the condition (winds
-        of several peaks) it is the largest, above which every limit is sufficient.
+        models are not met; `judge` reports them. (A stable vehicle on an exact model may have
+        only a slow one, of the flight path; then it is that.) Where several limits meet the
+        condition (winds of several peaks) it is the largest, above which every limit is
+        sufficient.
 
     Raises
     ------
@@ -114,23 +116,27 @@ def boundary_limit(
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     trim = trim_deflection(plant, wind)
     driver = dead_band_driver(plant, wind, trim, switch)
-    shape = np.broadcast_shapes(K.shape, pole.shape, trim.batch, driver.batch)
-    problem = _Problem(
+    shape = _shape(dead_band=K.shape, plant=pole.shape, wind=driver.batch)
+    problem = Problem(
         kernel.spread((driver * (1.0 / scale)).pieces, shape),
         kernel.spread((trim * (1.0 / scale)).pieces, shape),
         np.broadcast_to(np.where(unstable, pole, 1.0), shape),
         np.broadcast_to(K, shape),
     )
-    time, jumps = problem.leaving_time()
-    onset = np.broadcast_to(np.where(unstable, driver.onset, 0.0), shape)
-    time = np.where(problem.dead_band == 0.0, onset, time)
+    switching = problem.solve()
+    at_onset = (K == 0.0) | ~unstable
+    onset = np.where(unstable, driver.onset, 0.0)
+    time = np.where(at_onset, np.broadcast_to(onset, shape), switching.time)
     limit = np.where(unstable, problem.demand(time[..., np.newaxis])[..., 0], 0.0)
-    jumps = jumps & (problem.dead_band > 0.0)
-    status = np.where(unstable, np.where(jumps, JUMP, OK), STABLE)
+    never = switching.never & ~at_onset
+    if np.any(never):
+        limit = np.where(never, _trim_for_ever(problem), limit)
+    known = [~np.broadcast_to(unstable, shape), never, switching.jumps & ~at_onset]
+    status = np.select(known, [STABLE, NEVER_LEFT, JUMP], OK)
     return BoundaryLimit(
         plain(limit),
         plain(np.asarray(limit * scale)),
-        plain(np.where(unstable, time, np.nan)),
+        plain(np.where(unstable & ~never, time, np.nan)),
         status if status.ndim else str(status),
     )
 
@@ -200,55 +206,20 @@ def survivable_peak(
         return plain(np.asarray(wind.peak * (capability / needed)))
 
 
-@dataclass(frozen=True)
-class _Problem:
-    """Driver and trim deflection over B alpha_w,max with its sign; all fields of one batch."""
+def _trim_for_ever(problem: Problem) -> FloatArray:
+    """The least limit with which the dead band is never left and trim never limited."""
+    peaks = [np.abs(Piecewise(pieces).peak) for pieces in (problem.driver, problem.trim)]
+    band = np.where(problem.dead_band > 0.0, problem.dead_band, np.inf)
+    return np.maximum(peaks[0] / band, peaks[1])
 
-    driver: Pieces
-    trim: Pieces
-    pole: FloatArray
-    dead_band: FloatArray
 
-    def demand(self, t: FloatArray) -> FloatArray:
-        """The limit that (4b) asks for when it is held from the times ``t (..., m)`` on."""
-        future = kernel.future(self.trim, self.pole, t)
-        return np.real(future) * self.pole[..., np.newaxis]
-
-    def leaving_time(self) -> tuple[FloatArray, Any]:
-        """Where the driver last rises through K times the demand, among its new maxima."""
-        times = Piecewise(self.driver).probe_times()
-        level = np.real(kernel.value(self.driver, times))
-        excess = level - self.dead_band[..., np.newaxis] * self.demand(times)
-        highest = np.maximum.accumulate(level, axis=-1)
-        earlier = np.concatenate([np.zeros_like(highest[..., :1]), highest[..., :-1]], axis=-1)
-        new = level > earlier
-        last = level.shape[-1] - 1
-        short = new & (excess < 0.0)
-        low = last - np.argmax(short[..., ::-1], axis=-1)
-        low = np.where(np.any(short, axis=-1), low, -1)
-        after = new & (np.arange(last + 1) > low[..., np.newaxis])
-        high = np.where(np.any(after, axis=-1), np.argmax(after, axis=-1), np.maximum(low, 0))
-        return self._between(times, low, high, highest)
-
-    def _between(
-        self, times: FloatArray, low: Any, high: Any, highest: FloatArray
-    ) -> tuple[FloatArray, Any]:
-        first = np.where(low < 0, np.maximum(high - 1, 0), low)[..., np.newaxis]
-        floor = np.where(low < 0, 0.0, np.take_along_axis(highest, first, axis=-1)[..., 0])
-        ends = [np.take_along_axis(times, i, axis=-1) for i in (first, high[..., np.newaxis])]
-        flat_pole, flat_band, flat_floor = (a.ravel() for a in (self.pole, self.dead_band, floor))
-
-        def excess(t: FloatArray, i: NDArray[np.intp]) -> FloatArray:
-            column = t[:, np.newaxis]
-            level = np.real(kernel.value(kernel.take(self.driver, i), column))[:, 0]
-            future = kernel.future(kernel.take(self.trim, i), flat_pole[i], column)[:, 0]
-            demand = np.real(future) * flat_pole[i]
-            return np.maximum(level, flat_floor[i]) - flat_band[i] * demand
-
-        both = np.concatenate(ends, axis=-1)
-        time = refine(both, np.ones_like(high), excess)
-        level = np.real(kernel.value(self.driver, np.nextafter(time, np.inf)[..., np.newaxis]))
-        return time, level[..., 0] < floor * (1.0 - 1e-9)
+def _shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        raise InputError(
+            f"dead_band, plant and wind must have shapes that broadcast; got {shapes}"
+        ) from None
 
 
 def _fastest_real_pole(plant: Plant) -> FloatArray:

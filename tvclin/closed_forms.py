@@ -199,17 +199,14 @@ def _newton(
     p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
 ) -> tuple[FloatArray, Any]:
     L = _minus_log_R(p)
-    with np.errstate(divide="ignore"):
-        high = np.minimum(p / K, 1.0 / (1.0 - K))
+    high = _above_the_root(p, K, kappa, K1, rho, L)
     low = np.zeros_like(high)
     z = np.minimum(K1 * p * np.asarray(triangular_limit(2.0 * p, K)), high)
     converged = np.zeros(z.shape, dtype=bool)
     for _ in range(100):
         x = K * z
-        growth = np.exp(x - L)
-        curved = x**2 * psi(rho * x)
-        left = -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + curved)
-        slope = -K1 * K * growth - (1.0 - K) - kappa * K * (1.0 + x * _psi_slope(rho * x))
+        left = _left_side(z, K, kappa, K1, rho, L)
+        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * _psi_slope(rho * x))
         low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
         new = z - left / slope
         new = np.where((new >= low) & (new <= high), new, (low + high) / 2.0)
@@ -219,6 +216,27 @@ def _newton(
         if np.all(converged):
             break
     return z, converged
+
+
+def _left_side(
+    z: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray, L: FloatArray
+) -> FloatArray:
+    x = K * z
+    return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
+
+
+def _above_the_root(
+    p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray, L: FloatArray
+) -> FloatArray:
+    """An end at which the left side is not positive; for b2 > b1 it may lie beyond p/K."""
+    with np.errstate(divide="ignore"):
+        high = np.minimum(p / K, 1.0 / (1.0 - K))
+    for _ in range(60):
+        below = _left_side(high, K, kappa, K1, rho, L) > 0.0
+        if not np.any(below):
+            break
+        high = np.where(below, 1.5 * high, high)
+    return high
 
 
 def _minus_log_R(p: FloatArray) -> FloatArray:

@@ -129,8 +129,9 @@ class Coefficients:
         **others
             C1, C2, b1, b2 and q, as of `Coefficients`.
         """
-        squared = positive("beta", beta, "1/s") ** 2
-        return cls(mu_alpha=squared, mu_delta=squared / nonzero("B", B), **others)
+        beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
+        together(beta=beta, B=B)
+        return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some fields changed."""

@@ -137,7 +137,8 @@ def trim_then_hold(
     plant : Plant
         The plant that is trimmed, one or a batch.
     wind : History
-        Wind angle of attack.
+        Wind angle of attack. Where it changes sign, only the part that the limit opposes can
+        leave the dead band.
     limit : array_like
         Deflection limit delta_max [rad] with its sign: it opposes the wind,
         delta_max = -y B alpha_w,max.

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import InputError, finite
+from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
-from tvclin.kernels import polynomials
 from tvclin.kernels.pieces import Pieces
 
 FloatArray = NDArray[np.float64]
@@ -51,7 +51,7 @@ class History(ABC):
         """
         times = finite("t", t, "s")
         values = np.real(kernel.value(self.pieces, times.ravel()))
-        return values.reshape(*self.batch, *times.shape)
+        return values.reshape((*self.batch, *times.shape))
 
     def laplace(self, s: ArrayLike) -> NDArray[Any]:
         """Return the Laplace transform, the integral of e^(-s t) times the history.
@@ -73,14 +73,14 @@ class History(ABC):
         its whole effect; for all others it is the usual one-sided transform.
         """
         s = _laplace_variable(s)
-        return _real_if_real(kernel.laplace(self.pieces, s), s)
+        return _real_if_real(integrals.laplace(self.pieces, s), s)
 
     def laplace_magnitude(self, s: ArrayLike) -> FloatArray:
         """Return the sum of the sizes of all terms of ``laplace(s)``.
 
         Times the floating-point epsilon it bounds the rounding error of the transform.
         """
-        return kernel.magnitude(self.pieces, _laplace_variable(s))
+        return integrals.magnitude(self.pieces, _laplace_variable(s))
 
     def future(self, s: ArrayLike, t: ArrayLike) -> NDArray[Any]:
         """Return the discounted future, the integral from `t` on of e^(-s (r - t)) f(r) dr.
@@ -90,8 +90,8 @@ class History(ABC):
         """
         s = _laplace_variable(s)
         times = finite("t", t, "s")
-        values = _real_if_real(kernel.future(self.pieces, s, times.ravel()), s)
-        return values.reshape(*values.shape[:-1], *times.shape)
+        values = _real_if_real(integrals.future(self.pieces, s, times.ravel()), s)
+        return values.reshape((*values.shape[:-1], *times.shape))
 
     def __add__(self, other: object) -> "History":
         if not isinstance(other, History):
@@ -120,7 +120,10 @@ class History(ABC):
 
     def before(self, time: ArrayLike) -> "History":
         """Return the history up to `time` [s], zero from there on; an infinite time keeps all."""
-        return Piecewise(kernel.before(self.pieces, np.asarray(time, dtype=float)))
+        edge = np.asarray(time, dtype=float)
+        if np.any(np.isnan(edge)):
+            raise InputError(f"time must be a number in s, or inf; got {time!r}")
+        return Piecewise(kernel.before(self.pieces, edge))
 
     def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> "History":
         """Return the exact answer of the filter numerator(s)/denominator(s), at rest before.
@@ -136,7 +139,8 @@ class History(ABC):
         InputError
             When the filter differentiates or its denominator begins with zero.
         """
-        num, den = finite("numerator", numerator), finite("denominator", denominator)
+        num = np.atleast_1d(finite("numerator", numerator))
+        den = np.atleast_1d(finite("denominator", denominator))
         if num.shape[-1] > den.shape[-1] or not np.all(den[..., 0]):
             raise InputError(
                 "numerator must not be of higher degree than denominator, which must not begin"
@@ -164,7 +168,8 @@ class History(ABC):
         constant = np.where(rates == 0.0, last[..., 0], 0.0).sum(axis=-1)
         endless = (np.real(rates) >= 0.0)[..., np.newaxis] & (last != 0.0)
         endless[..., 0] &= rates != 0.0
-        return np.where(np.any(endless, axis=(-2, -1)), np.nan, np.real(constant))
+        value = np.where(np.any(endless, axis=(-2, -1)), np.nan, np.real(constant))
+        return np.broadcast_to(value, self.batch)
 
     @cached_property
     def peak(self) -> FloatArray:
@@ -214,8 +219,14 @@ class History(ABC):
             one = kernel.take(self.pieces, index)
             return -sign[index] * np.real(kernel.value(one, t[:, np.newaxis]))[:, 0]
 
-        found = find_minimum(negative, bracket, args=(np.arange(sign.size),))
-        refined = np.where(found.success, -sign * found.f_x, 0.0).reshape(self.batch)
+        everyone = np.arange(sign.size)
+        low, middle, high = (negative(t, everyone) for t in bracket)
+        inside = (middle < low) & (middle < high)
+        refined = np.zeros(sign.size)
+        if np.any(inside):
+            found = find_minimum(negative, [t[inside] for t in bracket], args=(everyone[inside],))
+            refined[inside] = np.where(found.success, -sign[inside] * found.f_x, 0.0)
+        refined = refined.reshape(self.batch)
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 
@@ -262,7 +273,7 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
         gains.append(remainder)
     answer, stage = _scaled(pieces, rest[..., 0]), pieces
     for k, gain in enumerate(reversed(gains)):
-        stage = kernel.lag(stage, poles[..., k])
+        stage = lags.lag(stage, poles[..., k])
         answer = kernel.add(answer, _scaled(stage, gain))
     return Piecewise(answer)
 

@@ -90,10 +90,10 @@ class LeftOver:
     oscillates: Any
 
     def __str__(self) -> str:
+        times = (f"{time:.4g} s" for time in np.ravel(self.e_folding_times) if np.isfinite(time))
         parts = [
-            f"a growing exponential with an e-folding time of {time:.4g} s"
-            for time in np.ravel(self.e_folding_times)
-            if np.isfinite(time)
+            f"a growing exponential with an e-folding time of {time}"
+            for time in dict.fromkeys(times)
         ]
         if np.any(self.rate != 0.0):
             parts.append(f"a ramp of {np.degrees(_first(self.rate)):.4g} deg/s")
@@ -252,7 +252,8 @@ def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:
     simple = slope != 0.0
     divisor = np.where(simple, slope, 1.0)
     values = [polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS]
-    at_poles = [np.where(simple, value / divisor, np.nan) for value in values]
+    with np.errstate(invalid="ignore"):  # complex NaN stands for a pole that is not there
+        at_poles = [np.where(simple, value / divisor, np.nan) for value in values]
     return Modes(poles, *at_poles)
 
 

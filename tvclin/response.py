@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import InputError, finite
 from tvclin.histories import History
-from tvclin.kernels import pieces as kernel
+from tvclin.kernels import integrals, lags
 from tvclin.modes import Modes, all_modes, growing, residues_at
 from tvclin.plant import INPUTS, Plant
 
@@ -169,11 +169,11 @@ def _amplitudes(
     for k in range(modes.poles.shape[-1]):
         pole, up = modes.poles[..., k], unstable[..., k]
         weights = (modes.deflection_residues[..., k], modes.wind_residues[..., k])
-        forward = _sum(kernel.past, np.where(up, 0.0, pole), weights, (deflection, wind), times)
+        forward = _sum(lags.past, np.where(up, 0.0, pole), weights, (deflection, wind), times)
         if not np.any(up):
             columns.append(forward)
             continue
-        back = _sum(kernel.future, np.where(up, pole, 1.0), weights, (deflection, wind), times)
+        back = _sum(integrals.future, np.where(up, pole, 1.0), weights, (deflection, wind), times)
         with np.errstate(over="ignore", invalid="ignore"):
             growth = np.where(up, pole, 0.0)[..., np.newaxis] * times
             excess = found[..., k, np.newaxis]

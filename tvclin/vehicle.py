@@ -132,11 +132,18 @@ class Vehicle:
             if derived in others:
                 raise InputError(f"{derived} follows from the coefficients; leave it out")
         pressure = positive("dynamic_pressure", dynamic_pressure, "Pa")
-        force = pressure * positive("reference_area", reference_area, "m^2")
+        area = positive("reference_area", reference_area, "m^2")
         slope = nonnegative(
             "normal_force_coefficient_slope", normal_force_coefficient_slope, "1/rad"
         )
         axial = nonnegative("axial_force_coefficient", axial_force_coefficient)
+        together(
+            dynamic_pressure=pressure,
+            reference_area=area,
+            normal_force_coefficient_slope=slope,
+            axial_force_coefficient=axial,
+        )
+        force = pressure * area
         return cls(normal_force_slope=force * slope, axial_force=force * axial, **others)
 
     def replace(self, **changes: Any) -> Self:

@@ -26,10 +26,21 @@ def refine(times: FloatArray, index: NDArray[Any], evaluate: Evaluate) -> FloatA
 
     Where the ends have no different signs it is the later end.
     """
-    from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
-
     index = index[..., np.newaxis]
     high = np.take_along_axis(times, index, axis=-1)[..., 0]
     low = np.take_along_axis(times, np.maximum(index - 1, 0), axis=-1)[..., 0]
-    result = find_root(evaluate, (low.ravel(), high.ravel()), args=(np.arange(high.size),))
-    return np.where(result.success, result.x, high.ravel()).reshape(high.shape)
+    return roots_between(low.ravel(), high.ravel(), evaluate).reshape(high.shape)
+
+
+def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> FloatArray:
+    """Return the root between ``low (k,)`` and ``high (k,)``; `high` where there is no rise."""
+    from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
+
+    everyone = np.arange(low.size)
+    crossing = (evaluate(low, everyone) < 0.0) & (evaluate(high, everyone) > 0.0)
+    if not np.any(crossing):
+        return high
+    result = find_root(evaluate, (low[crossing], high[crossing]), args=(everyone[crossing],))
+    root = high.copy()
+    root[crossing] = np.where(result.success, result.x, high[crossing])
+    return root

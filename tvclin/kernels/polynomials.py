@@ -48,9 +48,16 @@ def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
 
 
 def _newton(polynomial: NDArray[np.float64], found: NDArray[Any]) -> NDArray[Any]:
+    """One step for the roots that stand alone.
+
+    The errors of a cluster of roots belong together, and moving them one by one would spoil what
+    they have in common.
+    """
     residual = value(polynomial, found)
     slope = value(derivative(polynomial), found)
-    safe = np.where(slope == 0.0, 1.0, slope)
-    moved = found - np.where(slope == 0.0, 0.0, residual / safe)
-    better = np.abs(value(polynomial, moved)) < np.abs(residual)
-    return np.where(better, moved, found)
+    step = np.where(slope == 0.0, 0.0, residual / np.where(slope == 0.0, 1.0, slope))
+    apart = np.abs(found[..., :, np.newaxis] - found[..., np.newaxis, :])
+    apart[..., np.arange(found.shape[-1]), np.arange(found.shape[-1])] = np.inf
+    alone = np.abs(step) <= 1e-3 * apart.min(axis=-1)
+    better = np.abs(value(polynomial, found - step)) < np.abs(residual)
+    return np.where(alone & better, found - step, found)

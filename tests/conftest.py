@@ -1,0 +1,104 @@
+"""What every test may use: the two vehicles of Table I and the equations they obey."""
+
+import copy
+import sys
+
+import numpy as np
+import pytest
+
+import tvclin
+
+G = 9.80665
+
+
+@pytest.fixture
+def configuration_i():
+    """Return configuration I of Table I."""
+    return tvclin.Vehicle(
+        weight=1.48e6,
+        moment_of_inertia=0.225e8,
+        normal_force_slope=0.667e6,
+        thrust=2.495e6,
+        aerodynamic_arm=9.45,
+        control_arm=23.56,
+        axial_force=0.807e5,
+        velocity=538.81,
+        attitude=np.radians(44.83),
+        time=66.0,
+    )
+
+
+@pytest.fixture
+def configuration_ii():
+    """Return configuration II of Table I."""
+    return tvclin.Vehicle(
+        weight=1.393e7,
+        moment_of_inertia=1.033e9,
+        normal_force_slope=0.562e7,
+        thrust=3.334e7,
+        aerodynamic_arm=28.78,
+        control_arm=50.27,
+        axial_force=0.962e6,
+        velocity=614.23,
+        attitude=np.radians(37.52),
+        time=85.0,
+    )
+
+
+@pytest.fixture(params=["I", "II"])
+def configuration(request, configuration_i, configuration_ii):
+    """Return both configurations in turn."""
+    return {"I": configuration_i, "II": configuration_ii}[request.param]
+
+
+@pytest.fixture
+def linearised():
+    """Return a function that linearises eqs (B1a) to (B1c) about the nominal flight.
+
+    It gives A and B for the states attitude, its rate, flight path angle and V/V_n, and the
+    inputs deflection and wind, by complex steps, which are exact to rounding.
+    """
+
+    def jacobian(vehicle):
+        nominal = np.array([vehicle.attitude, 0.0, vehicle.attitude, 1.0, 0.0, 0.0], dtype=complex)
+        columns = [
+            np.imag(_planar_motion(vehicle, nominal + 1e-30j * unit)) / 1e-30 for unit in np.eye(6)
+        ]
+        both = np.stack(columns, axis=-1)
+        return both[:, :4], both[:, 4:]
+
+    return jacobian
+
+
+def _planar_motion(vehicle, values):
+    attitude, rate, path, relative_speed, deflection, wind = values
+    v, mass = vehicle, vehicle.weight / G
+    lean, angle = attitude - path, attitude - path - wind
+    # The thrust along the body and the control force across it; for T as slope this is T turned
+    # by the deflection, to first order.
+    along = (v.thrust - v.axial_force) * np.cos(lean) - v.control_force * deflection * np.sin(lean)
+    across = (v.thrust - v.axial_force) * np.sin(lean) + v.control_force * deflection * np.cos(lean)
+    normal = v.normal_force_slope * angle
+    speed = v.velocity * relative_speed
+    moment = normal * v.aerodynamic_arm - v.control_force * v.control_arm * np.sin(deflection)
+    return np.array(
+        [
+            rate,
+            moment / v.moment_of_inertia,
+            (across + normal * np.cos(lean) - v.weight * np.cos(path)) / (mass * speed),
+            (along - normal * np.sin(lean) - v.weight * np.sin(path)) / (mass * v.velocity),
+        ]
+    )
+
+
+@pytest.fixture(autouse=True)
+def global_state_stays_as_it_was():
+    """No test, and nothing it calls, may change numpy's or python-control's settings."""
+    numpy_before = np.geterr()
+    yield
+    assert np.geterr() == numpy_before
+    if "control" in sys.modules:
+        config = sys.modules["control"].config
+        control_after = copy.deepcopy(dict(config.defaults))
+        config.reset_defaults()  # to what python-control is installed with
+        assert control_after == dict(config.defaults)

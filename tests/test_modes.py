@@ -1,0 +1,261 @@
+"""The unstable modes, the residues at them, and the verdict of eq (4b)."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import tvclin
+from tvclin import Coefficients, Plant, judge, residues, unstable_modes
+from tvclin.modes import all_modes
+from tvclin.plant import INPUTS, MODELS
+
+ORDER = {"fixed-path": 2, "drift": 3, "drift-exact": 3, "drift-and-speed": 4}
+STABLE = {"mu_alpha": -0.3, "mu_delta": 2.6, "b1": 0.02, "b2": 0.015}
+
+
+def triangle(plant, tau_beta=4.0):
+    return tvclin.TriangularWind(peak=-0.08, duration=tau_beta / plant.coefficients.beta)
+
+
+def on_the_boundary(plant, wind, dead_band=1.0, factor=1.0):
+    """Return the report's control with `factor` times the boundary limit."""
+    found = tvclin.boundary_limit(plant, wind, dead_band)
+    limit = factor * found.deflection
+    return tvclin.trim_then_hold(plant, wind, limit=limit, dead_band=dead_band)
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "printed", "last_digit"),
+    [
+        ("configuration_i", "fixed-path", [0.52928], 1e-5),
+        ("configuration_ii", "fixed-path", [0.39570], 1e-5),
+        ("configuration_i", "drift", [0.52928], 1e-5),
+        ("configuration_ii", "drift", [0.39570], 1e-5),
+        ("configuration_i", "drift-exact", [0.5102040259, 0.0128538675], 1e-10),
+        ("configuration_ii", "drift-exact", [0.3739717894, 0.0097502194], 1e-10),
+        (
+            "configuration_i",
+            "drift-and-speed",
+            [0.5102163, 0.0064156 + 0.0112135j, 0.0064156 - 0.0112135j],
+            1e-7,
+        ),
+        (
+            "configuration_ii",
+            "drift-and-speed",
+            [0.3739966, 0.0048526 + 0.0117149j, 0.0048526 - 0.0117149j],
+            1e-7,
+        ),
+    ],
+)
+def test_unstable_poles_are_those_computed_in_50_digits(name, model, printed, last_digit, request):
+    poles = unstable_modes(Plant.from_vehicle(request.getfixturevalue(name), model)).poles
+    assert poles.shape == (len(printed),)
+    for part in (np.real, np.imag):
+        np.testing.assert_allclose(part(poles), part(printed), rtol=0, atol=0.51 * last_digit)
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+def test_real_poles_come_as_real_numbers(configuration_i, model):
+    modes = unstable_modes(Plant.from_vehicle(configuration_i, model))
+    assert modes.poles.dtype == modes.wind_residues.dtype == np.float64
+
+
+def contour_integral(plant, input, pole):
+    """Integrate H(s) ds/(2 pi j) around one pole, in 50 digits.
+
+    The trapezoidal sum on a circle halfway to the next pole errs by 2^-n.
+    """
+    with mpmath.workdps(50):
+        denominator = [mpmath.mpf(float(a)) for a in plant.denominator]
+        numerator = [mpmath.mpf(float(a)) for a in plant.numerator("attitude", input)]
+        roots = mpmath.polyroots(denominator, maxsteps=200, extraprec=200)
+        centre = min(roots, key=lambda root: abs(root - pole))
+        radius = min(abs(root - centre) for root in roots if root is not centre) / 2
+        n, total = 120, mpmath.mpc(0)
+        for k in range(n):
+            arm = radius * mpmath.expjpi(mpmath.mpf(2 * k) / n)
+            total += (
+                arm
+                * mpmath.polyval(numerator, centre + arm)
+                / mpmath.polyval(denominator, centre + arm)
+            )
+        return complex(total / n)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_residues_are_contour_integrals_around_the_poles(configuration, model):
+    plant = Plant.from_vehicle(configuration, model)
+    modes = unstable_modes(plant)
+    both = (modes.deflection_residues, modes.wind_residues)
+    for input, found in zip(INPUTS, both, strict=True):
+        expected = [contour_integral(plant, input, pole) for pole in modes.poles]
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_residue_of_a_response_is_the_sum_over_both_inputs(configuration_i, model):
+    plant = Plant.from_vehicle(configuration_i, model)
+    modes, p = unstable_modes(plant), unstable_modes(plant).poles
+    wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
+    held = tvclin.HeldDeflection(limit=-0.004, start=2.0)
+    expected = (
+        modes.deflection_residues * -0.004 * np.exp(-2.0 * p) / p
+        + modes.wind_residues * 0.05 * -np.expm1(-7.0 * p) / p
+    )
+    np.testing.assert_allclose(residues(plant, held, wind), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift"])
+def test_a_stable_vehicle_has_no_unstable_mode_and_every_history_is_stable(model):
+    plant = Plant.from_coefficients(Coefficients(**STABLE), model)
+    wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
+    assert unstable_modes(plant).poles.shape == (0,)
+    verdict = judge(plant, tvclin.HeldDeflection(limit=0.1), wind)
+    assert verdict.stable is True
+    assert verdict.residues.shape == (0,)
+
+
+@pytest.mark.parametrize("dead_band", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("model", ["fixed-path", "drift"])
+def test_the_boundary_is_stable_and_a_billionth_beside_it_is_not(configuration, model, dead_band):
+    plant = Plant.from_vehicle(configuration, model)
+    wind = triangle(plant)
+    assert judge(plant, on_the_boundary(plant, wind, dead_band), wind).stable is True
+    # Short of deflection the vehicle goes with the moment of the wind, beyond it against it.
+    for factor, sign in ((1.0 - 1e-9, -np.sign(wind.peak)), (1.0 + 1e-9, np.sign(wind.peak))):
+        beside = on_the_boundary(plant, wind, dead_band, factor)
+        verdict = judge(plant, beside, wind)
+        assert verdict.stable is tvclin.is_stable(plant, beside, wind) is False
+        assert np.sign(verdict.residues[0]) == sign
+
+
+@pytest.mark.parametrize("dead_band", [0.5, 1.0])
+@pytest.mark.parametrize("model", ["drift-exact", "drift-and-speed"])
+def test_on_the_boundary_of_the_exact_models_only_the_slow_modes_are_left(
+    configuration, model, dead_band
+):
+    plant = Plant.from_vehicle(configuration, model)
+    wind = triangle(plant)
+    verdict = judge(plant, on_the_boundary(plant, wind, dead_band), wind)
+    excited = np.abs(verdict.residues) > verdict.tolerance
+    assert excited.tolist() == [False] + [True] * (len(excited) - 1)
+    assert verdict.stable is False
+    assert np.isnan(verdict.left_over.e_folding_times[0])
+
+
+def test_the_left_over_names_the_slow_root_and_its_e_folding_time(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift-exact")
+    wind = triangle(plant)
+    left = judge(plant, on_the_boundary(plant, wind), wind).left_over
+    assert left.e_folding_times[1] == pytest.approx(1.0 / 0.0128538675, rel=1e-8)
+    assert "e-folding time of 77.8 s" in str(left)
+
+
+def test_a_growing_pair_is_said_once(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift-and-speed")
+    wind = triangle(plant)
+    text = str(judge(plant, on_the_boundary(plant, wind), wind).left_over)
+    assert text.count("155.9 s") == 1
+
+
+def test_on_a_fixed_path_the_held_deflection_leaves_y_times_the_wind(configuration):
+    plant = Plant.from_vehicle(configuration)
+    wind = triangle(plant)
+    y = tvclin.boundary_limit(plant, wind).limit
+    left = judge(plant, on_the_boundary(plant, wind), wind).left_over
+    assert left.offset == pytest.approx(-y * wind.peak, rel=1e-13)  # the final value theorem
+    assert left.rate == 0.0
+    assert f"a held attitude error of {np.degrees(-y * wind.peak):.4g} deg" == str(left)
+
+
+def test_with_drift_the_held_deflection_leaves_a_ramp(configuration):
+    plant = Plant.from_vehicle(configuration, "drift")
+    c, wind = plant.coefficients, triangle(plant)
+    control = on_the_boundary(plant, wind)
+    left = judge(plant, control, wind).left_over
+    assert left.rate == pytest.approx(c.b1 / c.B * control.final_value, rel=1e-13)
+    assert np.isnan(left.offset)
+    assert str(left).startswith("a ramp of ")
+
+
+def test_with_drift_a_pulse_that_ends_leaves_an_offset(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift")
+    c, wind = plant.coefficients, tvclin.RectangularWind(peak=0.05, duration=6.0)
+    left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).left_over
+    # s times (beta^2/B) B (s + b2)/(s (beta^2 - s^2)) times the area of the wind, at s = 0
+    assert left.offset == pytest.approx(c.b2 * 0.05 * 6.0, rel=1e-13)
+    assert left.rate == 0.0
+
+
+def test_trim_throughout_leaves_nothing(configuration_i):
+    plant = Plant.from_vehicle(configuration_i)
+    wind = triangle(plant)
+    verdict = judge(plant, tvclin.trim_deflection(plant, wind), wind)
+    assert verdict.stable is True
+    assert str(verdict.left_over) == "nothing"
+
+
+def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
+    plant = Plant.from_coefficients(Coefficients(**STABLE))
+    wind = tvclin.RectangularWind(peak=0.05, duration=6.0)
+    left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).left_over
+    assert left.oscillates
+    assert str(left) == "an undamped oscillation"
+
+
+def test_an_unstable_vehicle_does_not_oscillate(configuration_i):
+    plant = Plant.from_vehicle(configuration_i)
+    wind = triangle(plant)
+    assert not judge(plant, on_the_boundary(plant, wind), wind).left_over.oscillates
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift"])
+def test_the_boundary_of_a_wind_of_2000_samples_is_stable(configuration, model):
+    plant = Plant.from_vehicle(configuration, model)
+    time = np.linspace(0.0, 12.0, 2000)
+    noise = np.random.default_rng(7).normal(scale=0.02, size=time.size)
+    angle = 0.09 * np.sin(np.pi * time / 12.0) ** 2 * np.exp(noise)
+    angle[[0, -1]] = 0.0
+    wind = tvclin.SampledWind(time=time, angle=angle)
+    verdict = judge(plant, on_the_boundary(plant, wind), wind)
+    assert verdict.stable is True
+    assert verdict.tolerance[0] < 1e-11  # the tolerance is rounding, no more
+    assert judge(plant, on_the_boundary(plant, wind, factor=1.0 + 1e-9), wind).stable is False
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_batch_equals_a_loop_and_fills_with_nan(model):
+    rows = {"mu_alpha": np.array([0.28, -0.3, 0.16]), "b1": np.array([0.03, 0.02, 0.04])}
+    others = {"mu_delta": 2.0, "b2": 0.015, "C1": 0.025, "q": 1.5e-4}
+    slow = {"C2": 0.013 * rows["mu_alpha"]}
+    batch = Plant.from_coefficients(Coefficients(**rows, **slow, **others), model)
+    wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
+    held = tvclin.HeldDeflection(limit=-0.004)
+    modes, verdict = unstable_modes(batch), judge(batch, held, wind)
+    for i in range(3):
+        one = {name: values[i] for name, values in (rows | slow).items()}
+        single = Plant.from_coefficients(Coefficients(**one, **others), model)
+        expected, alone = unstable_modes(single), judge(single, held, wind)
+        n = expected.poles.size
+        np.testing.assert_allclose(modes.poles[i, :n], expected.poles, rtol=1e-13)
+        np.testing.assert_allclose(verdict.residues[i, :n], alone.residues, rtol=1e-11)
+        assert np.all(np.isnan(modes.poles[i, n:]))
+        assert verdict.stable[i] == alone.stable
+        for name in ("offset", "rate", "oscillates"):
+            found, value = getattr(verdict.left_over, name), getattr(alone.left_over, name)
+            assert found[i] == pytest.approx(value, rel=1e-12, nan_ok=True), name
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_an_impulse_does_not_move_the_attitude_at_once(configuration, model):
+    modes = all_modes(Plant.from_vehicle(configuration, model))
+    assert modes.poles.shape == (ORDER[model],)
+    for found in (modes.deflection_residues, modes.wind_residues):
+        # The residues of a transfer function that falls as 1/s^2 add up to zero.
+        assert abs(found.sum()) < 1e-13 * np.abs(found).max()
+
+
+def test_a_repeated_pole_has_no_residue():
+    modes = all_modes(Plant.from_coefficients(Coefficients(mu_alpha=0.0, mu_delta=2.0)))
+    assert modes.poles.tolist() == [0.0, 0.0]
+    assert np.all(np.isnan(modes.deflection_residues))

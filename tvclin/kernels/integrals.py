@@ -1,0 +1,83 @@
+"""Integrals of pieces: the Laplace transform, and the discounted future of a growing mode."""
+
+from math import factorial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.kernels.moments import moments
+from tvclin.kernels.pieces import Pieces, at_pieces, locate, moved
+
+
+def laplace(pieces: Pieces, s: NDArray[Any]) -> NDArray[Any]:
+    """Return the Laplace integral over the whole history at `s`, which broadcasts with the batch.
+
+    Infinite where the last piece does not die out faster than e^(-s t) grows.
+    """
+    each, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
+    total = (np.exp(-s[..., np.newaxis] * pieces.knots) * each).sum(axis=-1)
+    return np.where(diverges.any(axis=-1), np.inf, total)
+
+
+def magnitude(pieces: Pieces, s: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the sum of the sizes of all terms of `laplace`: its rounding error per epsilon."""
+    sizes = Pieces(pieces.knots, np.abs(pieces.coefficients), np.real(pieces.rates))
+    return laplace(sizes, np.real(s))
+
+
+def future(pieces: Pieces, s: NDArray[Any], t: NDArray[np.float64]) -> NDArray[Any]:
+    """Return the discounted future, the integral from t on of e^(-s (r - t)) f(r) dr.
+
+    At the times ``t (..., m)``, as in `value`; `s` broadcasts with the batch. Every exponential
+    in it decays, so an unstable mode that is not excited stays exact however late the time.
+    """
+    at_knots, diverges = _future_at_knots(pieces, s)
+    after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
+    index, u = locate(pieces, t)
+    early = u < 0.0
+    u = np.maximum(u, 0.0)
+    here = moved(at_pieces(pieces.coefficients, index, 2), pieces.rates, u)
+    left = np.maximum(at_pieces(pieces.widths, index, 0) - u, 0.0)
+    column = s[..., np.newaxis]
+    rest, _ = integrals(here, pieces.rates, left, s)
+    endless = np.isinf(left)
+    decay = np.exp(-column * np.where(endless, 0.0, left))
+    tail = np.where(endless, 0.0, decay * at_pieces(after, index, 0))
+    lead = np.exp(-column * np.maximum(pieces.knots[..., :1] - t, 0.0)) * at_knots[..., :1]
+    return np.where(diverges[..., np.newaxis], np.inf, np.where(early, lead, rest + tail))
+
+
+def _future_at_knots(pieces: Pieces, s: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    each, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
+    decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
+    result = np.array(each)
+    for i in range(result.shape[-1] - 2, -1, -1):
+        result[..., i] += decay[..., i] * result[..., i + 1]
+    return result, np.asarray(diverges.any(axis=-1))
+
+
+def integrals(
+    c: NDArray[Any], rates: NDArray[Any], widths: NDArray[np.float64], s: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Integrate each piece times e^(-s u) over its width, ``(..., m)``; and say which diverge."""
+    excess = (s[..., np.newaxis] - rates)[..., np.newaxis, :]
+    endless = np.isinf(widths)
+    width = np.where(endless, 0.0, widths)[..., np.newaxis]
+    order = c.shape[-1]
+    result = (c * powers(width, order) * moments(excess * width, order - 1)).sum(axis=(-2, -1))
+    if not np.any(endless):
+        return np.asarray(result), np.zeros(result.shape, dtype=bool)
+    dying = (np.real(excess) > 0.0) & endless[..., np.newaxis]
+    growing: NDArray[np.bool_] = ~dying & endless[..., np.newaxis] & (c != 0.0).any(axis=-1)
+    factorials = np.array([factorial(k) for k in range(order)], dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
+        divisor = np.where(dying, excess, 1.0)[..., np.newaxis] ** np.arange(1, order + 1)
+        tails = c * factorials / divisor
+    tails = np.where(dying[..., np.newaxis] & (c != 0.0), tails, 0.0).sum(axis=(-2, -1))
+    return np.where(endless, tails, result), np.asarray(growing.any(axis=-1))
+
+
+def powers(width: NDArray[np.float64], order: int) -> NDArray[Any]:
+    """width^1 ... width^order, on a new last axis."""
+    return np.cumprod(np.repeat(width[..., np.newaxis], order, axis=-1), axis=-1)
