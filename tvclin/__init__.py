@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from tvclin.boundary import boundary_limit as boundary_limit
     from tvclin.boundary import is_sufficient as is_sufficient
     from tvclin.boundary import survivable_peak as survivable_peak
+    from tvclin.boundary import triangle_error as triangle_error
     from tvclin.coefficients import Coefficients as Coefficients
     from tvclin.deflections import BangBang as BangBang
     from tvclin.deflections import HeldDeflection as HeldDeflection
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from tvclin.deflections import trim_then_hold as trim_then_hold
     from tvclin.errors import InputError as InputError
     from tvclin.histories import History as History
+    from tvclin.loads import Loads as Loads
+    from tvclin.loads import wind_loads as wind_loads
     from tvclin.modes import LeftOver as LeftOver
     from tvclin.modes import Modes as Modes
     from tvclin.modes import Verdict as Verdict
@@ -27,6 +30,11 @@ if TYPE_CHECKING:
     from tvclin.modes import judge as judge
     from tvclin.modes import residues as residues
     from tvclin.modes import unstable_modes as unstable_modes
+    from tvclin.optimum import Optimum as Optimum
+    from tvclin.optimum import RateLimitedOptimum as RateLimitedOptimum
+    from tvclin.optimum import optimum_deflection as optimum_deflection
+    from tvclin.optimum import optimum_with_rate_limit as optimum_with_rate_limit
+    from tvclin.optimum import single_pole_validity as single_pole_validity
     from tvclin.plant import Plant as Plant
     from tvclin.plant import available_models as available_models
     from tvclin.response import Responses as Responses
@@ -36,19 +44,31 @@ if TYPE_CHECKING:
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
     from tvclin.vehicle_file import load_vehicle as load_vehicle
+    from tvclin.winds import AsymmetricTriangularWind as AsymmetricTriangularWind
+    from tvclin.winds import LayeredGust as LayeredGust
+    from tvclin.winds import OneMinusCosineGust as OneMinusCosineGust
     from tvclin.winds import RectangularWind as RectangularWind
     from tvclin.winds import SampledWind as SampledWind
+    from tvclin.winds import TrapezoidalWind as TrapezoidalWind
     from tvclin.winds import TriangularWind as TriangularWind
     from tvclin.winds import angle_from_speed as angle_from_speed
+    from tvclin.winds import equivalent_triangle as equivalent_triangle
 
 __version__ = "0.1.0"
 
 _ROOMS = {
-    "boundary": ("BoundaryLimit", "boundary_limit", "is_sufficient", "survivable_peak"),
+    "boundary": (
+        "BoundaryLimit",
+        "boundary_limit",
+        "is_sufficient",
+        "survivable_peak",
+        "triangle_error",
+    ),
     "coefficients": ("Coefficients",),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
     "histories": ("History",),
+    "loads": ("Loads", "wind_loads"),
     "modes": (
         "LeftOver",
         "Modes",
@@ -59,12 +79,29 @@ _ROOMS = {
         "residues",
         "unstable_modes",
     ),
+    "optimum": (
+        "Optimum",
+        "RateLimitedOptimum",
+        "optimum_deflection",
+        "optimum_with_rate_limit",
+        "single_pole_validity",
+    ),
     "plant": ("Plant", "available_models"),
     "response": ("Responses", "attitude_response", "attitude_responses"),
     "study": ("Study",),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),
-    "winds": ("RectangularWind", "SampledWind", "TriangularWind", "angle_from_speed"),
+    "winds": (
+        "AsymmetricTriangularWind",
+        "LayeredGust",
+        "OneMinusCosineGust",
+        "RectangularWind",
+        "SampledWind",
+        "TrapezoidalWind",
+        "TriangularWind",
+        "angle_from_speed",
+        "equivalent_triangle",
+    ),
 }
 _HOME = {name: room for room, names in _ROOMS.items() for name in names}
 

@@ -32,6 +32,7 @@ from tvclin.kernels import pieces as kernel
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 from tvclin.switching import Problem
+from tvclin.winds import equivalent_triangle
 
 __all__ = [
     "BoundaryLimit",
@@ -41,6 +42,7 @@ __all__ = [
     "rectangular_limit",
     "solve_triangular_with_drift",
     "survivable_peak",
+    "triangle_error",
     "triangular_limit",
     "triangular_limit_with_drift",
 ]
@@ -204,6 +206,28 @@ def survivable_peak(
     needed = np.abs(boundary_limit(plant, wind, dead_band, switch).deflection)
     with np.errstate(divide="ignore"):
         return plain(np.asarray(wind.peak * (capability / needed)))
+
+
+def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Any:
+    """Return the relative error of the boundary when a wind is replaced by its equivalent triangle.
+
+    It holds for the given plant: the triangle's boundary deflection over that of the wind itself,
+    minus one. Negative where the triangle promises too much; NaN where no deflection is needed.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `boundary_limit`.
+
+    Raises
+    ------
+    InputError
+        As `boundary_limit` and `equivalent_triangle`.
+    """
+    both = (wind, equivalent_triangle(wind))
+    true, triangle = (np.asarray(boundary_limit(plant, w, dead_band).deflection) for w in both)
+    with np.errstate(invalid="ignore"):
+        return plain(np.asarray(triangle / true - 1.0))
 
 
 def _trim_for_ever(problem: Problem) -> FloatArray:

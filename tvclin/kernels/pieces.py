@@ -18,6 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+_FEW = 4096
+"""Up to so many pairs of a knot and a time all are compared at once."""
+
+
 @dataclass(frozen=True, slots=True)
 class Pieces:
     """Knots ``(..., n)``, coefficients ``(..., n, rates, degree + 1)`` and rates ``(..., rates)``.
@@ -112,9 +116,15 @@ def locate(pieces: Pieces, t: NDArray[np.float64]) -> tuple[NDArray[np.intp], ND
 
 
 def _last_at_or_before(knots: NDArray[np.float64], t: NDArray[np.float64]) -> NDArray[np.intp]:
-    if knots.ndim == 1:
-        return np.searchsorted(knots, t, side="right") - 1
-    return np.sum(knots[..., np.newaxis, :] <= t[..., np.newaxis], axis=-1) - 1
+    if knots.size and not any(knots.strides[:-1]):  # one row of knots for the whole batch
+        return np.searchsorted(knots[(0,) * (knots.ndim - 1)], t, side="right") - 1
+    if knots.shape[-1] * t.shape[-1] <= _FEW:
+        return np.sum(knots[..., np.newaxis, :] <= t[..., np.newaxis], axis=-1) - 1
+    shape = np.broadcast_shapes(knots.shape[:-1], t.shape[:-1])
+    rows = np.broadcast_to(knots, (*shape, knots.shape[-1])).reshape(-1, knots.shape[-1])
+    times = np.broadcast_to(t, (*shape, t.shape[-1])).reshape(-1, t.shape[-1])
+    found = [np.searchsorted(row, x, side="right") for row, x in zip(rows, times, strict=True)]
+    return np.reshape(found, (*shape, t.shape[-1])) - 1
 
 
 def at_pieces(array: NDArray[Any], index: NDArray[np.intp], trailing: int) -> NDArray[Any]:

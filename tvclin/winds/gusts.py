@@ -1,0 +1,117 @@
+"""Gusts with the shape of one minus a cosine, which start and end without a kink."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import nonnegative, positive
+from tvclin.histories import History
+from tvclin.kernels.pieces import Pieces
+from tvclin.winds.checks import checked_peak, keep
+
+FloatArray = NDArray[np.float64]
+
+# Parts of the peak at the rates 0, +j omega and -j omega. Every piece counts its time from its own
+# start, where its half wave is at an extreme, so that all coefficients are real.
+_UP = [0.5, -0.25, -0.25]
+_PLATEAU = [1.0, 0.0, 0.0]
+_DOWN = [0.5, 0.25, 0.25]
+_CALM = [0.0, 0.0, 0.0]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OneMinusCosineGust(History):
+    """A gust that swells from t = 0 to its peak at T/2 and dies down to T, both smoothly.
+
+        alpha_w = (peak/2) (1 - cos(2 pi t/T)),    0 <= t <= T
+
+    Parameters
+    ----------
+    peak : array_like
+        Wind angle of attack at its largest [rad], not zero, within 90 degrees.
+    duration : array_like
+        Duration T [s], positive; broadcasts with `peak`. In the words of airworthiness rules it
+        is twice the gust gradient distance over the speed.
+
+    Raises
+    ------
+    InputError
+        For a peak of zero or beyond 90 degrees, a duration not above zero, or shapes that do
+        not broadcast.
+
+    Notes
+    -----
+    The shape is that of 14 CFR 25.341(a)(2).
+    """
+
+    peak: float | FloatArray  # type: ignore[assignment]
+    duration: float | FloatArray
+
+    def __post_init__(self) -> None:
+        keep(self, peak=checked_peak(self.peak), duration=positive("duration", self.duration, "s"))
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        duration = np.asarray(self.duration)
+        knots = np.stack([np.zeros_like(duration), duration / 2, duration], axis=-1)
+        return _waves(np.asarray(self.peak), duration / 2, knots, [_UP, _DOWN, _CALM])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LayeredGust(History):
+    """A gust that swells smoothly to its peak, stays there, and dies down as it swelled.
+
+    The rise is (peak/2) (1 - cos(pi t/blend)), and the fall is its mirror image.
+
+    Parameters
+    ----------
+    peak : array_like
+        Wind angle of attack on the plateau [rad], not zero, within 90 degrees.
+    blend : array_like
+        How long the rise lasts [s], and the fall; zero or positive, zero being a jump.
+    plateau : array_like
+        How long the peak lasts [s]; zero or positive, and not zero where `blend` is. All three
+        broadcast.
+
+    Raises
+    ------
+    InputError
+        For a peak of zero or beyond 90 degrees, a negative blend or plateau, a gust that does
+        not last, or shapes that do not broadcast.
+
+    Notes
+    -----
+    It is the discrete gust of NASA-HDBK-1001, eq (2.69), flown through: the heights there, over
+    the rate of climb, are the times here. Not read in the handbook itself, but in the program
+    MAPLEAF (TurbulenceModelling.py), which cites it.
+    """
+
+    peak: float | FloatArray  # type: ignore[assignment]
+    blend: float | FloatArray
+    plateau: float | FloatArray
+
+    def __post_init__(self) -> None:
+        peak, blend = checked_peak(self.peak), nonnegative("blend", self.blend, "s")
+        plateau = nonnegative("plateau", self.plateau, "s")
+        keep(self, peak=peak, blend=blend, plateau=plateau)
+        positive("blend + plateau", blend + plateau, "s")
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        blend = np.asarray(self.blend)
+        top = blend + self.plateau
+        knots = np.stack(np.broadcast_arrays(0.0, blend, top, top + blend), axis=-1)
+        return _waves(np.asarray(self.peak), blend, knots, [_UP, _PLATEAU, _DOWN, _CALM])
+
+
+def _waves(
+    peak: FloatArray, half_wave: FloatArray, knots: FloatArray, shape: list[list[float]]
+) -> Pieces:
+    coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
+    omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
+    rates = 1j * omega[..., np.newaxis] * np.array([0.0, 1.0, -1.0])
+    return Pieces(knots, coefficients[..., np.newaxis], rates)

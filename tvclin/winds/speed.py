@@ -1,0 +1,38 @@
+"""From wind speeds to wind angles."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.errors import InputError, finite, positive
+
+
+def angle_from_speed(
+    speed: ArrayLike, velocity: ArrayLike, flight_path_angle: ArrayLike
+) -> NDArray[np.float64]:
+    """Return the wind angle of attack [rad] of a horizontal wind, eq (B1e).
+
+        sin(alpha_w) = (V_w/V_R) sin(gamma)
+
+    Parameters
+    ----------
+    speed : array_like
+        Wind speed V_w [m/s]; positive is a tail wind.
+    velocity : array_like
+        Speed of the vehicle relative to the air V_R [m/s], positive.
+    flight_path_angle : array_like
+        Flight path angle gamma [rad].
+
+    Raises
+    ------
+    InputError
+        When the wind is faster than the vehicle can meet: |V_w sin(gamma)| > V_R.
+    """
+    speed = finite("speed", speed, "m/s")
+    velocity = positive("velocity", velocity, "m/s")
+    sine = speed / velocity * np.sin(finite("flight_path_angle", flight_path_angle, "rad"))
+    if np.any(np.abs(sine) > 1.0):
+        raise InputError(
+            "speed must stay below velocity / sin(flight_path_angle); got a ratio of"
+            f" {np.abs(sine).max():.6g}"
+        )
+    return np.arcsin(sine)
