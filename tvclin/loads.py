@@ -1,0 +1,88 @@
+"""What a wind and a control do to the structure: angle of attack and the bending indicator."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import InputError
+from tvclin.extremes import probe_times, summit
+from tvclin.histories import History
+from tvclin.plant import Plant
+from tvclin.response import attitude_responses
+
+FloatArray = NDArray[np.float64]
+
+_NAMES = ("angle_of_attack", "attitude")
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Largest sizes while the wind blows, with their signs.
+
+    Attributes
+    ----------
+    peak_angle_of_attack : float
+        Angle of attack [rad].
+    peak_time : float
+        When it is reached [s].
+    peak_attitude : float
+        Attitude error [rad].
+    relative : float
+        Size of the peak angle of attack over the peak of the wind: 1 for ideal trim without
+        drift. The bending-moment indicator N alpha falls by the same factor.
+    """
+
+    peak_angle_of_attack: float
+    peak_time: float
+    peak_attitude: float
+    relative: float
+
+    def bending_indicator(self, normal_force_slope: float) -> float:
+        """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
+        return abs(normal_force_slope * self.peak_angle_of_attack)
+
+
+def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
+    """Return the largest angle of attack and attitude error while the wind blows.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant of any model.
+    deflection, wind : History
+        Two histories, not batches; the wind must end.
+
+    Raises
+    ------
+    InputError
+        For a batch, and for a wind that never ends.
+
+    Notes
+    -----
+    The report's conclusions say that a control below trim reduces angle of attack and bending
+    moment. The peaks are sought between the samples of the exact response.
+    """
+    if plant.batch or deflection.batch or wind.batch:
+        raise InputError("wind_loads is for one case; take the elements of the batch one by one")
+    if np.isinf(wind.end):
+        raise InputError("wind must end: the last piece of its history must be zero")
+    start, end = float(wind.onset), float(np.nextafter(wind.end, -np.inf))
+    times = probe_times(start, end, deflection, wind)
+    summits = [_largest(plant, deflection, wind, name, times) for name in _NAMES]
+    (angle, time), (attitude, _) = summits
+    return Loads(angle, time, attitude, abs(angle / float(wind.peak)))
+
+
+def _largest(
+    plant: Plant, deflection: History, wind: History, name: str, times: FloatArray
+) -> tuple[float, float]:
+    """The value of largest size, with its sign, and its time."""
+
+    def output(t: FloatArray) -> FloatArray:
+        return attitude_responses(plant, deflection, wind, t)[name]
+
+    values = output(times)
+    sign = float(np.sign(values[np.argmax(np.abs(values))])) or 1.0
+    value, time = summit(lambda t: sign * output(t), times, sign * values)
+    return sign * value, time
