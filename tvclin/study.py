@@ -1,5 +1,6 @@
 """One vehicle, one wind: the whole answer as one value."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -15,7 +16,7 @@ from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-SHAPES = {"rectangular": RectangularWind, "triangular": TriangularWind}
+SHAPES: dict[str, Callable[..., Any]] = {"rectangular": RectangularWind, "triangular": TriangularWind}
 
 
 @dataclass(frozen=True, eq=False)

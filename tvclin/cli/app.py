@@ -10,7 +10,10 @@ import typer
 from typer.core import TyperGroup
 
 from tvclin.cli.boundary import boundary
+from tvclin.cli.optimum import optimum
 from tvclin.cli.poles import poles
+from tvclin.cli.reproduce import reproduce
+from tvclin.cli.respond import respond
 from tvclin.cli.study import study
 from tvclin.cli.vehicles import init, vehicles
 
@@ -38,7 +41,7 @@ app = typer.Typer(
     help="How much thrust-vector deflection must this booster have to survive this wind?",
     epilog="First steps: tvclin vehicles | tvclin study configuration-i | tvclin init my.toml",
 )
-for command in (study, boundary, poles, vehicles, init):
+for command in (study, boundary, optimum, respond, poles, reproduce, vehicles, init):
     app.command()(command)
 
 

@@ -31,9 +31,9 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
-    from tvclin.cli.output import print_json, print_table, save_figure
+    from tvclin.cli.output import print_json, print_table
     from tvclin.errors import positive, within
-    from tvclin.plots import boundary_chart
+    from tvclin.plots import boundary_chart, save_figure
 
     x = positive("--tau-beta", tau_beta or TAU_BETA)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
@@ -71,7 +71,7 @@ def _limits(
     from tvclin.study import SHAPES
     from tvclin.vehicle_file import load_vehicle
 
-    shape = SHAPES[one_of("--wind", wind, SHAPES)]
+    shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
     one_of("--model", model, MODELS)
     if source is None:
         fixed = Coefficients.from_beta(beta=1.0, B=1.0)

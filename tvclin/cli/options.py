@@ -5,11 +5,18 @@ from typing import Annotated
 
 import typer
 
+MODELS_HELP = "fixed-path, drift, drift-exact, drift-and-speed."
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 
 Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]
 Wind = Annotated[str, typer.Option(help="Shape of the wind: triangular or rectangular.")]
 Duration = Annotated[float, typer.Option(help="Duration of the wind [s].")]
+PeakDeg = Annotated[
+    float | None, typer.Option(help="Peak wind angle of attack [deg]; 5 if nothing is given.")
+]
+PeakSpeed = Annotated[
+    float | None, typer.Option(help="Peak wind speed [m/s] in its place, by eq (B1e).")
+]
 Plane = Annotated[str, typer.Option(help="Plane of the motion: pitch or yaw.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Plot = Annotated[

@@ -1,18 +1,10 @@
-"""Tables, JSON and figures, written so that nothing is left half-written."""
+"""Tables and JSON."""
 
 import json
-import os
-import tempfile
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
-
-from tvclin.errors import InputError
-
-if TYPE_CHECKING:
-    from control import ControlPlot
 
 
 def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -53,43 +45,6 @@ def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) 
 def print_json(document: dict[str, Any]) -> None:
     """Print a document as JSON; numbers that do not exist become null."""
     typer.echo(json.dumps(_cleaned(document), indent=2, allow_nan=False))
-
-
-def save_figure(plot: "ControlPlot", path: Path) -> None:
-    """Write a figure, whole or not at all."""
-    import matplotlib.pyplot as plt
-
-    formats = plot.figure.canvas.get_supported_filetypes()
-    kind = path.suffix.lstrip(".").lower()
-    if kind not in formats:
-        raise InputError(
-            f"--plot must name a figure file such as boundary.png, .pdf or .svg; got {path}"
-        )
-    with plt.rc_context({"svg.hashsalt": "tvclin"}):
-        write_whole(path, lambda target: plot.figure.savefig(target, format=kind, dpi=150))
-    plt.close(plot.figure)
-
-
-def write_whole(path: Path, write: Any) -> None:
-    """Call `write` with a temporary path and move the result into place when it is complete."""
-    if path.is_dir():
-        raise InputError(f"{path} is a directory; name a file in it")
-    try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(handle)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path} cannot be written: {reason}") from None
-    try:
-        write(temporary)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(temporary).chmod(0o666 & ~mask)
-        Path(temporary).replace(path)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}") from None
-    finally:
-        Path(temporary).unlink(missing_ok=True)
 
 
 def _cleaned(value: Any) -> Any:

@@ -21,7 +21,7 @@ def poles(
     plot: Plot = None,
 ) -> None:
     """Print the poles of the models, and the residues at the unstable ones."""
-    from tvclin.cli.output import print_json, print_table, save_figure
+    from tvclin.cli.output import print_json, print_table
     from tvclin.coefficients import Coefficients
     from tvclin.errors import one_of
     from tvclin.plant import MODELS, available_models
@@ -33,7 +33,7 @@ def poles(
     models = available_models(coefficients) if model == "all" else [model]
     found = {name: _poles(coefficients, name) for name in models}
     if plot is not None:
-        from tvclin.plots import pole_map
+        from tvclin.plots import pole_map, save_figure
 
         save_figure(pole_map(coefficients, models), plot)
     if as_json:

@@ -4,7 +4,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.options import AsJson, Duration, Plane, Plot, Vehicle, Wind
+from tvclin.cli.inputs import peak_angle
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Vehicle,
+    Wind,
+)
 
 if TYPE_CHECKING:
     from tvclin.study import Study
@@ -14,22 +25,15 @@ def study(
     vehicle: Vehicle = "configuration-i",
     wind: Wind = "triangular",
     duration: Duration = 7.5,
-    peak_deg: Annotated[
-        float | None, typer.Option(help="Peak wind angle of attack [deg]; 5 if nothing is given.")
-    ] = None,
-    peak_speed: Annotated[
-        float | None, typer.Option(help="Peak wind speed [m/s] in its place, by eq (B1e).")
-    ] = None,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
     dead_band: Annotated[
         float, typer.Option(help="Dead band K of the verdict, in [0, 1]; 1 needs no forecast.")
     ] = 1.0,
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection capability [deg]: is it sufficient?")
     ] = None,
-    model: Annotated[
-        str,
-        typer.Option(help="Model of the verdict: fixed-path, drift, drift-exact, drift-and-speed."),
-    ] = "fixed-path",
+    model: Annotated[str, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = "fixed-path",
     plane: Plane = "pitch",
     as_json: AsJson = False,
     plot: Plot = None,
@@ -40,18 +44,13 @@ def study(
     """
     import numpy as np
 
-    from tvclin.cli.output import print_json, save_figure
-    from tvclin.errors import InputError, positive
+    from tvclin.cli.output import print_json
+    from tvclin.errors import positive
     from tvclin.study import Study
     from tvclin.vehicle_file import load_vehicle
 
     loaded = load_vehicle(vehicle)
-    if peak_deg is not None and peak_speed is not None:
-        raise InputError("give --peak-deg or --peak-speed, not both")
-    if peak_speed is not None:
-        peak = _from_speed(loaded, peak_speed, plane)
-    else:
-        peak = np.radians(5.0 if peak_deg is None else peak_deg)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     limit = None if limit_deg is None else np.radians(float(positive("--limit-deg", limit_deg)))
     result = Study.from_vehicle(
         loaded,
@@ -64,7 +63,7 @@ def study(
         plane=plane,
     )
     if plot is not None:
-        from tvclin.plots import study_chart
+        from tvclin.plots import save_figure, study_chart
 
         save_figure(study_chart(result), plot)
     if as_json:
@@ -73,16 +72,6 @@ def study(
         _print(result, wind, vehicle)
     if result.sufficient is False:
         raise typer.Exit(1)
-
-
-def _from_speed(vehicle: Any, speed: float, plane: str) -> float:
-    """Eq (B1e); a cross wind meets the vehicle at right angles, so in yaw its sine is 1."""
-    import numpy as np
-
-    from tvclin.winds import angle_from_speed
-
-    angle = np.pi / 2 if plane == "yaw" else vehicle.attitude
-    return float(angle_from_speed(speed, vehicle.velocity, angle))
 
 
 def _print(result: "Study", shape: str, source: str) -> None:

@@ -32,12 +32,11 @@ def init(
     file: Annotated[Path, typer.Argument(help="The vehicle file to write, such as my.toml.")],
 ) -> None:
     """Write a commented vehicle file to fill in."""
-    from tvclin.cli.output import write_whole
     from tvclin.errors import InputError
+    from tvclin.files import write_text
     from tvclin.vehicle_file import template
 
     if file.exists() and not file.is_dir():
         raise InputError(f"{file} exists already; name another file or move it away")
-    text = template()
-    write_whole(file, lambda path: Path(path).write_text(text, encoding="utf-8"))
+    write_text(file, template())
     typer.echo(f"Wrote {file}. Fill in its numbers, then: tvclin study {file}")

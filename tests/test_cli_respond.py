@@ -1,0 +1,206 @@
+"""`tvclin respond`: it says what the library says, and never with a traceback."""
+
+import json
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.closed_responses import triangular_attitude
+from tvclin.loads import wind_loads
+
+mpl.use("Agg")
+
+TAU = 4 / 0.5292825
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["respond", *map(str, arguments)])
+
+
+def document(*arguments):
+    result = run(*arguments, "--json")
+    assert result.exit_code == 0, result.output
+    return json.loads(result.output)
+
+
+def case(model="fixed-path", factor=1.1, dead_band=1.0, duration=7.5, shape=tv.TriangularWind):
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
+    wind = shape(peak=np.radians(5), duration=duration)
+    limit = factor * tv.boundary_limit(plant, wind, dead_band).deflection
+    return plant, tv.trim_then_hold(plant, wind, limit, dead_band), wind, limit
+
+
+def attitude(parts, *times):
+    plant, deflection, wind, _ = parts
+    found = tv.attitude_responses(plant, deflection, wind, np.array(times))
+    return np.degrees(found["attitude"])
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
+@pytest.mark.parametrize("factor", [0.9, 1.0, 1.1])
+def test_json_equals_the_library(model, factor):
+    found = document("--model", model, "--capability", factor)
+    parts = case(model, factor)
+    plant, deflection, wind, limit = parts
+    verdict = tv.judge(plant, deflection, wind)
+    loads = wind_loads(plant, deflection, wind)
+
+    assert found["limit_deg"] == pytest.approx(abs(np.degrees(limit)), rel=1e-14)
+    assert found["sufficient"] is (factor >= 1.0)
+    assert found["verdict"]["stable"] is verdict.stable
+    assert found["verdict"]["left_over"] == str(verdict.left_over)
+    assert found["peak_angle_of_attack"]["deg"] == pytest.approx(
+        np.degrees(loads.peak_angle_of_attack), rel=1e-14
+    )
+    for name, time in (("at_wind_end", 7.5), ("at_end", 22.5)):
+        expected = float(attitude(parts, time)[0])
+        assert found["attitude"][name] == {"deg": pytest.approx(expected), "time_s": time}
+
+
+def test_the_peak_is_the_one_that_the_report_quotes():
+    found = document("--duration", TAU)["attitude"]
+
+    assert found["with_wind"]["deg"] == pytest.approx(-5.0 * 0.16420, abs=5e-4)
+    assert found["with_wind"]["time_s"] / TAU == pytest.approx(0.8770, abs=1e-3)
+    assert found["back_at_zero"]["time_s"] / TAU == pytest.approx(1.0802, abs=1e-3)
+
+
+@pytest.mark.parametrize("peak", [5.0, -5.0])
+@pytest.mark.parametrize("shape", ["triangular", "rectangular"])
+def test_extremes_do_not_depend_on_the_points(peak, shape):
+    coarse, fine = (
+        document("--peak-deg", peak, "--wind", shape, "--points", n, "--capability", 0.9)
+        for n in (2, 1000)
+    )
+
+    assert coarse == fine
+    assert np.sign(coarse["attitude"]["with_wind"]["deg"]) == -np.sign(peak)
+
+
+def test_the_peak_is_a_peak_and_the_zero_a_zero():
+    parts = case()
+    found = document()["attitude"]
+    peak = found["with_wind"]
+    near = attitude(parts, *(peak["time_s"] + np.linspace(-0.5, 0.5, 101)))
+
+    assert abs(peak["deg"]) >= np.abs(near).max()
+    assert attitude(parts, found["back_at_zero"]["time_s"]) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_on_the_boundary_the_attitude_is_that_of_equation_13():
+    found = document("--duration", TAU, "--capability", 1, "--until", 1.5)
+    limit = found["limit_deg"] / (5.0 * case()[0].coefficients.B)
+
+    expected = -5.0 * triangular_attitude(1.5, TAU * case()[0].coefficients.beta, limit)
+    assert found["attitude"]["at_end"]["deg"] == pytest.approx(expected, rel=1e-9)
+    assert found["attitude"]["against_wind"] is None
+    assert found["attitude"]["back_at_zero"] is None
+    assert found["verdict"]["stable"] is True
+    assert "held attitude error" in found["verdict"]["left_over"]
+
+
+def test_trim_throughout_leaves_nothing():
+    found = document("--limit-deg", 1)
+
+    assert found["attitude"]["with_wind"] is None
+    assert found["attitude"]["against_wind"] is None
+    assert found["sufficient"] is True
+    assert found["verdict"]["stable"] is True
+    assert found["verdict"]["left_over"] == "nothing"
+
+
+def test_a_short_response_has_no_end_of_the_wind():
+    assert document("--until", 0.5)["attitude"]["at_wind_end"] is None
+
+
+def test_the_csv_is_the_exact_response(tmp_path):
+    file = tmp_path / "response.csv"
+    result = run("--model", "drift", "--points", 31, "--until", 2, "--csv", file)
+    plant, deflection, wind, _ = case("drift")
+
+    assert result.exit_code == 0
+    comment, headings, *rows = file.read_text(encoding="utf-8").splitlines()
+    values = np.array([row.split(",") for row in rows], dtype=float)
+    expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, 15.0, 31))
+    assert "Configuration I" in comment
+    assert "model drift, K = 1, limit 0.3911 deg" in comment
+    assert headings == (
+        "time [s],attitude [deg],attitude_rate [deg/s],flight_path_angle [deg],"
+        "angle_of_attack [deg],deflection [deg],wind [deg]"
+    )
+    np.testing.assert_array_equal(expected.time, values[:, 0])
+    np.testing.assert_allclose(values[:, 1:5].T, np.degrees(expected.outputs), rtol=1e-13)
+    np.testing.assert_allclose(values[:, 6], np.degrees(wind(expected.time)), rtol=1e-13)
+
+
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+def test_the_figure_is_written_and_closed(tmp_path, kind):
+    import matplotlib.pyplot as plt
+
+    file = tmp_path / f"response.{kind}"
+
+    assert run("configuration-ii", "--plot", file, "--model", "drift-and-speed").exit_code == 0
+    assert file.stat().st_size > 5000
+    assert not plt.get_fignums()
+
+
+def test_the_table_says_it_in_words():
+    enough, short = run().output, run("--capability", 0.9).output
+
+    for words in ("-0.829", "8.138", "1.1 times that: SUFFICIENT", "not stable by (4b)"):
+        assert words in enough
+    assert "lets go" in enough
+    assert "0.9 times that: NOT SUFFICIENT" in short
+    assert "lets go" not in short
+
+
+def test_a_stable_vehicle_needs_a_limit(tmp_path):
+    file = tmp_path / "stable.toml"
+    assert CliRunner().invoke(app, ["init", str(file)]).exit_code == 0
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("aerodynamic_arm_m = 9.5 ", "aerodynamic_arm_m = -2 "))
+
+    result = run(file)
+    assert result.exit_code == 2
+    assert "--limit-deg" in result.output
+    found = document(file, "--limit-deg", "0.1")
+    assert found["sufficient"] is True
+    assert "oscillation" in found["verdict"]["left_over"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["configuration-3"],
+        ["--wind", "square"],
+        ["--duration", "0"],
+        ["--duration", "nan"],
+        ["--peak-deg", "0"],
+        ["--peak-deg", "5", "--peak-speed", "40"],
+        ["--peak-speed", "1e4"],
+        ["--dead-band", "1.5"],
+        ["--capability", "0"],
+        ["--capability", "-1"],
+        ["--limit-deg", "0"],
+        ["--limit-deg", "0.4", "--capability", "1.1"],
+        ["--model", "drifty"],
+        ["--plane", "roll"],
+        ["--until", "0"],
+        ["--until", "inf"],
+        ["--points", "1"],
+        ["--points", "100000000000"],
+        ["--csv", "/nowhere/at/all/response.csv"],
+        ["--csv", "."],
+        ["--plot", "response.xyz"],
+    ],
+)
+def test_bad_input_is_exit_code_two_without_a_traceback(arguments):
+    result = run(*arguments)
+
+    assert result.exit_code == 2
+    assert isinstance(result.exception, SystemExit)
+    assert result.output.strip()

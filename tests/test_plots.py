@@ -1,0 +1,295 @@
+"""Figures: what is drawn is what the library says, and what the CSV holds."""
+
+import subprocess
+import sys
+
+import control
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin import plots
+from tvclin.closed_forms import rectangular_limit, triangular_limit
+from tvclin.closed_responses import triangular_attitude, triangular_attitude_with_drift
+from tvclin.plots.curves import Column, Curves, curves_of
+from tvclin.reproduce.figures import FIGURES
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def no_figure_stays_open():
+    yield
+    import matplotlib.pyplot as plt
+
+    plt.close("all")
+
+
+def numbers(text):
+    """Return the headings and the rows of a CSV."""
+    import csv
+
+    comment, *rows = text.splitlines()
+    assert comment.startswith("# ")
+    headings, *values = csv.reader(rows)
+    return headings, np.array(values, dtype=float)
+
+
+def all_lines(plot):
+    return [line for panel in plot.lines.flat for line in panel]
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_is_a_control_plot_of_its_numbers(name):
+    plot = FIGURES[name]()
+    found = plot.curves
+
+    assert isinstance(plot, control.ControlPlot)
+    assert name == found.name
+    if name == "figure-1":  # its lines have both their coordinates in columns
+        drawn = [values for line in all_lines(plot) for values in line.get_data()]
+    else:
+        drawn = [line.get_ydata() for line in all_lines(plot)]
+        assert all(np.array_equal(found.abscissa, line.get_xdata()) for line in all_lines(plot))
+    assert len(found.columns) == len(drawn)
+    for column, values in zip(found.columns, drawn, strict=True):
+        np.testing.assert_array_equal(column.values, values)
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_csv_reads_back_as_the_same_numbers(name):
+    found = curves_of(FIGURES[name]())
+    headings, rows = numbers(found.csv())
+
+    assert len(set(headings)) == len(headings) == 1 + len(found.columns)
+    assert all(heading.endswith("]") for heading in headings)
+    np.testing.assert_array_equal(found.abscissa, rows[:, 0])
+    for column, values in zip(found.columns, rows[:, 1:].T, strict=True):
+        np.testing.assert_array_equal(column.values, values)
+
+
+@pytest.mark.parametrize("name", [name for name in FIGURES if name != "figure-1"])
+def test_every_axis_has_a_label_with_its_unit(name):
+    plot = FIGURES[name]()
+
+    for axes in plot.axes.flat:
+        assert axes.get_xlabel().endswith("[-]")
+        assert axes.get_ylabel().endswith("[-]")
+
+
+def test_figure_2_is_equations_7_and_12():
+    found = plots.figure_2().curves
+    at_4 = int(np.argmin(np.abs(found.abscissa - 4.0)))
+
+    assert found.column("rectangular")[at_4] == pytest.approx(0.98168, abs=5e-6)
+    assert found.column("triangular, K = 1")[at_4] == pytest.approx(0.6884593698, abs=5e-11)
+    assert found.column("triangular, K = 0.5")[at_4] == pytest.approx(0.5587576750, abs=5e-11)
+    assert found.column("triangular, K = 0")[at_4] == pytest.approx(0.3738225362, abs=5e-11)
+
+
+def test_figure_5_is_equations_12_and_18():
+    found = plots.figure_5(tau_beta=[4.0, 20.0]).curves
+    expected = {
+        ("without drift, eq (12)", "(a) K = 1"): [0.68846, 0.93069],
+        ("Configuration I, eq (18)", "(a) K = 1"): [0.66484, 0.7939],
+        ("Configuration II, eq (18)", "(a) K = 1"): [0.66186, 0.7837],
+        ("without drift, eq (12)", "(b) K = 0.5"): [0.55876, 0.2],
+        ("Configuration I, eq (18)", "(b) K = 0.5"): [0.54080, 0.1901],
+        ("Configuration II, eq (18)", "(b) K = 0.5"): [0.53844, 0.1888],
+    }
+
+    assert set(expected) == {(column.label, column.panel) for column in found.columns}
+    for key, values in expected.items():
+        assert found.column(*key) == pytest.approx(values, abs=6e-5)
+
+
+def test_boundary_chart_of_a_vehicle_includes_its_drift(configuration_i):
+    c = tv.Coefficients.from_vehicle(configuration_i)
+    found = plots.boundary_chart([2.0, 4.0], [1.0], c).curves
+
+    np.testing.assert_array_equal(rectangular_limit([2.0, 4.0], c.K1), found.column("rectangular"))
+    assert found.column("triangular, K = 1")[1] == pytest.approx(0.66484, abs=5e-6)
+
+
+@pytest.mark.parametrize(("draw", "K"), [(plots.figure_3, 1.0), (plots.figure_4, 0.5)])
+@pytest.mark.parametrize("factor", [0.8, 0.9, 1.1, 1.2])
+def test_figures_3_and_4_are_equation_13(draw, K, factor):
+    found = draw(tau_beta=[2.0, 4.0], factors=[factor], points=101).curves
+
+    for b in (2.0, 4.0):
+        y = factor * triangular_limit(b, K)
+        expected = triangular_attitude(found.abscissa, b, y, K)
+        row = found.column(f"{factor:g} y_BR", f"tau*beta = {b:g}")
+        np.testing.assert_allclose(row, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_figure_3_has_the_attitude_that_the_report_quotes():
+    found = plots.figure_3(points=2001).curves
+    row = found.column("1.1 y_BR", "tau*beta = 4")
+    first = found.abscissa <= 1.2
+    peak = int(np.argmax(np.where(first, row, -1.0)))
+
+    assert row[peak] == pytest.approx(0.1642, abs=5e-5)
+    assert found.abscissa[peak] == pytest.approx(0.877, abs=1e-3)
+    assert np.interp(0.0, -row[peak:], found.abscissa[peak:]) == pytest.approx(1.080, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("draw", "vehicle", "K"),
+    [
+        (plots.figure_6, "configuration-i", 1.0),
+        (plots.figure_7, "configuration-i", 0.5),
+        (plots.figure_8, "configuration-ii", 1.0),
+        (plots.figure_9, "configuration-ii", 0.5),
+    ],
+)
+def test_figures_6_to_9_are_equation_b9(draw, vehicle, K):
+    found = draw(tau_beta=[4.0], points=101).curves
+    c = tv.Coefficients.from_vehicle(tv.load_vehicle(vehicle))
+    limit = tv.closed_forms.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
+
+    for factor in (0.9, 1.1):
+        expected = triangular_attitude_with_drift(
+            found.abscissa, 4.0, factor * limit, K, c.beta, c.b1, c.b2
+        )
+        row = found.column(f"{factor:g} y_BR", "tau*beta = 4")
+        np.testing.assert_allclose(row, expected, rtol=1e-8, atol=1e-11)
+
+
+def test_a_limit_above_trim_is_marked_and_leaves_the_attitude_alone():
+    found = plots.figure_3(tau_beta=[20.0]).curves
+    notes = {column.label: column.note for column in found.columns}
+
+    assert notes == {
+        "0.8 y_BR": "",
+        "0.9 y_BR": "",
+        "y_BR (boundary)": "",
+        "1.1 y_BR": "trim never saturates",
+        "1.2 y_BR": "trim never saturates",
+    }
+    assert np.abs(found.column("1.2 y_BR", "tau*beta = 20")).max() < 1e-12
+    assert "1.2 y_BR (trim never saturates) [-]" in found.headings
+
+
+def test_divergent_curves_leave_the_frame_and_the_boundary_stays_in_it():
+    plot = plots.figure_6()
+
+    for axes, columns in zip(plot.axes.flat, plot.curves.panels.values(), strict=True):
+        low, high = axes.get_ylim()
+        assert low < columns[2].values.min() <= columns[2].values.max() < high
+        assert columns[0].values.max() > high
+        assert columns[-1].values.min() < low
+
+
+def test_on_the_boundary_nothing_is_lost_however_long_the_wind():
+    found = plots.figure_3(tau_beta=[200.0], factors=[1.0], until=5.0).curves
+
+    limit = triangular_limit(200.0, 1.0)
+    assert found.columns[0].values[-1] == pytest.approx(limit, rel=1e-12)
+
+
+@pytest.mark.parametrize("draw", [plots.figure_2, plots.figure_3, plots.figure_5, plots.sketch_c])
+def test_no_two_curves_of_a_panel_look_alike(draw):
+    for panel in draw().lines.flat:
+        colours = [line.get_color() for line in panel]
+        dashes = [str(line._unscaled_dash_pattern) + str(line.get_linewidth()) for line in panel]
+
+        assert len(set(colours)) == len(colours)
+        assert len(set(dashes)) == len(dashes)
+
+
+def test_figure_1_shows_the_angles_it_says():
+    found = plots.figure_1(50.0, 20.0, 15.0, 8.0).curves
+
+    def direction(name):
+        x, y = found.column(f"{name} x"), found.column(f"{name} y")
+        return np.degrees(np.arctan2(y[-1] - y[0], x[-1] - x[0]))
+
+    assert direction("axis") == pytest.approx(50.0)
+    assert direction("velocity") == pytest.approx(20.0)
+    assert direction("relative velocity") == pytest.approx(35.0)
+    assert direction("wind") == pytest.approx(0.0)  # a tail wind
+    assert direction("thrust") == pytest.approx(58.0)  # at the tail it lifts it: nose down
+    assert direction("normal force") == pytest.approx(140.0)
+    assert direction("axial force") == pytest.approx(-130.0)
+    assert direction("weight") == pytest.approx(-90.0)
+
+
+def test_sketch_a_holds_the_limit_of_equation_7():
+    found = plots.sketch_a(tau_beta=2.0).curves
+    held = found.column("control", "control")
+
+    assert held[found.abscissa < -1e-6] == pytest.approx(0.0)
+    assert held[found.abscissa >= 0.0] == pytest.approx(1.0 - np.exp(-2.0), rel=1e-14)
+
+
+def test_sketch_b_switches_where_equation_11_says():
+    found = plots.sketch_b(tau_beta=4.0, dead_band=0.5).curves
+    x, held = found.abscissa, found.column("control", "control")
+    y = triangular_limit(4.0, 0.5)
+    jump = int(np.argmax(np.diff(held)))
+
+    assert x[jump + 1] == pytest.approx(y * 0.5 / 2.0, rel=1e-12)
+    assert held[jump] == pytest.approx(0.5 * y, rel=1e-7)
+    assert held[jump + 1] == pytest.approx(y, rel=1e-12)
+
+
+def test_sketch_c_solves_equation_c6():
+    found = plots.sketch_c(ratios=(0.1, 0.5)).curves
+    y = found.abscissa
+
+    for r in (0.1, 0.5):
+        x = found.column(f"exact, r = {r:g}")
+        residual = 2.0 * x**r - 2.0 * x * y - (1.0 - y)
+        assert np.nanmax(np.abs(residual)) < 1e-7  # steep next to y = 1
+        assert np.all(np.isnan(x) == (y == 1.0))
+    assert found.column("exact, r = 0.1")[-1] == pytest.approx(0.54410, abs=5e-6)
+
+
+def test_importing_the_figures_loads_neither_control_nor_matplotlib():
+    code = (
+        "import sys, tvclin.plots, tvclin.reproduce.figures;"
+        "print([m for m in ('control', 'matplotlib', 'scipy') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert out.stdout.strip() == "[]"
+
+
+def test_study_chart_and_pole_map_are_control_plots(configuration_i):
+    study = tv.Study.from_vehicle(configuration_i, duration=7.5, peak=0.08, limit=0.006)
+    drawn = plots.study_chart(study)
+    poles = plots.pole_map(study.coefficients)
+
+    assert isinstance(drawn, control.ControlPlot)
+    assert len(all_lines(drawn)) == 6
+    assert (1, 2) == poles.axes.shape
+    assert sorted(all_lines(poles)[0].get_xdata()) == pytest.approx([-0.52928, 0.52928], abs=5e-6)
+
+
+def test_curves_say_what_is_wrong():
+    column = Column("one", np.zeros(3))
+
+    with pytest.raises(tv.InputError, match="shape of the abscissa"):
+        Curves("name", "nothing", "x [-]", np.zeros(2), (column,))
+    found = Curves("name", "nothing", "x [-]", np.zeros(3), (column,))
+    with pytest.raises(tv.InputError, match="'one'"):
+        found.column("two")
+    with pytest.raises(tv.InputError, match="drawn from curves"):
+        curves_of(object())
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"tau_beta": [0.0]}, {"factors": [-1.0]}, {"until": 0.0}, {"points": 1}, {"dead_band": 2.0}],
+)
+def test_bad_parameters_are_one_sentence(options):
+    with pytest.raises(tv.InputError):
+        plots.figure_3(**options)
+
+
+def test_a_figure_needs_a_file_name_with_a_format(tmp_path):
+    with pytest.raises(tv.InputError, match="file name such as"):
+        plots.save_figure(plots.sketch_a(), tmp_path / "figure.xyz")
+    assert not list(tmp_path.iterdir())

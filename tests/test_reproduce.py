@@ -1,0 +1,136 @@
+"""`reproduce`: every figure with its numbers, whole or not at all, and the exit codes."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin import files
+from tvclin.cli.app import app
+from tvclin.reproduce import figures
+
+mpl.use("Agg")
+
+NAMES = [
+    *(f"figure-{number}" for number in range(1, 10)),
+    *(f"sketch-{letter}" for letter in "abc"),
+]
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["reproduce", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    output = tmp_path_factory.mktemp("out") / "made" / "here"
+    return output, run("--output", output)
+
+
+def test_all_files_are_written_and_told(everything):
+    output, result = everything
+    expected = {f"{name}.{kind}" for name in NAMES for kind in ("png", "csv")}
+
+    assert result.exit_code == 0
+    assert expected <= {path.name for path in output.iterdir()}
+    for name in expected:
+        assert str(output / name) in result.output.replace("\n", "")
+
+
+def test_no_temporary_file_is_left_and_none_is_empty(everything):
+    output, _ = everything
+
+    for path in output.iterdir():
+        assert not path.name.startswith(".")
+        assert path.stat().st_size > 1000
+
+
+def test_each_csv_names_its_figure_and_its_parameters(everything):
+    output, _ = everything
+
+    for name in NAMES:
+        comment, headings, *rows = (output / f"{name}.csv").read_text(encoding="utf-8").splitlines()
+        assert comment.startswith(f"# {name}: ")
+        assert "[-]" in headings
+        assert len(rows) > 30
+    assert "K = 1" in (output / "figure-3.csv").read_text(encoding="utf-8").splitlines()[0]
+
+
+def test_each_csv_holds_what_the_figure_draws(everything):
+    output, _ = everything
+    plot = figures.FIGURES["figure-7"]()
+
+    assert plot.curves.csv() == (output / "figure-7.csv").read_text(encoding="utf-8")
+    import matplotlib.pyplot as plt
+
+    plt.close(plot.figure)
+
+
+def test_no_figure_stays_open(everything):
+    import matplotlib.pyplot as plt
+
+    assert everything[1].exit_code == 0
+    assert not plt.get_fignums()
+
+
+def test_every_part_is_written_in_turn_and_again_over_itself(tmp_path, monkeypatch):
+    def part(name):
+        def write(output):
+            files.write_text(output / name, name)
+            return [output / name]
+
+        return write
+
+    monkeypatch.setattr(figures, "WRITERS", (part("one"), part("two")))
+
+    for _ in range(2):
+        assert figures.reproduce(tmp_path) == [tmp_path / "one", tmp_path / "two"]
+    assert (tmp_path / "two").read_text() == "two"
+
+
+@pytest.mark.parametrize("place", ["file", "file/below", "nul\0"])
+def test_a_place_that_cannot_be_a_directory_is_one_sentence(tmp_path, place):
+    (tmp_path / "file").write_text("mine")
+
+    with pytest.raises(tv.InputError):
+        figures.reproduce(tmp_path / place)
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("place", ["file", "file/below"])
+def test_the_command_line_answers_two_for_such_a_place(tmp_path, place):
+    (tmp_path / "file").write_text("mine")
+    result = run("--output", tmp_path / place)
+
+    assert result.exit_code == 2
+    assert result.output.startswith("Error: ")
+    assert len(result.output.strip().splitlines()) == 1
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_an_unwritable_place_is_one_sentence(tmp_path, monkeypatch):
+    def refuse(**_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(files.tempfile, "mkstemp", refuse)
+    with pytest.raises(tv.InputError, match="cannot be written: Permission denied"):
+        figures.reproduce(tmp_path)
+    import matplotlib.pyplot as plt
+
+    plt.close("all")
+
+
+def test_a_file_is_whole_or_as_it_was(tmp_path):
+    path = tmp_path / "numbers.csv"
+    path.write_text("before")
+
+    def half(target):
+        Path(target).write_text("half")
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(tv.InputError, match="No space left"):
+        files.write_whole(path, half)
+    assert path.read_text() == "before"
+    assert [path] == list(tmp_path.iterdir())

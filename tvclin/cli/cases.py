@@ -1,0 +1,85 @@
+"""One plant, one wind and one deflection limit, as the command line names them."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tvclin.histories import History
+    from tvclin.plant import Plant
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One plant, one wind, and the deflection that meets it.
+
+    Attributes
+    ----------
+    vehicle : str
+        Name of the vehicle.
+    shape : str
+        Shape of the wind.
+    plant : Plant
+        The plant.
+    wind, deflection : History
+        Its inputs [rad].
+    dead_band : float
+        K.
+    boundary, limit : float
+        Deflection on the boundary, and the limit in question [rad], both without sign.
+    """
+
+    vehicle: str
+    shape: str
+    plant: "Plant"
+    wind: Any
+    deflection: "History"
+    dead_band: float
+    boundary: float
+    limit: float
+
+    @property
+    def sufficient(self) -> bool:
+        """Whether the limit is at or above the boundary."""
+        from tvclin.boundary import is_sufficient
+
+        return bool(is_sufficient(self.plant, self.wind, self.limit, self.dead_band))
+
+
+def make_case(
+    vehicle: Any,
+    shape: str,
+    duration: float,
+    peak: float,
+    dead_band: float,
+    capability: float | None,
+    limit_deg: float | None,
+    model: str,
+    plane: str,
+) -> Case:
+    """Return the case that the options ask for; the vehicle is a `Vehicle`, the peak in radians."""
+    import numpy as np
+
+    from tvclin.boundary import boundary_limit
+    from tvclin.deflections import trim_then_hold
+    from tvclin.errors import InputError, one_of, positive, within
+    from tvclin.plant import Plant
+    from tvclin.study import SHAPES
+
+    if capability is not None and limit_deg is not None:
+        raise InputError("give --capability or --limit-deg, not both")
+    pulse: Any = SHAPES[one_of("--wind", shape, SHAPES)]
+    history = pulse(peak=peak, duration=duration)
+    K = float(within("--dead-band", dead_band, 0.0, 1.0))
+    plant = Plant.from_vehicle(vehicle, model, plane)
+    boundary = abs(float(boundary_limit(plant, history, K).deflection))
+    if limit_deg is not None:
+        limit = float(np.radians(positive("--limit-deg", limit_deg)))
+    else:
+        limit = boundary * float(
+            positive("--capability", 1.1 if capability is None else capability)
+        )
+        if limit == 0.0:
+            raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
+    opposing = -float(np.sign(plant.coefficients.B * peak)) or 1.0
+    deflection = trim_then_hold(plant, history, opposing * limit, K)
+    return Case(vehicle.name, shape, plant, history, deflection, K, boundary, limit)

@@ -1,0 +1,160 @@
+"""`tvclin optimum`: the least peak deflection with which a wind can be survived (appendix C)."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.inputs import peak_angle
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Vehicle,
+    Wind,
+)
+
+if TYPE_CHECKING:
+    from tvclin.histories import History
+    from tvclin.plant import Plant
+
+
+def optimum(
+    vehicle: Vehicle = "configuration-i",
+    wind: Wind = "triangular",
+    duration: Duration = 7.5,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
+    start: Annotated[
+        float, typer.Option(help="Start of the control [s]; negative: before the wind.")
+    ] = 0.0,
+    horizon: Annotated[
+        float | None, typer.Option(help="Time [s] from which the deflection is zero again.")
+    ] = None,
+    rate_limit_deg: Annotated[
+        float | None, typer.Option(help="Limit of the deflection rate [deg/s].")
+    ] = None,
+    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
+    plane: Plane = "pitch",
+    csv: Annotated[
+        Path | None, typer.Option(help="Also write the deflection and the response as CSV.")
+    ] = None,
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Print the deflection of least peak that survives a wind whose whole course is known.
+
+    Exit code 0: found; 2: bad input.
+    """
+    import numpy as np
+
+    from tvclin.cli.output import print_json
+    from tvclin.errors import one_of, positive
+    from tvclin.optimum import optimum_deflection, optimum_with_rate_limit
+    from tvclin.plant import Plant
+    from tvclin.study import SHAPES
+    from tvclin.vehicle_file import load_vehicle
+
+    loaded = load_vehicle(vehicle)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+    history = SHAPES[one_of("--wind", wind, SHAPES)](peak=peak, duration=duration)
+    plant = Plant.from_vehicle(loaded, model, plane)
+    best = optimum_deflection(plant, history, start, horizon)
+    limited = None
+    if rate_limit_deg is not None:
+        rate = float(np.radians(positive("--rate-limit-deg", rate_limit_deg, "deg/s")))
+        limited = optimum_with_rate_limit(plant, history, rate, start, horizon)
+    shown = best.deflection if limited is None else limited.deflection
+    title = f"{loaded.name or vehicle}, {model}: {wind} wind of {np.degrees(peak):.4g} deg"
+    if csv is not None or plot is not None:
+        _write(plant, shown, history, title, csv, plot)
+    document = _document(plant, history, best, limited)
+    if as_json:
+        print_json({"vehicle": loaded.name, "model": model, "wind": wind, **document})
+    else:
+        _print(f"{title} and {duration:g} s", document)
+
+
+def _write(
+    plant: "Plant",
+    deflection: "History",
+    wind: "History",
+    title: str,
+    csv: Path | None,
+    plot: Path | None,
+) -> None:
+    import numpy as np
+
+    from tvclin.files import write_text
+    from tvclin.plots import response_chart, response_curves, save_figure
+    from tvclin.response import attitude_responses
+
+    end = 3.0 * float(wind.end)
+    times = np.linspace(min(0.0, float(deflection.onset)), end, 601)
+    response = attitude_responses(plant, deflection, wind, times)
+    curves = response_curves(response, deflection, wind, "optimum", title)
+    if csv is not None:
+        write_text(csv, curves.csv())
+    if plot is not None:
+        save_figure(response_chart(curves, f"Minimum-peak control\n{title}"), plot)
+
+
+def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[str, Any]:
+    import numpy as np
+
+    from tvclin.boundary import boundary_limit
+
+    trim = abs(float(plant.coefficients.B * wind.peak))
+    held = abs(float(boundary_limit(plant, wind, 0.0).deflection))
+    first = float(np.sign(best.deflection(np.nextafter(best.deflection.onset, np.inf))))
+    opposing = -float(np.sign(plant.coefficients.B * wind.peak))
+    document = {
+        "peak_deg": np.degrees(best.peak),
+        "part_of_trim": best.peak / trim if trim else None,
+        "trim_deg": np.degrees(trim),
+        "held_deg": np.degrees(held),
+        "first_segment": "opposes the wind" if first == opposing else "goes with the wind",
+        "switch_times_s": best.switch_times,
+        "status": best.status,
+        "certificate": {
+            "dual_deg": np.degrees(best.certificate.dual),
+            "gap": best.certificate.gap,
+            "residual": best.certificate.residual,
+            "tail": best.certificate.tail,
+        },
+    }
+    if limited is not None:
+        document["with_rate_limit"] = {
+            "rate_deg_per_s": np.degrees(limited.rate),
+            "peak_deg": np.degrees(limited.peak),
+            "residual": limited.residual,
+            "last_refinement": limited.change,
+            "status": limited.status,
+        }
+    return document
+
+
+def _print(title: str, found: dict[str, Any]) -> None:
+    from tvclin.cli.output import print_pairs
+
+    switches = ", ".join(f"{t:.4g} s" for t in found["switch_times_s"][:6])
+    more = len(found["switch_times_s"]) - 6
+    part = "" if found["part_of_trim"] is None else f" ({found['part_of_trim']:.4f} of trim)"
+    rows = [
+        ("least peak deflection", f"{found['peak_deg']:.4f} deg{part}"),
+        ("first segment", found["first_segment"]),
+        ("switches", (switches or "none") + (f" and {more} more" if more > 0 else "")),
+        ("fast pole alone (K = 0)", f"{found['held_deg']:.4f} deg"),
+        ("ideal trim", f"{found['trim_deg']:.4f} deg"),
+        ("lower bound (dual)", f"{found['certificate']['dual_deg']:.4f} deg"),
+        ("certificate", f"gap {found['certificate']['gap']:.1e}, {found['status']}"),
+    ]
+    limited = found.get("with_rate_limit")
+    if limited is not None:
+        rate, peak = limited["rate_deg_per_s"], limited["peak_deg"]
+        rows.insert(1, (f"with {rate:.4g} deg/s", f"{peak:.4f} deg, {limited['status']}"))
+    print_pairs(title, rows, columns=1)

@@ -1,0 +1,183 @@
+"""`tvclin respond`: how the attitude of one vehicle answers a wind, exactly."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.cases import Case, make_case
+from tvclin.cli.inputs import peak_angle
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Vehicle,
+    Wind,
+)
+
+if TYPE_CHECKING:
+    from tvclin.extremes import Extremes
+    from tvclin.loads import Loads
+    from tvclin.modes import Verdict
+
+_LONGEST = 1000.0
+"""Of --until: nothing in a flight lasts that long."""
+
+
+def respond(
+    vehicle: Vehicle = "configuration-i",
+    wind: Wind = "triangular",
+    duration: Duration = 7.5,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
+    dead_band: Annotated[
+        float, typer.Option(help="Dead band K, in [0, 1]: trim up to K times the limit.")
+    ] = 1.0,
+    capability: Annotated[
+        float | None,
+        typer.Option(help="Deflection limit in units of the boundary; 1.1 if nothing is given."),
+    ] = None,
+    limit_deg: Annotated[
+        float | None, typer.Option(help="Deflection limit [deg] in its place.")
+    ] = None,
+    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "fixed-path",
+    plane: Plane = "pitch",
+    until: Annotated[float, typer.Option(help="Length in units of the wind's duration.")] = 3.0,
+    points: Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")] = 301,
+    csv: Annotated[
+        Path | None, typer.Option(help="Also write the response into this CSV file.")
+    ] = None,
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Say how the attitude answers a wind, with trim up to the dead band and then the limit held.
+
+    Exit code 0: answered; 2: bad input.
+    """
+    from tvclin.cli.output import print_json
+    from tvclin.errors import positive, within
+    from tvclin.extremes import extremes
+    from tvclin.loads import wind_loads
+    from tvclin.modes import judge
+    from tvclin.vehicle_file import load_vehicle
+
+    loaded = load_vehicle(vehicle)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+    within("--until", positive("--until", until), 0.0, _LONGEST)
+    length = until * float(positive("--duration", duration, "s"))
+    within("--points", points, 2, 1_000_000)
+    case = make_case(loaded, wind, duration, peak, dead_band, capability, limit_deg, model, plane)
+    verdict = judge(case.plant, case.deflection, case.wind)
+    found = extremes(case.plant, case.deflection, case.wind, length)
+    loads = wind_loads(case.plant, case.deflection, case.wind)
+    if csv is not None or plot is not None:
+        _write(case, length, points, csv, plot)
+    if as_json:
+        print_json(_document(case, found, loads, verdict))
+    else:
+        _print(case, found, loads, verdict)
+
+
+def _write(case: Case, length: float, points: int, csv: Path | None, plot: Path | None) -> None:
+    import numpy as np
+
+    from tvclin.files import write_text
+    from tvclin.plots import response_chart, response_curves, save_figure
+    from tvclin.response import attitude_responses
+
+    times = np.linspace(0.0, length, points)
+    response = attitude_responses(case.plant, case.deflection, case.wind, times)
+    what = f"{case.vehicle}: {_what(case)}"
+    numbers = response_curves(response, case.deflection, case.wind, "respond", what)
+    if csv is not None:
+        write_text(csv, numbers.csv())
+    if plot is not None:
+        title = f"{case.vehicle or 'Response'}: exact response\n{_what(case)}"
+        save_figure(response_chart(numbers, title, float(case.wind.end)), plot)
+
+
+def _what(case: Case) -> str:
+    import numpy as np
+
+    peak, limit = float(np.degrees(case.wind.peak)), float(np.degrees(case.limit))
+    return (
+        f"{case.shape} wind of {peak:.4g} deg and {case.wind.duration:g} s, model"
+        f" {case.plant.model}, K = {case.dead_band:g}, limit {limit:.4f} deg"
+    )
+
+
+def _print(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+
+    angle, when = float(np.degrees(loads.peak_angle_of_attack)), loads.peak_time
+    rows = [
+        ["largest error, turned by the wind", *_shown(found.with_wind)],
+        ["largest error, turned against it", *_shown(found.against_wind)],
+        ["last back at zero", *_shown(found.back_at_zero)],
+        ["attitude when the wind ends", *_shown(found.at_wind_end)],
+        ["attitude at the end", *_shown(found.at_end)],
+        ["largest angle of attack in the wind", f"{angle:.4f}", f"{when:.3f}"],
+    ]
+    typer.echo(_what(case))
+    print_table(case.vehicle, ["exact response", "[deg]", "at [s]"], rows)
+    boundary = float(np.degrees(case.boundary))
+    word = "SUFFICIENT" if case.sufficient else "NOT SUFFICIENT"
+    part = f", {case.limit / case.boundary:.4g} times that" if case.boundary else ""
+    typer.echo(f"Boundary {boundary:.4f} deg; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
+    stable = "stable" if verdict.stable else "not stable"
+    typer.echo(f"Held for ever, this deflection is {stable} by (4b); it leaves {verdict.left_over}")
+    if case.sufficient and not verdict.stable:
+        typer.echo(
+            "A real autopilot lets go of what is too much when the attitude is back at zero."
+        )
+
+
+def _shown(entry: Any) -> list[str]:
+    import numpy as np
+
+    if entry is None:
+        return ["-", "-"]
+    return [f"{float(np.degrees(entry.value)):.4f}", f"{entry.time:.3f}"]
+
+
+def _document(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") -> dict[str, Any]:
+    import numpy as np
+
+    deg = np.degrees
+    points = {
+        name: None if point is None else {"deg": deg(point.value), "time_s": point.time}
+        for name, point in vars(found).items()
+    }
+    left = verdict.left_over
+    return {
+        "vehicle": case.vehicle,
+        "model": case.plant.model,
+        "wind": {
+            "shape": case.shape,
+            "peak_deg": deg(case.wind.peak),
+            "duration_s": case.wind.duration,
+        },
+        "dead_band": case.dead_band,
+        "boundary_deg": deg(case.boundary),
+        "limit_deg": deg(case.limit),
+        "sufficient": case.sufficient,
+        "attitude": points,
+        "peak_angle_of_attack": {
+            "deg": deg(loads.peak_angle_of_attack),
+            "time_s": loads.peak_time,
+            "relative_to_wind": loads.relative,
+        },
+        "verdict": {
+            "stable": verdict.stable,
+            "residues_rad": verdict.residues.tolist(),
+            "left_over": str(left),
+            "offset_deg": deg(left.offset),
+            "rate_deg_per_s": deg(left.rate),
+        },
+    }

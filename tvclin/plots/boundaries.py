@@ -1,0 +1,212 @@
+"""The boundary limit against the duration of the wind: figures 2 and 5, and those of a study."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.boundary import boundary_limit
+from tvclin.closed_forms import rectangular_limit, triangular_limit, triangular_limit_with_drift
+from tvclin.coefficients import Coefficients
+from tvclin.plant import Plant
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import (
+    COLOURS,
+    INK,
+    LINES,
+    WARM,
+    Look,
+    broken_lines,
+    control_plot,
+    cycle,
+    draw,
+    fine_grid,
+    new_axes,
+)
+from tvclin.study import Study
+from tvclin.vehicle import Vehicle
+from tvclin.vehicle_file import load_vehicle
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+    from matplotlib.axes import Axes
+
+DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
+CONFIGURATIONS = ("configuration-i", "configuration-ii")
+
+_ABSCISSA = "wind duration tau*beta [-]"
+_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$  [-]"
+_FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
+
+
+def boundary_chart(
+    tau_beta: ArrayLike | None = None,
+    dead_bands: Sequence[float] = DEAD_BANDS,
+    coefficients: Coefficients | None = None,
+) -> "ControlPlot":
+    """Draw the boundary limit against tau beta for rectangular and triangular winds.
+
+    Parameters
+    ----------
+    tau_beta : array_like, optional
+        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given.
+    dead_bands : sequence of float
+        K of the curves for triangular winds.
+    coefficients : Coefficients, optional
+        Of one vehicle; the boundaries with drift, eqs (16) and (18), are then drawn instead of
+        eqs (7) and (12).
+    """
+    what = _FIXED if coefficients is None else _DRIFT
+    title = f"Stability boundary {what}"
+    return _draw_boundaries("boundary", title, tau_beta, dead_bands, coefficients)
+
+
+def figure_2(
+    tau_beta: ArrayLike | None = None, dead_bands: Sequence[float] = DEAD_BANDS
+) -> "ControlPlot":
+    """Draw the report's figure 2: the boundary without drift, eqs (7) and (12).
+
+    Parameters
+    ----------
+    tau_beta, dead_bands
+        As of `boundary_chart`.
+    """
+    title = f"Figure 2. Stability boundary {_FIXED}"
+    return _draw_boundaries("figure-2", title, tau_beta, dead_bands, None)
+
+
+def figure_5(
+    tau_beta: ArrayLike | None = None,
+    dead_bands: Sequence[float] = (1.0, 0.5),
+    vehicles: Sequence[Vehicle | str] = CONFIGURATIONS,
+) -> "ControlPlot":
+    """Draw the report's figure 5: triangular winds without drift, eq (12), and with it, eq (18).
+
+    Parameters
+    ----------
+    tau_beta : array_like, optional
+        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given.
+    dead_bands : sequence of float
+        K, one for each panel.
+    vehicles : sequence of Vehicle or str
+        Vehicles, or what `load_vehicle` finds them by; one curve each.
+    """
+    x = _abscissas(tau_beta)
+    loaded = [v if isinstance(v, Vehicle) else load_vehicle(v) for v in vehicles]
+    columns = []
+    for letter, K in zip("abcdefghij", dead_bands, strict=False):
+        panel = f"({letter}) K = {K:g}"
+        columns.append(Column("without drift, eq (12)", _row(triangular_limit(x, K)), panel=panel))
+        for number, vehicle in enumerate(loaded, 1):
+            c = Coefficients.from_vehicle(vehicle)
+            y = triangular_limit_with_drift(x, K, c.beta, c.b1, c.b2)
+            label = f"{_short(vehicle, number)}, eq (18)"
+            columns.append(Column(label, _row(y), panel=panel))
+    names = ", ".join(_short(vehicle, number) for number, vehicle in enumerate(loaded, 1))
+    curves = Curves("figure-5", f"triangular wind, y_BR; {names}", _ABSCISSA, x, tuple(columns))
+    labels = list(dict.fromkeys(column.label for column in columns))
+    styles: dict[str, Any] = {labels[0]: {"color": INK, "ls": "-", "lw": 2.0}}
+    broken = zip(labels[1:], cycle(COLOURS[::3]), cycle(LINES[1::3]), strict=False)
+    styles |= {label: {"color": c, "ls": line, "lw": 2.0} for label, c, line in broken}
+    look = Look(
+        title="Figure 5. Stability boundary in triangular winds: eqs (12) and (18)",
+        ordinate=_ORDINATE,
+        styles=styles,
+        limits=dict.fromkeys(curves.panels, (0.0, 1.02)),
+    )
+    plot = draw(curves, look)
+    for axes in plot.axes.flat:
+        _mark_durations(axes, x)
+    return plot
+
+
+def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlot":
+    """Draw the required deflection against the duration of the wind, for one study.
+
+    Solid lines are the first model of the study's boundaries, broken ones the second; the wind
+    and the limit of the study are marked.
+
+    Parameters
+    ----------
+    study : Study
+        The study; its peak, shape and vehicle are kept.
+    durations : array_like, optional
+        Abscissas [s], positive; up to three times the study's duration where not given.
+    """
+    chosen = float(study.wind.duration)
+    x = np.linspace(0.02, 3.0, 200) * chosen if durations is None else np.asarray(durations)
+    wind = type(study.wind)(peak=study.wind.peak, duration=x[:, np.newaxis])
+    shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
+    axes = new_axes()
+    lines: list[Any] = []
+    for model, style in zip(study.boundaries, ("-", "--"), strict=False):
+        found = boundary_limit(Plant(study.coefficients, model), wind, shown)
+        for K, y, colour in zip(shown, found.deflection.T, cycle(COLOURS), strict=False):
+            label = f"K = {K:g}, {model}"
+            lines += axes.plot(x, np.abs(np.degrees(y)), style, color=colour, lw=1.6, label=label)
+    axes.axvline(chosen, color=INK, lw=1.0)
+    axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label="required")
+    trim = float(np.degrees(study.trim_deflection))
+    axes.axhline(trim, color="0.4", lw=1.0, ls=":", label="trim, no drift")
+    if study.limit is not None:
+        limit = float(np.degrees(study.limit))
+        axes.axhline(limit, color=WARM, lw=1.6, label="available limit")
+    axes.set(
+        title=f"{study.vehicle.name}: winds of {np.degrees(study.wind.peak):.3g} deg",
+        xlabel="wind duration [s]",
+        ylabel="deflection [deg]",
+        xlim=(0.0, float(x.max())),
+        ylim=(0.0, None),
+    )
+    fine_grid(axes)
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return control_plot(lines, axes)
+
+
+def _draw_boundaries(
+    name: str,
+    title: str,
+    tau_beta: ArrayLike | None,
+    dead_bands: Sequence[float],
+    coefficients: Coefficients | None,
+) -> "ControlPlot":
+    x, c = _abscissas(tau_beta), coefficients
+    columns = [Column("rectangular", _row(rectangular_limit(x, 1.0 if c is None else c.K1)))]
+    for K in dead_bands:
+        if c is None:
+            y = triangular_limit(x, K)
+        else:
+            y = triangular_limit_with_drift(x, K, c.beta, c.b1, c.b2)
+        columns.append(Column(f"triangular, K = {K:g}", _row(y)))
+    styles: dict[str, Any] = broken_lines([column.label for column in columns[1:]])
+    styles["rectangular"] = {"color": INK, "ls": "-", "lw": 2.0}
+    what = f"y_BR {_FIXED if c is None else _DRIFT}"
+    if c is not None:
+        what += f"; beta = {c.beta:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+    curves = Curves(name, what, _ABSCISSA, x, tuple(columns))
+    plot = draw(
+        curves, Look(title, _ORDINATE, styles, "wind and dead band", limits={"": (0.0, 1.02)})
+    )
+    axes = plot.axes[0, 0]
+    axes.set_yticks(np.arange(0, 1.01, 0.1))
+    _mark_durations(axes, x)
+    return plot
+
+
+def _mark_durations(axes: "Axes", tau_beta: NDArray[np.float64]) -> None:
+    axes.set_xlim(0.0, float(tau_beta.max()))
+    axes.locator_params(axis="x", nbins=11, steps=[1, 2, 4, 5, 10])
+
+
+def _abscissas(tau_beta: ArrayLike | None) -> NDArray[np.float64]:
+    given = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
+    return np.array(given, dtype=float, ndmin=1)
+
+
+def _row(values: Any) -> NDArray[np.float64]:
+    return np.asarray(values, dtype=float)
+
+
+def _short(vehicle: Vehicle, number: int) -> str:
+    return vehicle.name.partition(" (")[0] or f"vehicle {number}"

@@ -1,0 +1,137 @@
+"""The numbers of a figure: one record, from which the figure is drawn and its CSV written."""
+
+import csv
+import io
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One curve.
+
+    Attributes
+    ----------
+    label : str
+        What the legend calls it.
+    values : ndarray
+        Ordinates, ``(n,)``; NaN where the curve is broken.
+    unit : str
+        Unit of the ordinates; "-" for a pure number.
+    panel : str
+        Heading of the panel that it is drawn in; empty where there is one panel only.
+    note : str
+        What must be known about this curve in this panel, in a few words.
+    """
+
+    label: str
+    values: FloatArray
+    unit: str = "-"
+    panel: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The curves of one figure over one abscissa.
+
+    Attributes
+    ----------
+    name : str
+        Name of the figure, as of its files.
+    parameters : str
+        What the figure is drawn for, in one line.
+    abscissa_label : str
+        What the abscissa is, with its unit in brackets.
+    abscissa : ndarray
+        ``(n,)``.
+    columns : tuple of Column
+        The curves, each of ``n`` values.
+    """
+
+    name: str
+    parameters: str
+    abscissa_label: str
+    abscissa: FloatArray
+    columns: tuple[Column, ...]
+
+    def __post_init__(self) -> None:
+        for column in self.columns:
+            if column.values.shape != self.abscissa.shape:
+                raise InputError(
+                    f"{column.label} must have the shape of the abscissa,"
+                    f" {self.abscissa.shape}; got {column.values.shape}"
+                )
+
+    @property
+    def panels(self) -> dict[str, list[Column]]:
+        """The columns of each panel, in their order."""
+        found: dict[str, list[Column]] = {}
+        for column in self.columns:
+            found.setdefault(column.panel, []).append(column)
+        return found
+
+    @property
+    def headings(self) -> list[str]:
+        """What stands above the columns in the CSV, with the panel where a label is not enough."""
+        times = Counter(column.label for column in self.columns)
+        found = []
+        for column in self.columns:
+            panel = f"{column.panel}: " if times[column.label] > 1 else ""
+            note = f" ({column.note})" if column.note else ""
+            found.append(f"{panel}{column.label}{note} [{column.unit}]")
+        return found
+
+    def column(self, label: str, panel: str = "") -> FloatArray:
+        """Return the values of one curve.
+
+        Raises
+        ------
+        InputError
+            When there is no such curve in this panel.
+        """
+        for column in self.columns:
+            if (column.label, column.panel) == (label, panel):
+                return column.values
+        known = ", ".join(repr((c.label, c.panel)) for c in self.columns)
+        raise InputError(f"label and panel must be one of {known}; got {(label, panel)!r}")
+
+    def csv(self) -> str:
+        """Return the numbers as CSV: a comment, a line of headings, and a row for each abscissa.
+
+        Every number is written so that it reads back as the same one.
+        """
+        text = io.StringIO()
+        text.write(f"# {self.name}: {self.parameters}\n")
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([self.abscissa_label, *self.headings])
+        rows = np.stack([self.abscissa, *(column.values for column in self.columns)], axis=-1)
+        writer.writerows([map(repr, row) for row in rows.tolist()])
+        return text.getvalue()
+
+
+def curves_of(plot: Any) -> Curves:
+    """Return the numbers from which a figure of this package was drawn.
+
+    Parameters
+    ----------
+    plot : control.ControlPlot
+        What a figure function returned.
+
+    Raises
+    ------
+    InputError
+        For a plot that was not drawn from such numbers.
+    """
+    found = getattr(plot, "curves", None)
+    if not isinstance(found, Curves):
+        raise InputError("plot must be a figure that was drawn from curves; this one was not")
+    return found

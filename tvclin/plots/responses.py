@@ -1,0 +1,229 @@
+"""Attitude against time for several deflection limits: figures 3, 4 and 6 to 9."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.boundary import boundary_limit
+from tvclin.coefficients import Coefficients
+from tvclin.deflections import trim_then_hold
+from tvclin.errors import positive, within
+from tvclin.plant import Plant
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import COLOURS, INK, LINES, Look, Style, cycle, draw
+from tvclin.response import attitude_responses
+from tvclin.vehicle import Vehicle
+from tvclin.vehicle_file import load_vehicle
+from tvclin.winds import TriangularWind
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+FloatArray = NDArray[np.float64]
+
+TAU_BETA = (2.0, 4.0, 8.0, 20.0)
+FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
+
+_COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
+_NEVER = "trim never saturates"
+_ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$  [-]"
+
+
+def attitude_chart(
+    plant: Plant,
+    dead_band: float = 1.0,
+    *,
+    tau_beta: Sequence[float] = TAU_BETA,
+    factors: Sequence[float] = FACTORS,
+    until: float = 2.0,
+    points: int = 401,
+    name: str = "attitude",
+    title: str = "Attitude error in triangular winds, analytic",
+) -> "ControlPlot":
+    """Draw the attitude in triangular winds for deflections below, on and above the boundary.
+
+    Parameters
+    ----------
+    plant : Plant
+        One aerodynamically unstable plant of any model.
+    dead_band : float
+        K, in [0, 1].
+    tau_beta : sequence of float
+        Durations of the wind in units of 1/beta, one for each panel.
+    factors : sequence of float
+        Deflection limits in units of the boundary limit of each wind, one for each curve.
+    until : float
+        End of the abscissa t/tau.
+    points : int
+        Points of each curve.
+    name, title : str
+        Name of the numbers, and title of the figure.
+
+    Notes
+    -----
+    The control trims until K times the limit is reached and then holds the limit for ever, as
+    in the report: the way back beyond zero is not what a real autopilot would do. Ordinates end
+    near the curve on the boundary; those that diverge leave the frame.
+    """
+    tau_beta = positive("tau_beta", np.atleast_1d(tau_beta)).tolist()
+    factors = positive("factors", np.atleast_1d(factors)).tolist()
+    within("points", points, 2, 1e6)
+    x = np.linspace(0.0, float(positive("until", until)), int(points))
+    columns = [
+        column for b in tau_beta for column in _attitudes(plant, x, b, factors, float(dead_band))
+    ]
+    c = plant.coefficients
+    what = f"(Theta - Theta_n)/(-alpha_w,max); model {plant.model}, K = {dead_band:g}"
+    if plant.model != "fixed-path":
+        what += f", beta = {c.beta:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+    curves = Curves(name, what, "time t/tau [-]", x, tuple(columns))
+    middle = int(np.argmin(np.abs(np.array(factors) - 1.0)))
+    limits = {panel: _frame(group[middle].values) for panel, group in curves.panels.items()}
+    styles = _styles(factors)
+    return draw(curves, Look(title, _ORDINATE, styles, "deflection limit", limits=limits))
+
+
+def figure_3(dead_band: float = 1.0, **options: Any) -> "ControlPlot":
+    """Draw the report's figure 3: attitude without drift, K = 1, eq (13).
+
+    Parameters
+    ----------
+    dead_band : float
+        K.
+    **options
+        tau_beta, factors, until and points, as of `attitude_chart`.
+    """
+    return _without_drift(3, dead_band, options)
+
+
+def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
+    """Draw the report's figure 4: attitude without drift, K = 0.5, eq (13).
+
+    Parameters
+    ----------
+    dead_band, **options
+        As of `figure_3`.
+    """
+    return _without_drift(4, dead_band, options)
+
+
+def figure_6(
+    vehicle: Vehicle | str = "configuration-i", dead_band: float = 1.0, **options: Any
+) -> "ControlPlot":
+    """Draw the report's figure 6: attitude of configuration I with drift, K = 1, eq (B9).
+
+    Parameters
+    ----------
+    vehicle : Vehicle or str
+        One vehicle, or what `load_vehicle` finds it by.
+    dead_band : float
+        K.
+    **options
+        tau_beta, factors, until and points, as of `attitude_chart`.
+
+    Notes
+    -----
+    The analytic curves alone; the flown points beside them in the report are not known.
+    """
+    return _with_drift(6, vehicle, dead_band, options)
+
+
+def figure_7(
+    vehicle: Vehicle | str = "configuration-i", dead_band: float = 0.5, **options: Any
+) -> "ControlPlot":
+    """Draw the report's figure 7: attitude of configuration I with drift, K = 0.5, eq (B9).
+
+    Parameters
+    ----------
+    vehicle, dead_band, **options
+        As of `figure_6`.
+    """
+    return _with_drift(7, vehicle, dead_band, options)
+
+
+def figure_8(
+    vehicle: Vehicle | str = "configuration-ii", dead_band: float = 1.0, **options: Any
+) -> "ControlPlot":
+    """Draw the report's figure 8: attitude of configuration II with drift, K = 1, eq (B9).
+
+    Parameters
+    ----------
+    vehicle, dead_band, **options
+        As of `figure_6`.
+    """
+    return _with_drift(8, vehicle, dead_band, options)
+
+
+def figure_9(
+    vehicle: Vehicle | str = "configuration-ii", dead_band: float = 0.5, **options: Any
+) -> "ControlPlot":
+    """Draw the report's figure 9: attitude of configuration II with drift, K = 0.5, eq (B9).
+
+    Parameters
+    ----------
+    vehicle, dead_band, **options
+        As of `figure_6`.
+    """
+    return _with_drift(9, vehicle, dead_band, options)
+
+
+def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
+    plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0))  # in these units any vehicle is the same
+    title = f"Figure {number}. Attitude error without drift, K = {dead_band:g}, analytic: eq (13)"
+    return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)
+
+
+def _with_drift(
+    number: int, vehicle: Vehicle | str, dead_band: float, options: dict[str, Any]
+) -> "ControlPlot":
+    loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
+    plant = Plant.from_vehicle(loaded, "drift")
+    title = (
+        f"Figure {number}. Attitude error with drift, K = {dead_band:g}, analytic: eq (B9)\n"
+        f"{loaded.name or 'one vehicle'}"
+    )
+    return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)
+
+
+def _attitudes(
+    plant: Plant, x: FloatArray, tau_beta: float, factors: Sequence[float], dead_band: float
+) -> list[Column]:
+    """One panel: each factor of the boundary limit in the wind of one duration."""
+    duration = tau_beta / float(plant.coefficients.beta)
+    wind = TriangularWind(peak=0.1, duration=duration)
+    boundary = boundary_limit(plant, wind, dead_band)
+    control = trim_then_hold(plant, wind, boundary.deflection * np.array(factors), dead_band)
+    found = attitude_responses(plant, control, wind, x * duration)["attitude"] / -0.1
+    return [
+        Column(
+            _name(factor),
+            row,
+            panel=f"tau*beta = {tau_beta:g}",
+            note=_NEVER if factor * boundary.limit * dead_band > 1.0 else "",
+        )
+        for factor, row in zip(factors, found, strict=True)
+    ]
+
+
+def _name(factor: float) -> str:
+    return "y_BR (boundary)" if factor == 1.0 else f"{factor:g} y_BR"
+
+
+def _styles(factors: Sequence[float]) -> dict[str, Style]:
+    """Solid ink on the boundary; the others broken, each in its own way."""
+    others = [_name(factor) for factor in factors if factor != 1.0]
+    broken = zip(others, cycle(_COLOURS), cycle(LINES[1:]), strict=False)
+    styles: dict[str, Style] = {
+        label: {"color": colour, "ls": line, "lw": 1.8} for label, colour, line in broken
+    }
+    return styles | {_name(1.0): {"color": INK, "ls": "-", "lw": 2.2}}
+
+
+def _frame(boundary: FloatArray) -> tuple[float, float]:
+    """Ends of the ordinate: the whole curve on the boundary, and a part of that below zero."""
+    size = float(np.abs(boundary).max()) or 1.0
+    return min(-0.35 * size, 1.2 * float(boundary.min())), max(
+        0.35 * size, 1.3 * float(boundary.max())
+    )

@@ -1,0 +1,210 @@
+"""The one style of all figures: colours, lines that stay apart in grey print, grid and panels.
+
+pyplot is imported when the first figure is drawn, not before.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.errors import InputError
+from tvclin.files import write_whole
+from tvclin.plots.curves import Column, Curves
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+    from matplotlib.axes import Axes
+
+INK = "#1a1a2e"
+WARM = "#b4541a"
+COLOURS = ("#1b4f9c", "#2a8a8a", "#7a6a12", WARM, "#8a2255")
+LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (5, 1, 1, 1, 1, 1)), ":")
+MARKS = ("o", "s", "^", "D")
+
+Style = dict[str, Any]
+
+_SYMBOLS = {
+    "tau*beta": r"$\tau\beta$",
+    "t/tau": r"$t/\tau$",
+    "y_BR": r"$y_{BR}$",
+    "Theta - Theta_n": r"$\Theta - \Theta_n$",
+    "alpha_w,max": r"$\alpha_{w,max}$",
+}
+
+
+@dataclass(frozen=True)
+class Look:
+    """How the curves of a figure are drawn.
+
+    Attributes
+    ----------
+    title : str
+        Title of the figure.
+    ordinate : str or mapping of str to str
+        Label of the ordinate with its unit, for all panels or for each.
+    styles : mapping of str to dict
+        For each label of a curve, what matplotlib is to draw it with.
+    legend : str
+        Heading of the legend.
+    limits : mapping of str to tuple of float
+        For each panel, the ends of the ordinate.
+    across : int
+        Panels in one row.
+    """
+
+    title: str
+    ordinate: str | Mapping[str, str]
+    styles: Mapping[str, Style]
+    legend: str = ""
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    across: int = 2
+
+
+def draw(curves: Curves, look: Look) -> "ControlPlot":
+    """Draw curves, a panel for each heading, and one legend beside them all.
+
+    Parameters
+    ----------
+    curves : Curves
+        The numbers; nothing else is drawn.
+    look : Look
+        How they look.
+    """
+    panels = curves.panels
+    shape, axes = new_panels(len(panels), look.across)
+    lines: list[Any] = []
+    for one, (heading, columns) in zip(axes, panels.items(), strict=True):
+        for column in columns:
+            style = look.styles[column.label]
+            lines += one.plot(curves.abscissa, column.values, label=pretty(column.label), **style)
+        _label_panel(one, curves, look, heading)
+        _write_notes(one, columns)
+    for empty in axes[len(panels) :]:
+        empty.set_axis_off()
+    if len(panels) > 1:
+        axes[0].figure.suptitle(pretty(look.title))
+    else:
+        axes[0].set_title(pretty(look.title))
+    first = {line.get_label(): line for line in reversed(lines)}
+    handles = [first[label] for label in dict.fromkeys(line.get_label() for line in lines)]
+    axes[0].figure.legend(handles=handles, title=pretty(look.legend), loc="outside right center")
+    return control_plot(lines, axes.reshape(shape), curves)
+
+
+def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None:
+    ordinate = look.ordinate if isinstance(look.ordinate, str) else look.ordinate[heading]
+    ends = curves.abscissa[np.isfinite(curves.abscissa)]
+    axes.set(
+        xlabel=pretty(curves.abscissa_label),
+        ylabel=pretty(ordinate),
+        xlim=(float(ends.min()), float(ends.max())),
+    )
+    if heading:
+        axes.set_title(pretty(heading), fontsize="medium")
+    if heading in look.limits:
+        axes.set_ylim(*look.limits[heading])
+    fine_grid(axes)
+
+
+def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
+    notes: dict[str, list[str]] = {}
+    for column in columns:
+        if column.note:
+            notes.setdefault(column.note, []).append(column.label)
+    text = "\n".join(f"{', '.join(labels)}:\n{note}" for note, labels in notes.items())
+    if text:
+        box = {"facecolor": "white", "edgecolor": "0.6", "boxstyle": "round,pad=0.3"}
+        place: Style = {"ha": "right", "va": "bottom", "transform": axes.transAxes, "bbox": box}
+        axes.text(0.97, 0.04, pretty(text), fontsize=8, **place)
+
+
+def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:
+    """Return a colour and a line for each label, apart in colour and in grey print."""
+    pairs = zip(labels, cycle(COLOURS), cycle(LINES), strict=False)
+    return {label: {"color": colour, "ls": line, "lw": width} for label, colour, line in pairs}
+
+
+def new_axes() -> "Axes":
+    """Return the axes of a figure of one panel, with room for a legend beside it."""
+    import matplotlib.pyplot as plt
+
+    _, axes = plt.subplots(figsize=(8.6, 5.6), layout="constrained")
+    return axes
+
+
+def new_panels(count: int, across: int) -> tuple[tuple[int, int], Any]:
+    """Return the shape (rows, columns) of `count` panels and their axes, ``(rows * columns,)``."""
+    import matplotlib.pyplot as plt
+
+    columns = min(count, across)
+    rows = -(-count // columns)
+    width, height = 3.0 + 4.4 * columns, 0.6 + 3.9 * rows
+    if columns == 1:
+        width, height = 8.6, 5.6 if rows == 1 else 0.8 + 2.7 * rows
+    _, axes = plt.subplots(
+        rows, columns, figsize=(width, height), layout="constrained", squeeze=False
+    )
+    return (rows, columns), axes.ravel()
+
+
+def fine_grid(axes: "Axes") -> None:
+    """Draw the grid, fine enough to read values off."""
+    axes.minorticks_on()
+    axes.grid(which="major", color="0.75", lw=0.8)
+    axes.grid(which="minor", color="0.9", lw=0.5)
+    axes.set_axisbelow(True)
+
+
+def pretty(text: str) -> str:
+    """Return a label with the report's symbols in place of their plain names."""
+    for plain, symbol in _SYMBOLS.items():
+        text = text.replace(plain, symbol)
+    return text
+
+
+def cycle(items: Sequence[Any]) -> list[Any]:
+    """Return the items over and over, for more curves than a figure can show."""
+    return list(items) * 8
+
+
+def control_plot(lines: list[Any], axes: Any, curves: Curves | None = None) -> "ControlPlot":
+    """Return lines and axes as python-control's plot, with the numbers it shows as `.curves`."""
+    from control import ControlPlot
+
+    panels = np.atleast_2d(axes)
+    table = np.empty(panels.shape, dtype=object)
+    for index, panel in np.ndenumerate(panels):
+        table[index] = [line for line in lines if line.axes is panel]
+    plot = ControlPlot(table, panels, panels[0, 0].figure)
+    plot.curves = curves
+    return plot
+
+
+def save_figure(plot: "ControlPlot", path: Path) -> None:
+    """Write a figure, whole or not at all, and close it.
+
+    Parameters
+    ----------
+    plot : control.ControlPlot
+        The figure.
+    path : Path
+        The file; its ending says the format.
+
+    Raises
+    ------
+    InputError
+        For an ending that is no format, and a file that cannot be written.
+    """
+    import matplotlib.pyplot as plt
+
+    kind = path.suffix.lstrip(".").lower()
+    if kind not in plot.figure.canvas.get_supported_filetypes():
+        raise InputError(
+            f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
+        )
+    with plt.rc_context({"svg.hashsalt": "tvclin"}):
+        write_whole(path, lambda target: plot.figure.savefig(target, format=kind, dpi=150))
+    plt.close(plot.figure)
