@@ -16,7 +16,10 @@ from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-SHAPES: dict[str, Callable[..., Any]] = {"rectangular": RectangularWind, "triangular": TriangularWind}
+SHAPES: dict[str, Callable[..., Any]] = {
+    "rectangular": RectangularWind,
+    "triangular": TriangularWind,
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-
 _FEW = 4096
 """Up to so many pairs of a knot and a time all are compared at once."""
 

@@ -1,0 +1,1 @@
+"""The report again: its figures, sketches and numbers, each with one call."""
