@@ -141,7 +141,7 @@ def _print_boundaries(result: "Study", shape: str) -> None:
     )
     needed = f"{deg(result.required_deflection):.4f} deg"
     basis = f"(model {result.model}, dead band {result.dead_band:g})"
-    typer.echo(f"Required deflection: {needed} {basis}")
+    typer.echo(f"Required deflection: {needed} {basis}, the row marked <")
     if result.limit is not None and result.survivable_peak is not None:
         word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
         largest = abs(deg(result.survivable_peak))
