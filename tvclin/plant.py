@@ -207,6 +207,26 @@ class Plant:
         D[..., -1, 1] = -1.0
         return A, B, C, D
 
+    def path_per_attitude(self, poles: NDArray[Any]) -> NDArray[Any]:
+        """Return how much flight path angle goes with the attitude in a free mode e^(p t).
+
+        From the flight path equation, (p + damping + q/p) gamma = attitude theta; the angle of
+        attack of the mode is what is left of its attitude.
+
+        Parameters
+        ----------
+        poles : ndarray
+            Poles of the plant [1/s], ``(..., N)``.
+        """
+        c, path = self.coefficients, self._path
+        turning = c.q if self.model == "drift-and-speed" else 0.0
+        pull, damping, turning = (
+            np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, turning)
+        )
+        resistance = poles * (poles + damping) + turning
+        free = resistance == 0.0  # in the drift model the path keeps whatever attitude is left
+        return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
+
     def _attitude(self, input: str) -> FloatArray:
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)

@@ -204,17 +204,16 @@ def _outputs(
     times: FloatArray,
     shape: tuple[int, ...],
 ) -> FloatArray:
-    """A mode e^(p t) of the attitude turns with p, and has p^2/mu_alpha of angle of attack."""
+    """Each mode of the attitude turns with its pole, and takes its share of flight path along."""
     poles = modes.poles[..., np.newaxis]
-    mu_alpha = np.asarray(plant.coefficients.mu_alpha)[..., np.newaxis]
     attitude = np.real(amplitudes.sum(axis=-2))
-    rate = np.real((poles * amplitudes).sum(axis=-2))
-    rows = [attitude, rate]
+    rows = [attitude, np.real((poles * amplitudes).sum(axis=-2))]
+    angle = attitude - wind(times)
     if "flight_path_angle" in plant.outputs:
-        path = attitude - np.real((poles**2 * amplitudes).sum(axis=-2)) / mu_alpha
-        rows += [path, attitude - path - wind(times)]
-    else:
-        rows += [attitude - wind(times)]
+        share = plant.path_per_attitude(modes.poles)[..., np.newaxis]
+        rows.append(np.real((share * amplitudes).sum(axis=-2)))
+        angle = np.real(((1.0 - share) * amplitudes).sum(axis=-2)) - wind(times)
+    rows.append(angle)
     return np.stack([np.broadcast_to(row, (*shape, times.size)) for row in rows], axis=-2)
 
 

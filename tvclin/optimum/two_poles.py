@@ -5,6 +5,8 @@
 with beta1 the slow pole, beta2 the fast one, and t_s the time of the one switch.
 """
 
+import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -47,22 +49,23 @@ def switch_time(
     the switch moves to infinity on one side of it and comes back from zero on the other.
     """
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
-    F = [np.exp(-pole * horizon) for pole in poles]
-    whole = c[0] * (1.0 + F[1]) - c[1] * (1.0 + F[0])
-    # The same at t_s = 0 without cancellation: -(c1 (1 - F2) - c2 (1 - F1)).
-    none = c[1] * (1.0 - F[0]) - c[0] * (1.0 - F[1])
 
     def excess(t: float) -> float:
-        if t * max(poles) < 0.5:
-            return float(
-                none - 2.0 * (c[0] * np.expm1(-poles[1] * t) - c[1] * np.expm1(-poles[0] * t))
-            )
-        return float(whole - 2.0 * (c[0] * np.exp(-poles[1] * t) - c[1] * np.exp(-poles[0] * t)))
+        """The difference, summed so that what cancels is exact or meant to cancel."""
+        (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
+        return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
     return _bracketed_zero(excess, min(horizon, _NEVER / min(poles)))
 
 
-def _bracketed_zero(excess: Any, last: float) -> float:
+def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
+    """1 - 2 E + F, eq (C5), in two parts: early from what is lost since zero, late as it stands."""
+    if pole * t < 0.5:
+        return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
+    return 1.0 + math.exp(-pole * horizon), -2.0 * math.exp(-pole * t)
+
+
+def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
     ends = excess(0.0), excess(last)
