@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 .PHONY: study test lint docs clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
-	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5
+	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
 
 test: $(VENV)/.installed-dev lint  ## set everything up and pass the tests
 	$(BIN)/pytest -n auto -q

@@ -141,6 +141,7 @@ def test_the_csv_is_the_exact_response(tmp_path):
 def test_the_figure_is_written_and_closed(tmp_path, kind):
     import matplotlib.pyplot as plt
 
+    plt.close("all")
     file = tmp_path / f"response.{kind}"
 
     assert run("configuration-ii", "--plot", file, "--model", "drift-and-speed").exit_code == 0

@@ -26,6 +26,8 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
     """
     if path.is_dir():
         raise InputError(f"{path} is a directory; name a file in it")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path} is not an ordinary file; name another")
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         os.close(handle)

@@ -175,9 +175,10 @@ class History(ABC):
     def peak(self) -> FloatArray:
         """The value that is largest in size, with its sign, shape ``batch``.
 
-        It is sought at the knots, on both sides of each jump, and between them.
+        It is sought at the knots, on both sides of each jump, between them, and beyond the last
+        one where the history goes on.
         """
-        times = self.probe_times()
+        times = self.probe_times() if self._linear else self._close_probes()
         values = np.real(kernel.value(self.pieces, times))
         where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
         largest = np.take_along_axis(values, where, axis=-1)[..., 0]
@@ -194,6 +195,16 @@ class History(ABC):
         times = np.concatenate([inside, np.maximum(np.nextafter(stop, -np.inf), start)], axis=-1)
         flat = times.reshape(*times.shape[:-2], -1)
         return np.concatenate([flat, self.knots[..., -1:]], axis=-1)
+
+    def _close_probes(self) -> FloatArray:
+        """Times that show a curved history, also its endless last piece."""
+        rates = np.abs(self.pieces.rates)
+        slowest = np.where(rates > 0.0, rates, np.inf).min(axis=-1, keepdims=True)
+        beyond = self.knots[..., -1:] + np.linspace(0.0, 20.0, 400) / slowest
+        inside = self.probe_times(64)
+        shape = np.broadcast_shapes(inside.shape[:-1], beyond.shape[:-1])
+        both = [np.broadcast_to(t, (*shape, t.shape[-1])) for t in (inside, beyond)]
+        return np.concatenate(both, axis=-1)
 
     @property
     def _live(self) -> NDArray[np.bool_]:

@@ -19,8 +19,11 @@ FloatArray = NDArray[np.float64]
 
 _MARGINAL = 1e-12
 """A pole whose real part is below this part of the largest pole counts as not growing."""
-_ROUNDING = 32 * np.finfo(float).eps
-"""Rounding of a sum of transforms, for each unit of the size of its terms."""
+_EPS = float(np.finfo(float).eps)
+_DEAD = 750.0
+"""e^-750 is nothing: later knots do not count."""
+_ROUNDINGS = 32.0
+"""Roundings in one term of a transform; its knots and its exponent add to them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +57,8 @@ class Verdict:
     stable : bool or ndarray
         True when every residue is zero within `tolerance`, ``(...)``.
     residues : ndarray
-        Residue of the attitude [rad] at each unstable pole, ``(..., N)``.
+        Residue of the attitude [rad] at each unstable pole, ``(..., N)``, with the time counted
+        from the first knot of the two histories, so that it means the same however late they are.
     tolerance : ndarray
         The rounding [rad] to which each residue is known, ``(..., N)``.
     left_over : LeftOver
@@ -167,7 +171,11 @@ def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
     -----
     Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p).
     """
-    return residues_at(unstable_modes(plant), deflection, wind)[0]
+    modes = unstable_modes(plant)
+    start = first_time(deflection, wind)
+    found, _ = residues_at(modes, deflection, wind, start)
+    with np.errstate(over="ignore"):
+        return found * np.exp(-modes.poles * start[..., np.newaxis])
 
 
 def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
@@ -184,7 +192,8 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
         Any two histories; their batches broadcast with the plant's.
     """
     modes = unstable_modes(plant)
-    found, tolerance = residues_at(modes, deflection, wind)
+    start = first_time(deflection, wind)
+    found, tolerance = residues_at(modes, deflection, wind, start)
     zero = (np.abs(found) <= tolerance) | np.isnan(modes.poles)
     stable = np.all(zero, axis=-1)
     with np.errstate(invalid="ignore"):
@@ -203,17 +212,30 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
     return judge(plant, deflection, wind).stable
 
 
+def first_time(deflection: History, wind: History) -> FloatArray:
+    """Return when the first of two histories begins [s], shape ``(...)``."""
+    return np.minimum(deflection.knots[..., 0], wind.knots[..., 0])
+
+
 def residues_at(
-    modes: Modes, deflection: History, wind: History
+    modes: Modes, deflection: History, wind: History, start: FloatArray
 ) -> tuple[NDArray[Any], FloatArray]:
     """Return the residues [rad] at the poles of `modes`, and the rounding to which they are known.
 
-    Both have shape ``(..., N)``; NaN at a pole that is NaN.
+    They are those of the same flight with its time counted from `start` [s], and so neither
+    vanish for a late wind nor overflow for an early one; e^(-p start) times them are those of the
+    flight as it is. Both have shape ``(..., N)``; NaN at a pole that is NaN.
     """
-    inputs = ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
+    pairs = ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
+    inputs = [(gain, history.shift(-start)) for gain, history in pairs]
     terms = [gain * _at_poles(h.laplace, modes.poles) for gain, h in inputs]
     sizes = [np.abs(gain) * _at_poles(h.laplace_magnitude, modes.poles) for gain, h in inputs]
-    return np.asarray(terms[0] + terms[1]), _ROUNDING * np.real(sizes[0] + sizes[1])
+    roundings = np.asarray(_ROUNDINGS)
+    for _, history in inputs:
+        last = np.abs(history.knots[..., -1])[..., np.newaxis]
+        exponent = np.minimum(np.abs(modes.poles) * last, _DEAD)
+        roundings = roundings + exponent + np.sqrt(history.knots.shape[-1])
+    return np.asarray(terms[0] + terms[1]), _EPS * roundings * np.real(sizes[0] + sizes[1])
 
 
 def _at_poles(transform: Any, poles: NDArray[Any]) -> NDArray[Any]:

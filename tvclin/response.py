@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.errors import InputError, finite
 from tvclin.histories import History
 from tvclin.kernels import integrals, lags
-from tvclin.modes import Modes, all_modes, growing, residues_at
+from tvclin.modes import Modes, all_modes, first_time, growing, residues_at
 from tvclin.plant import INPUTS, Plant
 
 if TYPE_CHECKING:
@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 _SEPARATE = 1e-3
-"""Poles nearer to each other than this part of the largest are answered by a chain of lags."""
+"""Poles nearer to each other than this, over the largest or over the time, count as near."""
+_FORWARD = 20.0
+"""A mode that grows by no more than e^20 may be carried forward."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,21 +151,26 @@ def attitude_responses(
     except ValueError:
         raise InputError(f"the batches must broadcast together; got {shapes}") from None
     modes = all_modes(plant)
-    if _repeated(modes.poles):
-        return Responses(times, _by_lags(plant, deflection, wind, times, shape), plant.outputs)
-    amplitudes = _amplitudes(plant, modes, deflection, wind, times)
-    return Responses(times, _outputs(plant, modes, amplitudes, wind, times, shape), plant.outputs)
+    near = _near_poles(modes.poles, times.max() - first_time(deflection, wind))
+    with np.errstate(invalid="ignore"):  # near poles have no residues; they are answered below
+        amplitudes = _amplitudes(modes, deflection, wind, times)
+        outputs = _outputs(plant, modes, amplitudes, wind, times, shape)
+    if np.any(near):
+        lags = _by_lags(plant, deflection, wind, times, shape)
+        outputs = np.where(near[..., np.newaxis, np.newaxis], lags, outputs)
+    return Responses(times, outputs, plant.outputs)
 
 
 def _amplitudes(
-    plant: Plant, modes: Modes, deflection: History, wind: History, times: FloatArray
+    modes: Modes, deflection: History, wind: History, times: FloatArray
 ) -> NDArray[Any]:
     """The part of the attitude that each mode makes, ``(..., N, n)``."""
     unstable = growing(modes.poles)
     fast = Modes(
         np.where(unstable, modes.poles, np.nan), modes.deflection_residues, modes.wind_residues
     )
-    found, tolerance = residues_at(fast, deflection, wind)
+    start = first_time(deflection, wind)
+    found, tolerance = residues_at(fast, deflection, wind, start)
     found = np.where(unstable & (np.abs(found) > tolerance), found, 0.0)
     columns = []
     for k in range(modes.poles.shape[-1]):
@@ -175,10 +182,12 @@ def _amplitudes(
             continue
         back = _sum(integrals.future, np.where(up, pole, 1.0), weights, (deflection, wind), times)
         with np.errstate(over="ignore", invalid="ignore"):
-            growth = np.where(up, pole, 0.0)[..., np.newaxis] * times
+            since = times - start[..., np.newaxis]
+            growth = np.where(up, pole, 0.0)[..., np.newaxis] * since
             excess = found[..., k, np.newaxis]
             grown = np.where(excess == 0.0, 0.0, excess * np.exp(growth))
-        columns.append(np.where(up[..., np.newaxis], grown - back, forward))
+            grown = np.where(since < 0.0, 0.0, grown - back)
+        columns.append(np.where(up[..., np.newaxis], grown, forward))
     return np.stack(np.broadcast_arrays(*columns), axis=-2)
 
 
@@ -231,8 +240,14 @@ def _by_lags(
     return np.stack(rows, axis=-2)
 
 
-def _repeated(poles: NDArray[Any]) -> bool:
+def _near_poles(poles: NDArray[Any], span: FloatArray) -> NDArray[np.bool_]:
+    """Where two poles are too near for the modes to be told apart within the time span, ``(...)``.
+
+    A plant that grows fast all the same keeps its modes: a chain of lags runs forward.
+    """
     gaps = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
     gaps[..., np.arange(poles.shape[-1]), np.arange(poles.shape[-1])] = np.inf
-    size = np.abs(poles).max(axis=-1)
-    return bool(np.any(gaps.min(axis=(-2, -1)) <= _SEPARATE * size))
+    gap, size = gaps.min(axis=(-2, -1)), np.abs(poles).max(axis=-1)
+    span = np.maximum(span, 0.0)
+    near = (gap <= _SEPARATE * size) | (gap * span <= _SEPARATE)
+    return near & ((np.real(poles).max(axis=-1) * span <= _FORWARD) | (gap == 0.0))

@@ -1,6 +1,6 @@
 """One vehicle, one wind: the whole answer as one value."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -11,9 +11,13 @@ from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, surviv
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, one_of, positive, within
 from tvclin.modes import Modes, unstable_modes
+from tvclin.optimum import single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
+
+_MARKEDLY = 1.01
+"""A requirement above this many times another is worth a note."""
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 SHAPES: dict[str, Callable[..., Any]] = {
@@ -52,6 +56,8 @@ class Study:
         Whether the limit is at or above the boundary of `model`.
     survivable_peak : float or None
         The largest peak [rad] of such a wind that the limit survives.
+    notes : tuple of str
+        What the reader should know before believing the numbers; often nothing.
     """
 
     vehicle: Vehicle
@@ -67,6 +73,7 @@ class Study:
     limit: float | None
     sufficient: bool | None
     survivable_peak: float | None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def from_vehicle(
@@ -80,6 +87,7 @@ class Study:
         dead_band: float = 1.0,
         model: str = "fixed-path",
         plane: str = "pitch",
+        switch: str = "report",
     ) -> Self:
         """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
 
@@ -101,6 +109,8 @@ class Study:
             Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed".
         plane : {"pitch", "yaw"}
             Plane of the motion.
+        switch : {"report", "literal"}
+            What leaves the dead band, as in `trim_then_hold`.
 
         Raises
         ------
@@ -130,7 +140,8 @@ class Study:
         shown = [name for name in ("fixed-path", with_drift) if name in plants]
         plant = plants.get(model) or Plant(coefficients, model)
         if limit is not None:
-            limit = float(positive("limit", limit, "rad"))
+            limit = float(within("limit", positive("limit", limit, "rad"), 0.0, np.pi / 2, "rad"))
+        judged: Any = (plant, history, limit, dead_band, switch)
         return cls(
             vehicle=vehicle,
             plane=plane,
@@ -139,14 +150,17 @@ class Study:
             wind=history,
             modes={name: unstable_modes(plant) for name, plant in plants.items()},
             trim_deflection=abs(float(coefficients.B * history.peak)),
-            boundaries={name: boundary_limit(plants[name], history, dead_bands) for name in shown},
+            boundaries={
+                name: boundary_limit(plants[name], history, dead_bands, switch) for name in shown
+            },
             dead_bands=dead_bands,
             dead_band=dead_band,
             limit=limit,
-            sufficient=None if limit is None else is_sufficient(plant, history, limit, dead_band),
-            survivable_peak=None
+            sufficient=None
             if limit is None
-            else survivable_peak(plant, history, limit, dead_band),
+            else is_sufficient(plant, history, limit, dead_band, switch),
+            survivable_peak=None if limit is None else survivable_peak(*judged),
+            notes=tuple(_notes(plant, history, dead_band, switch)),
         )
 
     @property
@@ -154,3 +168,23 @@ class Study:
         """The deflection [rad] that the verdict's model and dead band ask for."""
         row = int(np.argmax(self.dead_bands == self.dead_band))
         return float(np.abs(self.boundaries[self.model].deflection[row]))
+
+
+def _notes(plant: Plant, wind: Any, dead_band: float, switch: str) -> Iterator[str]:
+    edge = float(single_pole_validity(plant.coefficients))
+    if wind.duration > edge:
+        yield (
+            f"a wind of more than {edge:.1f} s outlasts what one pole can say: the slow mode of the"
+            " flight path then needs more (tvclin optimum)"
+        )
+    if plant.model == "fixed-path" or switch == "literal":
+        return
+    report, literal = (
+        abs(float(boundary_limit(plant, wind, dead_band, how).deflection))
+        for how in ("report", "literal")
+    )
+    if literal > _MARKEDLY * report:
+        yield (
+            "the report leaves the dead band early in long winds with drift; with the dead band"
+            f" meant literally {np.degrees(literal):.4f} deg are needed (--switch literal)"
+        )

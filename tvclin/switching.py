@@ -95,9 +95,10 @@ class Problem:
         extra, extra_level = times.copy(), level.copy()
         extra[back] = roots_between(flat[case, column - 1], flat[case, column], above)
         extra_level[back] = height
-        both = np.concatenate([times, extra], axis=-1)
+        # The earlier height comes first: where the driver jumps, both stand at the same time.
+        both = np.concatenate([extra, times], axis=-1)
         order = np.argsort(both, axis=-1, kind="stable")
-        levels = np.concatenate([level, extra_level], axis=-1)
+        levels = np.concatenate([extra_level, level], axis=-1)
         return (
             np.take_along_axis(both, order, axis=-1),
             np.take_along_axis(levels, order, axis=-1),

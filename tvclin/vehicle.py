@@ -22,6 +22,9 @@ STANDARD_GRAVITY = 9.80665
 
 FloatArray = NDArray[np.float64]
 
+_SMALLEST, _LARGEST = 1e-9, 1e18
+_MAY_BE_TINY = ("aerodynamic_arm", "attitude", "time")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Vehicle:
@@ -96,6 +99,7 @@ class Vehicle:
                 checked[name] = check(name, given, "s" if name == "time" else "N/rad")
         together(**checked)
         for name, array in checked.items():
+            _plausible(name, array)
             object.__setattr__(self, name, plain(array))
 
     @classmethod
@@ -162,6 +166,17 @@ class Vehicle:
     def control_force(self) -> float | FloatArray:
         """Control force per deflection [N/rad]: the thrust, or the slope that was given."""
         return self.thrust if self.control_force_slope is None else self.control_force_slope
+
+
+def _plausible(name: str, array: FloatArray) -> None:
+    """Refuse numbers with which no sum of theirs could be computed; no booster has them."""
+    size = np.abs(array)
+    tiny = (size < _SMALLEST) & (size > 0.0) & (name not in _MAY_BE_TINY)
+    if np.any(tiny | (size > _LARGEST)):
+        raise InputError(
+            f"{name} must be a size between {_SMALLEST:g} and {_LARGEST:g} in SI units; got"
+            f" {array.ravel()[np.argmax(tiny | (size > _LARGEST))]:.6g}"
+        )
 
 
 def _attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:

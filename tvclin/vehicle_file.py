@@ -65,8 +65,8 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     >>> tv.load_vehicle("configuration-i").weight
     1480000.0
     """
-    text = fspath(source)
-    if not isinstance(text, str) or "\0" in text:
+    text = fspath(source) if isinstance(source, str | PathLike) else None
+    if not isinstance(text, str) or not text or "\0" in text:
         raise InputError(f"vehicle must be a name or a path; got {source!r}")
     if text in list_vehicles():
         resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
@@ -74,7 +74,7 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     path = Path(text)
     looks_like_a_path = isinstance(source, PathLike) or path.suffix == ".toml" or path.name != text
     if not looks_like_a_path and not path.exists():
-        one_of("vehicle", text, list_vehicles())
+        one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
     return parse_vehicle(_read(path), text)
 
 
@@ -102,7 +102,7 @@ def template() -> str:
 
 def _read(path: Path) -> str:
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except IsADirectoryError:
         raise InputError(f"{path} is a directory; name a vehicle file in it") from None
     except FileNotFoundError:
@@ -127,7 +127,10 @@ def _build(table: dict[str, Any]) -> Vehicle:
         if quantity in keys:
             raise InputError(f"{quantity} is given twice, as {keys[quantity]} and {key}; keep one")
         keys[quantity] = key
-        values[quantity] = float(finite(key, value)) * factor
+        number = finite(key, value)
+        if number.ndim:
+            raise InputError(f"{key} must be one number; got {value!r}")
+        values[quantity] = float(number) * factor
     aerodynamic = values.keys() & _AERODYNAMICS
     needed = _REQUIRED | (_AERODYNAMICS if aerodynamic else _FORCES)
     for quantity, dimension in needed.items():

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.options import VEHICLE_HELP, AsJson, Plane, Plot, Wind
+from tvclin.cli.options import VEHICLE_HELP, AsJson, Plot, Wind
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -21,10 +21,14 @@ def boundary(
     ] = None,
     dead_band: Annotated[
         list[float] | None,
-        typer.Option(help="Dead band K in [0, 1]; may be given several times."),
+        typer.Option(help="Dead band K from 0 to 1; may be given several times."),
     ] = None,
-    model: Annotated[str, typer.Option(help="Model, when a vehicle is given.")] = "drift",
-    plane: Plane = "pitch",
+    model: Annotated[
+        str | None, typer.Option(help="Model, when a vehicle is given; drift if nothing is.")
+    ] = None,
+    plane: Annotated[
+        str | None, typer.Option(help="Plane, when a vehicle is given; pitch if nothing is.")
+    ] = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -32,10 +36,13 @@ def boundary(
     import numpy as np
 
     from tvclin.cli.output import print_json, print_table
-    from tvclin.errors import positive, within
+    from tvclin.errors import InputError, positive, within
     from tvclin.plots import boundary_chart, save_figure
 
-    x = positive("--tau-beta", tau_beta or TAU_BETA)
+    if vehicle is None and (model or plane):
+        raise InputError("--model and --plane need a vehicle; name one or leave them out")
+    model, plane = model or "drift", plane or "pitch"
+    x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
     name, limits, coefficients = _limits(vehicle, wind, x, K, model, plane)
     if plot is not None:

@@ -61,7 +61,7 @@ def make_case(
 
     from tvclin.boundary import boundary_limit
     from tvclin.deflections import trim_then_hold
-    from tvclin.errors import InputError, one_of, positive, within
+    from tvclin.errors import InputError, one_of, within
     from tvclin.plant import Plant
     from tvclin.study import SHAPES
 
@@ -73,10 +73,10 @@ def make_case(
     plant = Plant.from_vehicle(vehicle, model, plane)
     boundary = abs(float(boundary_limit(plant, history, K).deflection))
     if limit_deg is not None:
-        limit = float(np.radians(positive("--limit-deg", limit_deg)))
+        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     else:
         limit = boundary * float(
-            positive("--capability", 1.1 if capability is None else capability)
+            within("--capability", 1.1 if capability is None else capability, 1e-3, 1e3)
         )
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")

@@ -30,13 +30,13 @@ def optimum(
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     start: Annotated[
-        float, typer.Option(help="Start of the control [s]; negative: before the wind.")
+        float, typer.Option(help="Start of the control, in s; negative: before the wind.")
     ] = 0.0,
     horizon: Annotated[
-        float | None, typer.Option(help="Time [s] from which the deflection is zero again.")
+        float | None, typer.Option(help="Time, in s, from which the deflection is zero again.")
     ] = None,
     rate_limit_deg: Annotated[
-        float | None, typer.Option(help="Limit of the deflection rate [deg/s].")
+        float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")
     ] = None,
     model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
     plane: Plane = "pitch",

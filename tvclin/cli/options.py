@@ -10,12 +10,12 @@ VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 
 Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]
 Wind = Annotated[str, typer.Option(help="Shape of the wind: triangular or rectangular.")]
-Duration = Annotated[float, typer.Option(help="Duration of the wind [s].")]
+Duration = Annotated[float, typer.Option(help="Duration of the wind, in s.")]
 PeakDeg = Annotated[
-    float | None, typer.Option(help="Peak wind angle of attack [deg]; 5 if nothing is given.")
+    float | None, typer.Option(help="Peak wind angle of attack, in deg; 5 if nothing is given.")
 ]
 PeakSpeed = Annotated[
-    float | None, typer.Option(help="Peak wind speed [m/s] in its place, by eq (B1e).")
+    float | None, typer.Option(help="Peak wind speed, in m/s, in its place, by eq (B1e).")
 ]
 Plane = Annotated[str, typer.Option(help="Plane of the motion: pitch or yaw.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]

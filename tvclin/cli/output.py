@@ -14,7 +14,7 @@ def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    table = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     for column, heading in enumerate(headings):
         table.add_column(Text(heading), justify="right" if column else "left", overflow="fold")
     for row in rows:
@@ -29,7 +29,7 @@ def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) 
     from rich.text import Text
 
     table = Table(
-        title=title,
+        title=Text(title),
         title_justify="left",
         title_style="bold",
         box=None,

@@ -35,14 +35,14 @@ def respond(
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     dead_band: Annotated[
-        float, typer.Option(help="Dead band K, in [0, 1]: trim up to K times the limit.")
+        float, typer.Option(help="Dead band K, from 0 to 1: trim up to K times the limit.")
     ] = 1.0,
     capability: Annotated[
         float | None,
         typer.Option(help="Deflection limit in units of the boundary; 1.1 if nothing is given."),
     ] = None,
     limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection limit [deg] in its place.")
+        float | None, typer.Option(help="Deflection limit, in deg, in its place.")
     ] = None,
     model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "fixed-path",
     plane: Plane = "pitch",
@@ -67,7 +67,7 @@ def respond(
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    within("--until", positive("--until", until), 0.0, _LONGEST)
+    within("--until", until, 1e-3, _LONGEST)
     length = until * float(positive("--duration", duration, "s"))
     within("--points", points, 2, 1_000_000)
     case = make_case(loaded, wind, duration, peak, dead_band, capability, limit_deg, model, plane)

@@ -28,13 +28,16 @@ def study(
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     dead_band: Annotated[
-        float, typer.Option(help="Dead band K of the verdict, in [0, 1]; 1 needs no forecast.")
+        float, typer.Option(help="Dead band K of the verdict, from 0 to 1; 1 needs no forecast.")
     ] = 1.0,
     limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection capability [deg]: is it sufficient?")
+        float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
     ] = None,
     model: Annotated[str, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = "fixed-path",
     plane: Plane = "pitch",
+    switch: Annotated[
+        str, typer.Option(help="What leaves the dead band: report (the wind) or literal (trim).")
+    ] = "report",
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -45,13 +48,17 @@ def study(
     import numpy as np
 
     from tvclin.cli.output import print_json
-    from tvclin.errors import positive
+    from tvclin.errors import within
     from tvclin.study import Study
     from tvclin.vehicle_file import load_vehicle
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    limit = None if limit_deg is None else np.radians(float(positive("--limit-deg", limit_deg)))
+    limit = (
+        None
+        if limit_deg is None
+        else np.radians(float(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    )
     result = Study.from_vehicle(
         loaded,
         wind=wind,
@@ -61,6 +68,7 @@ def study(
         dead_band=dead_band,
         model=model,
         plane=plane,
+        switch=switch,
     )
     if plot is not None:
         from tvclin.plots import save_figure, study_chart
@@ -147,6 +155,8 @@ def _print_boundaries(result: "Study", shape: str) -> None:
         largest = abs(deg(result.survivable_peak))
         said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
         typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}")
+    for note in result.notes:
+        typer.echo(f"Note: {note}.")
 
 
 def _poles(poles: Any) -> str:
@@ -187,6 +197,7 @@ def _document(result: "Study", shape: str) -> dict[str, Any]:
             }
             for name, found in result.boundaries.items()
         },
+        "notes": result.notes,
         "verdict": {
             "model": result.model,
             "dead_band": result.dead_band,
@@ -195,6 +206,6 @@ def _document(result: "Study", shape: str) -> dict[str, Any]:
             "sufficient": result.sufficient,
             "survivable_peak_deg": None
             if result.survivable_peak is None
-            else deg(result.survivable_peak),
+            else abs(deg(result.survivable_peak)),
         },
     }

@@ -51,11 +51,11 @@ def best_multipliers(window: Window) -> SignedSum:
         return best
     c = window.constraints
     fast = int(np.argmax(c.decays))
-    part = np.abs(best.multipliers) * window.sizes
-    slower = c.poles[np.argmax(np.real(c.poles))] / 3.0
-    if part.min() > _LOST * part.max() or c.pulsations[fast] or slower < np.sort(c.decays)[-2]:
+    place = int(np.argmax(np.real(c.poles)))
+    slower = c.poles[place] / 3.0
+    if not _lost(window, best.multipliers) or c.pulsations[fast] or slower < np.sort(c.decays)[-2]:
         return best
-    poles = np.where(c.poles == 3.0 * slower, slower, c.poles)
+    poles = np.where(np.arange(c.poles.size) == place, slower, c.poles)
     demands = np.where(np.arange(c.decays.size) == fast, 3.0 * c.demands, c.demands)
     found = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
     moments = c.moments(np.concatenate([[0.0], found.zeros, [window.end]])) @ found.signs
@@ -73,9 +73,16 @@ def _from_grid(window: Window) -> SignedSum:
                 best = found
             if _misfit(window, best) < _ARRIVED:
                 return best
+        if _lost(window, prices):
+            break
         cells = _split(cells, doubtful)
     assert best is not None
     return best
+
+
+def _lost(window: Window, multipliers: FloatArray) -> bool:
+    part = np.abs(multipliers) * window.sizes
+    return bool(part.min() < _LOST * part.max())
 
 
 def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:

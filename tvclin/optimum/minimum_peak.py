@@ -130,7 +130,7 @@ def optimum_deflection(
         return _nothing(float(start), constraints.demands.size)
     window = Window(constraints)
     switches, multipliers = _solve(window)
-    limit = _limit(window, switches)
+    switches, limit = _polished(window, switches)
     deflection = _history(limit, switches + start, float(start), window.end + start)
     certificate = certify(window, multipliers, switches, limit)
     norm = window.signed(multipliers).norm
@@ -165,14 +165,11 @@ def certify(
     summed = window.signed(multipliers)
     beyond = window.tail(multipliers)
     dual = float(multipliers @ constraints.demands / (summed.norm + beyond))
-    pieces = limit * _moments(window, switches)
-    violation = np.abs(pieces.sum(axis=1) - constraints.demands)
-    sizes = np.abs(pieces).sum(axis=1) + np.abs(constraints.demands)
     return Certificate(
         primal=abs(limit),
         dual=dual,
         gap=(abs(limit) - dual) / abs(limit),
-        residual=float((violation / sizes).max()),
+        residual=_violation(window, switches, limit),
         tail=beyond / summed.norm,
     )
 
@@ -207,6 +204,37 @@ def _limit(window: Window, switches: FloatArray) -> float:
     moments = _moments(window, switches).sum(axis=1) / window.sizes
     demands = window.constraints.demands / window.sizes
     return float(moments @ demands / (moments @ moments))
+
+
+def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
+    """Newton's iteration on the conditions themselves, by least moves of the switch times.
+
+    Times that come from nearly dependent conditions (a short horizon) are made exact to rounding.
+    """
+    limit = _limit(window, switches)
+    violation = _violation(window, switches, limit)
+    for _ in range(3 if switches.size else 0):
+        signs = (-1.0) ** np.arange(switches.size)
+        columns = [2.0 * limit * signs * window.constraints.basis(switches)]
+        columns.append(limit * _moments(window, switches).sum(axis=1, keepdims=True))
+        rows = np.hstack(columns) / window.sizes[:, np.newaxis]
+        missing = window.constraints.demands - columns[1][:, 0]
+        step = np.linalg.lstsq(rows, missing / window.sizes, rcond=None)[0]
+        trial, moved = switches + step[:-1], limit * (1.0 + step[-1])
+        if np.any(np.diff(trial, prepend=0.0, append=window.end) < 0.0):
+            break
+        if _violation(window, trial, moved) >= violation:
+            break
+        switches, limit, violation = trial, moved, _violation(window, trial, moved)
+    return switches, float(limit)
+
+
+def _violation(window: Window, switches: FloatArray, limit: float) -> float:
+    """The largest violation of a condition, relative to the sizes of its terms."""
+    demands = window.constraints.demands
+    pieces = limit * _moments(window, switches)
+    sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
+    return float((np.abs(pieces.sum(axis=1) - demands) / sizes).max())
 
 
 def _moments(window: Window, switches: FloatArray) -> FloatArray:

@@ -3,10 +3,14 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, nonzero, plain, together
+from tvclin.errors import InputError, nonzero, plain, positive, together, within
 from tvclin.histories import History
 
 FloatArray = NDArray[np.float64]
+
+_FAINTEST = 1e-12
+SHORTEST, LONGEST = 1e-9, 1e9
+"""Beyond these, times and angles can no longer be added to each other without loss."""
 
 
 def checked_peak(peak: ArrayLike) -> FloatArray:
@@ -17,7 +21,15 @@ def checked_peak(peak: ArrayLike) -> FloatArray:
             "peak must be a wind angle within 90 degrees, in radians; got"
             f" {np.abs(peak).max():.6g} rad ({np.degrees(np.abs(peak).max()):.4g} deg)"
         )
+    if np.any(np.abs(peak) < _FAINTEST):
+        raise InputError(f"peak must be at least {_FAINTEST:g} rad in size; got {peak.min():.6g}")
     return peak
+
+
+def checked_span(name: str, value: ArrayLike) -> FloatArray:
+    """Return a duration as a float array; `InputError` unless it is between 1 ns and 1e9 s."""
+    value = positive(name, value, "s")
+    return within(name, value, SHORTEST, LONGEST, "s")
 
 
 def keep(wind: History, **checked: FloatArray) -> None:

@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import nonnegative, positive
+from tvclin.errors import nonnegative
 from tvclin.histories import History
 from tvclin.kernels.pieces import Pieces
-from tvclin.winds.checks import checked_peak, keep
+from tvclin.winds.checks import checked_peak, checked_span, keep
 
 FloatArray = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class OneMinusCosineGust(History):
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=positive("duration", self.duration, "s"))
+        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -97,7 +97,7 @@ class LayeredGust(History):
         peak, blend = checked_peak(self.peak), nonnegative("blend", self.blend, "s")
         plateau = nonnegative("plateau", self.plateau, "s")
         keep(self, peak=peak, blend=blend, plateau=plateau)
-        positive("blend + plateau", blend + plateau, "s")
+        checked_span("blend + plateau", blend + plateau)
 
     @cached_property
     def pieces(self) -> Pieces:

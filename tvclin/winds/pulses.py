@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import nonnegative, positive
+from tvclin.errors import nonnegative
 from tvclin.histories import History
 from tvclin.kernels.pieces import Pieces
-from tvclin.winds.checks import checked_peak, keep
+from tvclin.winds.checks import checked_peak, checked_span, keep
 from tvclin.winds.sampled import straight_lines
 
 FloatArray = NDArray[np.float64]
@@ -37,7 +37,7 @@ class RectangularWind(History):
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=positive("duration", self.duration, "s"))
+        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -69,7 +69,7 @@ class TriangularWind(History):
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=positive("duration", self.duration, "s"))
+        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -103,7 +103,7 @@ class AsymmetricTriangularWind(History):
     peak_time: float | FloatArray
 
     def __post_init__(self) -> None:
-        peak, duration = checked_peak(self.peak), positive("duration", self.duration, "s")
+        peak, duration = checked_peak(self.peak), checked_span("duration", self.duration)
         peak_time = nonnegative("peak_time", self.peak_time, "s")
         keep(self, peak=peak, duration=duration, peak_time=peak_time)
         nonnegative("duration - peak_time", duration - peak_time, "s")
@@ -142,7 +142,7 @@ class TrapezoidalWind(History):
         peak, rise = checked_peak(self.peak), nonnegative("rise", self.rise, "s")
         hold, fall = nonnegative("hold", self.hold, "s"), nonnegative("fall", self.fall, "s")
         keep(self, peak=peak, rise=rise, hold=hold, fall=fall)
-        positive("rise + hold + fall", rise + hold + fall, "s")
+        checked_span("rise + hold + fall", rise + hold + fall)
 
     @cached_property
     def pieces(self) -> Pieces:

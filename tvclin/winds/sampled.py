@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, finite
+from tvclin.errors import InputError, finite, within
 from tvclin.histories import History, linear_pieces
 from tvclin.kernels.pieces import Pieces
+from tvclin.winds.checks import LONGEST
 
 FloatArray = NDArray[np.float64]
 
@@ -58,6 +59,7 @@ class SampledWind(History):
                 f" got time of shape {time.shape} and angle of shape {angle.shape}"
             )
         _check_order(time)
+        within("time", time, -LONGEST, LONGEST, "s")
         _check_angle(time, angle)
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "angle", angle)
