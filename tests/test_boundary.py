@@ -292,3 +292,12 @@ def test_unknown_switches_and_limits_of_zero_are_refused():
 def test_shapes_that_do_not_broadcast_are_refused():
     with pytest.raises(InputError, match="broadcast"):
         boundary_limit(plant_of(B=[0.1, 0.2]), sampled(), [0.0, 0.5, 1.0])
+
+
+def test_a_jump_to_a_new_height_after_a_calm_is_not_overlooked():
+    plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=3.0, B=0.1))
+    first = tvclin.RectangularWind(peak=0.15, duration=2.0)
+    wind = first + tvclin.RectangularWind(peak=0.29, duration=3.4).shift(2.7)
+
+    assert boundary_limit(plant, wind, 0.8).limit == pytest.approx(1.0 - np.exp(-10.2), rel=1e-12)
+    assert not is_sufficient(plant, wind, 0.9 * 0.1 * 0.29, 0.8)

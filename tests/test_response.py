@@ -265,3 +265,31 @@ def test_batches_are_refused_where_one_case_is_asked_for() -> None:
         tv.attitude_responses(plant, tv.HeldDeflection(limit=[-0.01] * 3), winds, [0.0, 1.0])
     with pytest.raises(tv.InputError, match="output must be one of"):
         tv.attitude_responses(plant, tv.HeldDeflection(limit=-0.01), winds, [0.0])["altitude"]
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+@pytest.mark.parametrize("mu_alpha", [1e-8, 1e-10, 1e-12, 1e-16])
+def test_a_vehicle_next_to_neutral_answers_like_its_series(mu_alpha: float, model: str) -> None:
+    """Without aerodynamic moment eqs (5), (B7) give the double integral, (B8) adds b1 t^3/6."""
+    c = tv.Coefficients(
+        mu_alpha=mu_alpha, mu_delta=1.0, b1=0.03, b2=0.02, C1=0.03, C2=0.01 * mu_alpha
+    )
+    held, wind = tv.HeldDeflection(limit=-0.005), tv.TriangularWind(peak=0.1, duration=5.0)
+    found = tv.attitude_responses(tv.Plant(c, model), held, wind, [10.0])["attitude"][0]
+
+    expected = 0.005 * (50.0 + (5.0 if model == "drift" else 0.0))
+    assert found == pytest.approx(expected, rel=1e-11 + 1e3 * mu_alpha)
+
+
+@pytest.mark.parametrize("late", [-150.0, 150.0, 1500.0])
+def test_an_early_or_late_flight_is_the_same_flight(late: float) -> None:
+    plant = tv.Plant(tv.Coefficients.from_beta(beta=5.0, B=0.1))
+    wind, held = tv.TriangularWind(peak=0.1, duration=5.0), tv.HeldDeflection(limit=-0.05)
+    times = np.array([-1.0, -1e-3, 0.0, 0.5, 2.0])
+    expected = tv.attitude_responses(plant, held, wind, times).outputs
+    moved = held.shift(late), wind.shift(late)
+
+    found = tv.attitude_responses(plant, *moved, times + late).outputs
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-15)
+    assert not tv.judge(plant, *moved).stable
+    assert not np.any(found[:, :2])

@@ -8,6 +8,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tvclin.autopilot import Actuator as Actuator
+    from tvclin.autopilot import Autopilot as Autopilot
+    from tvclin.autopilot import canonical_gains as canonical_gains
+    from tvclin.autopilot import design_gains as design_gains
     from tvclin.boundary import BoundaryLimit as BoundaryLimit
     from tvclin.boundary import boundary_limit as boundary_limit
     from tvclin.boundary import is_sufficient as is_sufficient
@@ -57,6 +61,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _ROOMS = {
+    "autopilot": ("Actuator", "Autopilot", "canonical_gains", "design_gains"),
     "boundary": (
         "BoundaryLimit",
         "boundary_limit",

@@ -15,6 +15,8 @@ _TAYLOR_TERMS = 13
 """0.25^13/13! is below 1e-17: the expansion of a resonant term is exact to rounding."""
 
 
+_ROOM = 16.0
+"""The piece split off an endless one stays near for later lags with gaps so many times as wide."""
 _DIED = 60.0
 """e^-60 of a decaying term is nothing beside its beginning."""
 _OVERFLOWS = 600.0
@@ -106,7 +108,7 @@ def _split_end(pieces: Pieces, pole: NDArray[Any]) -> Pieces:
     rate = np.real(pole[..., np.newaxis])
     with np.errstate(divide="ignore"):
         matters = np.where(rate > 0.0, _OVERFLOWS, _DIED) / np.abs(rate)
-    width = np.where(np.isinf(smallest), 0.0, np.minimum(_NEAR / smallest, matters))
+    width = np.where(np.isinf(smallest), 0.0, np.minimum(_NEAR / (_ROOM * smallest), matters))
     knots = np.concatenate([pieces.knots, pieces.knots[..., -1:] + width], axis=-1)
     end = moved(last, pieces.rates, width)
     return Pieces(knots, np.concatenate([pieces.coefficients, end], axis=-3), pieces.rates)
