@@ -48,13 +48,13 @@ def optimum(
 ) -> None:
     """Print the deflection of least peak that survives a wind whose whole course is known.
 
-    Exit code 0: found; 2: bad input.
+    Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
     import numpy as np
 
     from tvclin.cli.output import print_json
     from tvclin.errors import one_of, positive
-    from tvclin.optimum import optimum_deflection, optimum_with_rate_limit
+    from tvclin.optimum import NOT_CONVERGED, optimum_deflection, optimum_with_rate_limit
     from tvclin.plant import Plant
     from tvclin.study import SHAPES
     from tvclin.vehicle_file import load_vehicle
@@ -77,6 +77,9 @@ def optimum(
         print_json({"vehicle": loaded.name, "model": model, "wind": wind, **document})
     else:
         _print(f"{title} and {duration:g} s", document)
+    if best.status == NOT_CONVERGED:
+        typer.echo("Error: the optimum was not reached; only the lower bound is proved", err=True)
+        raise typer.Exit(1)
 
 
 def _write(

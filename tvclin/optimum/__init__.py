@@ -8,7 +8,12 @@ of control. The rooms inside: `constraints` states the moments, `two_poles` hold
 limit of the deflection rate.
 """
 
-from tvclin.optimum.minimum_peak import Certificate, Optimum, optimum_deflection
+from tvclin.optimum.minimum_peak import (
+    NOT_CONVERGED,
+    Certificate,
+    Optimum,
+    optimum_deflection,
+)
 from tvclin.optimum.rate_limit import RateLimitedOptimum, optimum_with_rate_limit
 from tvclin.optimum.two_poles import (
     early_switch,
@@ -21,6 +26,7 @@ from tvclin.optimum.two_poles import (
 )
 
 __all__ = [
+    "NOT_CONVERGED",
     "Certificate",
     "Optimum",
     "RateLimitedOptimum",

@@ -214,7 +214,7 @@ def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
         scale = 1.0 / np.abs(values).max(axis=1)
     scale = np.where(np.isfinite(scale), scale, 1.0)
     weight = np.abs(values / window.sizes[:, np.newaxis]).max(axis=0)
-    rows = (values * scale[:, np.newaxis] * weight).T
+    rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
     return np.linalg.svd(rows)[2][-1] * scale
 
 
@@ -291,11 +291,14 @@ def _newton_step(window: Window, found: SignedSum) -> FloatArray:
     """The step of Newton's iteration, with columns scaled: multipliers differ by many decades."""
     c = window.constraints
     slopes = np.abs(found.multipliers @ c.slopes(found.zeros))
-    weights = np.sqrt(2.0 * found.norm / np.maximum(slopes, 1e-300))
+    weights = np.sqrt(2.0 * found.norm / np.maximum(slopes, 1e-200 * found.norm + 1e-300))
     rows = np.vstack([found.moments, (c.basis(found.zeros) * weights).T])
     scale = np.linalg.norm(rows, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
-    _, sizes, directions = np.linalg.svd(rows / scale, full_matrices=False)
+    try:
+        _, sizes, directions = np.linalg.svd(rows / scale, full_matrices=False)
+    except np.linalg.LinAlgError:  # two zeros on top of each other: there is no step
+        return np.zeros_like(found.multipliers)
     downhill = directions @ ((c.demands - found.norm * found.moments) / scale)
     safe = sizes > _SINGULAR * sizes[0]
     inverse = np.where(safe, 1.0 / np.where(safe, sizes, 1.0) ** 2, 0.0)

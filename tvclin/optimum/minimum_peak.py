@@ -56,7 +56,8 @@ class Optimum:
     Attributes
     ----------
     peak : float
-        Its largest size [rad]; zero where no deflection is needed.
+        Its largest size [rad]; zero where no deflection is needed. Where the optimum was not
+        reached, at least the proved lower bound: look at `status`.
     deflection : History
         The deflection itself [rad]: held, or always at one of two limits, zero from a finite
         horizon on.
@@ -136,7 +137,7 @@ def optimum_deflection(
     norm = window.signed(multipliers).norm
     near = abs(certificate.gap) < _GAP and certificate.residual < _GAP
     return Optimum(
-        abs(limit),
+        abs(limit) if near else max(abs(limit), certificate.dual),
         deflection,
         switches + start,
         multipliers / norm,

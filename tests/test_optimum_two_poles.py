@@ -1,0 +1,176 @@
+"""Two unstable poles: eqs (C5) to (C9) against sixty digits and each other."""
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import tvclin
+from tvclin import Coefficients, Plant, TriangularWind, optimum_deflection
+from tvclin.optimum import (
+    early_switch,
+    late_switch,
+    longest_single_pole_duration,
+    neglecting_the_fast_pole,
+    single_pole_validity,
+    switch_variable,
+    switching_ratio,
+)
+from tvclin.optimum.constraints import Constraints
+from tvclin.optimum.dual import best_multipliers
+from tvclin.optimum.exponential_sums import Window
+from tvclin.optimum.minimum_peak import certify
+from tvclin.optimum.two_poles import switch_time
+
+NAMES = ("configuration-i", "configuration-ii")
+
+
+def plant_of(name="configuration-i", model="drift-exact"):
+    return Plant.from_vehicle(tvclin.load_vehicle(name), model)
+
+
+def triangle(plant, tau_beta, peak=-0.1):
+    return TriangularWind(peak=peak, duration=tau_beta / plant.coefficients.beta)
+
+
+def solved(poles, demands, horizon=np.inf):
+    """Return limit, switches and certificate of bare conditions, without a plant."""
+    window = Window(Constraints(np.asarray(poles), np.asarray(demands, float), horizon))
+    best = best_multipliers(window)
+    return best, certify(window, best.multipliers, best.zeros, best.norm * best.signs[0])
+
+
+def precise_pair(poles, demands):
+    """Solve eqs (C5) in 60 digits by bisection: the peak and the switch."""
+    with mpmath.workdps(60):
+        p, d = [mpmath.mpf(float(x)) for x in poles], [mpmath.mpf(float(x)) for x in demands]
+        c = [a * b for a, b in zip(p, d, strict=True)]
+
+        def excess(t):
+            return c[0] * (1 - 2 * mpmath.exp(-p[1] * t)) - c[1] * (1 - 2 * mpmath.exp(-p[0] * t))
+
+        low, high = mpmath.mpf(0), 200 / min(p)
+        side = mpmath.sign(excess(low))
+        for _ in range(240):
+            middle = (low + high) / 2
+            if mpmath.sign(excess(middle)) == side:
+                low = middle
+            else:
+                high = middle
+        wide = max(range(2), key=lambda i: abs(1 - 2 * mpmath.exp(-p[i] * low)))
+        return abs(c[wide] / (1 - 2 * mpmath.exp(-p[wide] * low))), low
+
+
+def pairs(count):
+    """Pairs of poles and demands: near and far poles, both signs, either one dominant."""
+    rng = np.random.default_rng(20)
+    slow = 10.0 ** rng.uniform(-3, 0, count)
+    fast = slow * 10.0 ** rng.uniform(0.05, 3, count)
+    poles = np.stack([slow, fast], axis=-1)
+    demands = rng.choice([-1.0, 1.0], (count, 2)) * 10.0 ** rng.uniform(-2, 2, (count, 2)) / poles
+    demands[::5, 0] = demands[::5, 1] * poles[::5, 1] / poles[::5, 0]  # y near 1
+    demands[::5, 0] *= 1.0 + rng.choice([-1, 1], len(demands[::5])) * 10.0 ** -rng.uniform(
+        1, 12, len(demands[::5])
+    )
+    flipped = rng.random(count) < 0.5
+    poles[flipped], demands[flipped] = poles[flipped, ::-1], demands[flipped, ::-1]
+    return list(zip(poles, demands, strict=True))
+
+
+def test_two_poles_agree_with_sixty_digits():
+    for poles, demands in pairs(200):
+        peak, switch = precise_pair(poles, demands)
+        found = switch_time(tuple(poles), tuple(demands))
+        shares = 1.0 - 2.0 * np.exp(-poles * found)
+        i = int(np.argmax(np.abs(shares)))
+        assert abs(poles[i] * demands[i] / shares[i]) == pytest.approx(float(peak), rel=1e-11)
+        if poles.min() * found < 10.0 and found > 1e-3 / poles.max():
+            assert found == pytest.approx(float(switch), rel=1e-10)
+
+
+def test_the_dual_finds_the_same_for_two_poles():
+    for poles, demands in pairs(60):
+        best, proof = solved(poles, demands)
+        peak, _ = precise_pair(poles, demands)
+        assert proof.primal == pytest.approx(float(peak), rel=1e-9)
+        assert proof.dual <= float(peak) * (1.0 + 1e-9)
+        assert best.zeros.size <= 1
+
+
+def test_at_y_of_one_the_switch_is_never_or_at_once():
+    assert switch_time((1.0, 2.0), (2.0, 1.0)) == np.inf
+    before = switch_time((0.01, 0.5), (50.0 * (1.0 - 1e-9), 1.0))
+    after = switch_time((0.01, 0.5), (50.0 * (1.0 + 1e-9), 1.0))
+    assert before > 1000.0
+    assert 0.0 < after < 1e-7
+    assert switch_time((0.01, 0.5), (0.0, 1.0)) == pytest.approx(np.log(2.0) / 0.01)
+    assert switch_time((0.01, 0.5), (1.0, 0.0)) == pytest.approx(np.log(2.0) / 0.5)
+
+
+@given(y=st.floats(-50.0, 50.0), ratio=st.floats(1e-3, 0.95))
+def test_the_switch_variable_solves_eq_c6(y, ratio):
+    x = switch_variable(y, ratio)
+    assert 0.0 <= x <= 1.0
+    if x < 1e-290:  # too late a switch for x to be written down
+        assert -1.0 < y <= 1.0
+        return
+    assert 2.0 * x**ratio - 2.0 * x * y == pytest.approx(1.0 - y, abs=1e-12 * (1.0 + abs(y)))
+
+
+def test_approximations_of_the_switch():
+    for y, error in ((0.01, 1.8e-4), (0.1, 7.6e-4)):
+        shares = [1.0 - 2.0 * x for x in (switch_variable(y, 0.1), late_switch(y, 0.1))]
+        assert abs(shares[1] / shares[0] - 1.0) < 2.0 * error
+    assert late_switch(0.0, 0.1) == pytest.approx(0.5**10)
+    assert switch_variable(10.0, 0.1) == pytest.approx(0.54410, abs=5e-6)
+    assert early_switch(10.0, 0.1) == pytest.approx(0.5433, abs=5e-5)
+    large = switch_variable(1e6, 0.1)
+    assert 1.0 - 2.0 * large**0.1 == pytest.approx(1.0 - 2.0 * early_switch(1e6, 0.1) ** 0.1)
+    assert abs(1.0 / (1.0 - 2.0 * large**0.1)) == pytest.approx(1.0 / (2.0**0.9 - 1.0), rel=1e-4)
+
+
+def test_the_duration_up_to_which_one_pole_decides():
+    for name, tau, tau_beta in (("configuration-i", 31.8, 16.8), ("configuration-ii", 40.7, 16.1)):
+        coefficients = Coefficients.from_vehicle(tvclin.load_vehicle(name))
+        found = single_pole_validity(coefficients)
+        assert found == pytest.approx(tau, abs=0.05)
+        assert found * coefficients.beta == pytest.approx(tau_beta, abs=0.05)
+    printed = longest_single_pole_duration(0.01, 0.5)
+    assert printed == pytest.approx(30.479, abs=5e-4)
+    assert neglecting_the_fast_pole(0.01, 0.5) == pytest.approx(30.495, abs=5e-4)
+    assert printed * 0.5 == pytest.approx(15.2, abs=0.05)
+    assert switching_ratio(printed, 0.01, 0.5) == pytest.approx(1.0, rel=1e-13)
+    assert np.isnan(longest_single_pole_duration(0.5, 0.5))
+    many = longest_single_pole_duration(np.array([[0.01], [0.02]]), 0.5, [1.0, 0.7, 0.001])
+    assert many.shape == (2, 3)
+    assert np.all(np.isnan(many[:, 2]))
+
+
+def test_the_switching_ratio_is_that_of_the_demands():
+    for name in NAMES:
+        plant = plant_of(name)
+        modes = tvclin.unstable_modes(plant)
+        fast, slow = modes.poles
+        K = -modes.wind_residues / modes.deflection_residues
+        for tau in (1.0, 30.0, 100.0):
+            terms = modes.poles * K * TriangularWind(peak=1.0, duration=tau).laplace(modes.poles)
+            y = switching_ratio(tau, slow, fast, K[1] / K[0])
+            assert y == pytest.approx(terms[1] / terms[0], rel=1e-12)
+        wind = TriangularWind(peak=-0.1, duration=single_pole_validity(plant.coefficients))
+        best = optimum_deflection(plant, wind)
+        alone = fast * -K[0] * wind.laplace(fast)
+        assert best.peak == pytest.approx(abs(alone), rel=1e-11)
+
+
+def test_validity_of_batches_and_of_stable_vehicles():
+    both = Coefficients.from_beta(
+        beta=[0.53, 0.4], B=0.1, C1=[0.025, 0.034], C2=[0.0036, 0.0015], b1=0.03, b2=0.02
+    )
+    assert single_pole_validity(both).shape == (2,)
+    stable = Coefficients(mu_alpha=-0.2, mu_delta=1.0, C1=0.02, C2=0.003, b1=0.03, b2=0.02)
+    assert np.isnan(single_pole_validity(stable))
+    assert np.isnan(single_pole_validity(Coefficients.from_beta(beta=0.5, B=0.1)))
+
+
+# ---- any number of poles -------------------------------------------------------------------
