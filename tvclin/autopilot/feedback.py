@@ -7,17 +7,16 @@ Positive deflection pitches the nose down, so positive gains are negative feedba
 """
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
-from inspect import cleandoc
-from textwrap import indent
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.autopilot.actuator import THROUGH, Actuator, one_number, pade_delay
+from tvclin.autopilot.diagram import with_diagram
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, finite, nonnegative, positive
+from tvclin.errors import InputError, finite, nonnegative
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 
@@ -25,91 +24,10 @@ if TYPE_CHECKING:
     import control
 
 FloatArray = NDArray[np.float64]
-Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-_Method = TypeVar("_Method", bound=Callable[..., Any])
-
-LOOP_DIAGRAM = """\
-attitude_command                          deflection_disturbance               wind
-       | -                                                    |                  |
-       v     +-----------+                                    |                  v
- +-->( + )-->| a0 + aI/s |--+                                 |              +-------+
- |           +-----------+  v     +-------+   +----------+    v              |       |
- |  +------->|    a1     |>(+)-x->| delay |-->| actuator |-->(+)-deflection->| plant |
- |  |        +-----------+  ^     +-------+   +----------+                   |       |
- |  |  +---->|    b0     |--+                                                +-------+
- |  |  |     +-----------+                                                     | | |
- |  |  +---------------------------- angle_of_attack --------------------------+ | |
- |  +------------------------------- attitude_rate ------------------------------+ |
- +---------------------------------- attitude -------------------------------------+
-
- x  deflection_command: loop() is broken here, and L is minus what returns"""
 
 _DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 _GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
 _HIGHEST_PADE = 10
-
-
-def _with_diagram(method: _Method) -> _Method:
-    """Put the loop diagram where the docstring says LOOP_DIAGRAM."""
-    text = cleandoc(method.__doc__ or "")
-    method.__doc__ = text.replace("LOOP_DIAGRAM", indent(LOOP_DIAGRAM, "    "))
-    return method
-
-
-@dataclass(frozen=True, kw_only=True)
-class Actuator:
-    """The dynamics of an actuator, of unit steady gain; its limits are not part of it.
-
-    Parameters
-    ----------
-    natural_frequency : float
-        Natural frequency [rad/s], positive; of a first-order actuator its bandwidth.
-    damping : float or None
-        Damping ratio, positive; None makes the actuator first order.
-
-    Raises
-    ------
-    InputError
-        For numbers that are not finite and positive, and for arrays.
-    """
-
-    natural_frequency: float = 25.1
-    damping: float | None = 0.7
-
-    def __post_init__(self) -> None:
-        frequency = _one("natural_frequency", positive, self.natural_frequency, "rad/s")
-        object.__setattr__(self, "natural_frequency", frequency)
-        if self.damping is not None:
-            object.__setattr__(self, "damping", _one("damping", positive, self.damping))
-
-    @property
-    def denominator(self) -> FloatArray:
-        """The characteristic polynomial, highest power first; its last term is the numerator."""
-        w = self.natural_frequency
-        if self.damping is None:
-            return np.array([1.0, w])
-        return np.array([1.0, 2.0 * self.damping * w, w**2])
-
-    def tf(self) -> "control.TransferFunction":
-        """Return the actuator as `control.TransferFunction`, deflection per command."""
-        import control
-
-        return control.TransferFunction(
-            self.denominator[-1:],
-            self.denominator,
-            0,
-            name="actuator",
-            inputs=["deflection_command"],
-            outputs=["deflection"],
-        )
-
-    def matrices(self) -> Matrices:
-        """Return A, B, C, D; the states are the deflection [rad] and its rate [rad/s]."""
-        order = self.denominator.size - 1
-        A, B, C = np.eye(order, k=1), np.zeros((order, 1)), np.eye(1, order)
-        A[-1] = -self.denominator[:0:-1]
-        B[-1] = self.denominator[-1]
-        return A, B, C, np.zeros((1, 1))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,6 +56,14 @@ class Autopilot:
     ------
     InputError
         For gains that are not finite or all zero, a delay below zero, and arrays.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> c = tv.Coefficients(mu_alpha=0.228, mu_delta=1.317)
+    >>> plant = tv.Plant.from_coefficients(c)
+    >>> tv.Autopilot(attitude_gain=1.88, rate_gain=1.59).close(plant).poles().round(3)
+    array([-1.047+1.073j, -1.047-1.073j])
     """
 
     attitude_gain: float
@@ -150,17 +76,20 @@ class Autopilot:
 
     def __post_init__(self) -> None:
         for name in _GAINS:
-            object.__setattr__(self, name, _one(name, finite, getattr(self, name)))
+            object.__setattr__(self, name, one_number(name, finite, getattr(self, name)))
         if not any(getattr(self, name) for name in _GAINS):
             raise InputError(f"an autopilot needs a gain; {', '.join(_GAINS)} are all zero")
-        object.__setattr__(self, "delay", _one("delay", nonnegative, self.delay, "s"))
+        object.__setattr__(self, "delay", one_number("delay", nonnegative, self.delay, "s"))
         if not isinstance(self.actuator, Actuator | None):
             raise InputError(f"actuator must be an Actuator or None; got {self.actuator!r}")
         order = self.pade_order
-        if type(order) is not int or not 1 <= order <= _HIGHEST_PADE:
-            raise InputError(f"pade_order must be an integer from 1 to 10; got {order!r}")
+        whole = isinstance(order, int | np.integer) and not isinstance(order, bool)
+        if not whole or not 1 <= order <= _HIGHEST_PADE:
+            raise InputError(
+                f"pade_order must be an integer from 1 to {_HIGHEST_PADE}; got {order!r}"
+            )
 
-    @_with_diagram
+    @with_diagram
     def loop(self, plant: Plant) -> "control.StateSpace":
         """Return the loop L, broken at the deflection command.
 
@@ -205,7 +134,7 @@ class Autopilot:
             states=states,
         )
 
-    @_with_diagram
+    @with_diagram
     def close(self, plant: Plant) -> "control.StateSpace":
         """Return the plant with this autopilot around it.
 
@@ -269,7 +198,7 @@ class Autopilot:
         InputError
             For a batch, and for frequencies that are not finite.
         """
-        _require_single(plant)
+        require_single(plant, Plant)
         s = 1j * finite("omega", omega, "rad/s")
         attitude = np.polyval(plant.numerator("attitude", "deflection"), s)
         angle = np.polyval(plant.numerator("angle_of_attack", "deflection"), s)
@@ -291,8 +220,8 @@ class Autopilot:
         the rates of the states, the outputs of `close`, and the returned command.
         """
         A, B, C, D = plant.matrices()
-        delay = _pade(self.delay, self.pade_order)
-        engine = _THROUGH if self.actuator is None else self.actuator.matrices()
+        delay = pade_delay(self.delay, self.pade_order)
+        engine = THROUGH if self.actuator is None else self.actuator.matrices()
         integrators = int(self.integral_gain != 0.0)
         sizes = [len(A), len(engine[0]), len(delay[0]), integrators, 1, 1, 1, 1]
         x, bent, late, held, wind, command, disturbance, sent = np.split(
@@ -326,7 +255,7 @@ class Autopilot:
         return names, motion, np.vstack([seen, deflection]), returned
 
     def _warn(self, plant: Plant) -> None:
-        _require_single(plant)
+        require_single(plant, Plant)
         mu_delta = float(plant.coefficients.mu_delta)
         if self.attitude_gain * mu_delta < 0.0:
             warnings.warn(
@@ -346,89 +275,10 @@ class Autopilot:
             )
 
 
-def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
-    """Return the autopilot with a0 = 2B and a1 = B/beta.
-
-    On eq (5), without actuator and delay, the closed loop is s^2 + beta s + beta^2: natural
-    frequency beta, damping ratio 0.5.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Those of one aerodynamically unstable vehicle; for others see `design_gains`.
-    **options
-        The other arguments of `Autopilot`: actuator, delay, and so on.
-
-    Raises
-    ------
-    InputError
-        For a stable vehicle, which has no beta, and for a batch.
-    """
-    _require_single(coefficients)
-    c = coefficients
-    return Autopilot(attitude_gain=2.0 * c.B, rate_gain=c.B / c.beta, **options)
-
-
-def design_gains(
-    coefficients: Coefficients, *, natural_frequency: float, damping: float, **options: Any
-) -> Autopilot:
-    """Return the autopilot that gives eq (5) the poles asked for.
-
-    Without actuator and delay the closed loop is
-    s^2 + mu_delta a1 s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.
-
-    Parameters
-    ----------
-    coefficients : Coefficients
-        Those of one vehicle, stable or not.
-    natural_frequency : float
-        omega_n [rad/s] of the closed loop, positive.
-    damping : float
-        Damping ratio of the closed loop, positive.
-    **options
-        The other arguments of `Autopilot`: actuator, delay, and so on.
-
-    Raises
-    ------
-    InputError
-        For numbers that are not positive, and for a batch.
-    """
-    _require_single(coefficients)
-    frequency = _one("natural_frequency", positive, natural_frequency, "rad/s")
-    ratio, c = _one("damping", positive, damping), coefficients
-    return Autopilot(
-        attitude_gain=float((frequency**2 + c.mu_alpha) / c.mu_delta),
-        rate_gain=float(2.0 * ratio * frequency / c.mu_delta),
-        **options,
-    )
-
-
-_THROUGH: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
-
-
-def _pade(delay: float, order: int) -> Matrices:
-    """Return A, B, C, D of the delay, in time units in which its poles are of size one."""
-    if delay == 0.0:
-        return _THROUGH
-    import control
-
-    numerator, denominator = (np.array(p) for p in control.pade(1.0, order))
-    unit = denominator[-1] ** (1.0 / order)
-    numerator, denominator = (p / unit ** np.arange(order + 1) for p in (numerator, denominator))
-    A, B = np.eye(order, k=1), np.zeros((order, 1))
-    A[-1], B[-1] = -denominator[:0:-1], 1.0
-    C = (numerator - numerator[0] * denominator)[np.newaxis, :0:-1]
-    return A * unit / delay, B * unit / delay, C, numerator[:1, np.newaxis]
-
-
-def _one(name: str, check: Callable[..., FloatArray], value: ArrayLike, unit: str = "") -> float:
-    array = check(name, value, unit)
-    if array.ndim:
-        raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
-    return float(array)
-
-
-def _require_single(of: Plant | Coefficients) -> None:
+def require_single(of: Plant | Coefficients, kind: type) -> None:
+    """Raise `InputError` unless `of` is a plant, or coefficients, of one vehicle."""
+    if not isinstance(of, kind):
+        raise InputError(f"expected a tvclin {kind.__name__}; got a {type(of).__name__}")
     if of.batch:
         raise InputError(
             f"an autopilot is for one vehicle; got a batch of shape {of.batch} (take one at a time)"
