@@ -259,3 +259,22 @@ def test_a_repeated_pole_has_no_residue():
     modes = all_modes(Plant.from_coefficients(Coefficients(mu_alpha=0.0, mu_delta=2.0)))
     assert modes.poles.tolist() == [0.0, 0.0]
     assert np.all(np.isnan(modes.deflection_residues))
+
+
+@pytest.mark.parametrize(
+    ("call", "names"),
+    [
+        (lambda plant, wind: tvclin.Plant.from_vehicle("configuration-i"), "vehicle must be a V"),
+        (lambda plant, wind: tvclin.Plant(3), "coefficients must be a Coefficients"),
+        (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
+        (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),
+        (lambda plant, wind: tvclin.boundary_limit(plant, 0.1), "wind must be a History"),
+        (lambda plant, wind: tvclin.trim_deflection(plant, 0.1), "wind must be a History"),
+        (lambda plant, wind: tvclin.attitude_responses(plant, wind, 1, [0.0]), "wind must be a"),
+        (lambda plant, wind: tvclin.load_vehicle(None), "vehicle must be a name or a path"),
+    ],
+)
+def test_an_argument_of_another_kind_is_named(call, names):
+    plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=0.5, B=0.1))
+    with pytest.raises(tvclin.InputError, match=names):
+        call(plant, tvclin.TriangularWind(peak=0.1, duration=5.0))

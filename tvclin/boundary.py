@@ -26,7 +26,7 @@ from tvclin.closed_forms import (
     triangular_limit_with_drift,
 )
 from tvclin.deflections import dead_band_driver, trim_deflection
-from tvclin.errors import InputError, nonzero, plain, within
+from tvclin.errors import InputError, instance, nonzero, plain, within
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
 from tvclin.modes import unstable_modes
@@ -112,6 +112,8 @@ def boundary_limit(
     Eqs (6) to (8), (12), (15a), (16) and (18) are its special cases.
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
     _check_one_signed(wind)
     pole = _fastest_real_pole(plant)
     unstable = ~np.isnan(pole)

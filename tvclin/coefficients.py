@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tvclin.errors import (
     InputError,
     finite,
+    instance,
     nonnegative,
     nonzero,
     one_of,
@@ -92,8 +93,7 @@ class Coefficients:
         the cosine alone: it would make C2 too large by the factor 1/sin(Theta_n).
         """
         plane = one_of("plane", plane, PLANES)
-        if not isinstance(vehicle, Vehicle):
-            raise InputError(f"vehicle must be a Vehicle (see load_vehicle); got {vehicle!r}")
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
         v = vehicle
         momentum = v.mass * v.velocity  # m V_n
         weight_along = v.weight * np.sin(v.attitude)  # W sin(Theta_n)

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, nonzero, one_of, plain, together, within
+from tvclin.errors import InputError, finite, instance, nonzero, one_of, plain, together, within
 from tvclin.histories import History, Piecewise, linear_pieces
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.crossings import first_crossing
@@ -119,6 +119,8 @@ def trim_deflection(plant: Plant, wind: History) -> History:
     wind : History
         Wind angle of attack; batches broadcast.
     """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
     from_wind = plant.numerator("attitude", "wind")
     return wind.filter(-from_wind, plant.numerator("attitude", "deflection"))
 

@@ -71,6 +71,12 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
     raise InputError(f"{name} must be one of {', '.join(names)}; got {_shown(value)}{hint}")
 
 
+def instance(name: str, value: object, kind: type, maker: str) -> None:
+    """Raise `InputError` unless `value` is of the kind asked for; `maker` says how to get one."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} must be a {kind.__name__} ({maker}); got {_shown(value)}")
+
+
 def plain(array: NDArray[np.float64]) -> float | NDArray[np.float64]:
     """Return a Python float for an array of shape ``()``, and any other array as it is."""
     return float(array) if array.ndim == 0 else array

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.errors import instance
 from tvclin.histories import History
 from tvclin.kernels import polynomials
 from tvclin.plant import INPUTS, Plant
@@ -116,6 +117,7 @@ def all_modes(plant: Plant) -> Modes:
     plant : Plant
         One plant or a batch.
     """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
     poles = polynomials.roots(plant.denominator)
     order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
     return _with_residues(plant, np.take_along_axis(poles, order, axis=-1))
@@ -214,6 +216,8 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
 
 def first_time(deflection: History, wind: History) -> FloatArray:
     """Return when the first of two histories begins [s], shape ``(...)``."""
+    instance("deflection", deflection, History, "such as HeldDeflection")
+    instance("wind", wind, History, "such as TriangularWind")
     return np.minimum(deflection.knots[..., 0], wind.knots[..., 0])
 
 

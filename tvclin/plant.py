@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, one_of
+from tvclin.errors import InputError, instance, one_of
 from tvclin.vehicle import Vehicle
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ class Plant:
     model: str = "fixed-path"
 
     def __post_init__(self) -> None:
+        instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_vehicle")
         one_of("model", self.model, MODELS)
         if self.model == "drift" and np.any(np.asarray(self.coefficients.mu_alpha) == 0.0):
             raise InputError(

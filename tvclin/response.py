@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite
+from tvclin.errors import InputError, finite, instance
 from tvclin.histories import History
 from tvclin.kernels import integrals, lags
 from tvclin.modes import Modes, all_modes, first_time, growing, residues_at
@@ -86,7 +86,8 @@ def attitude_response(
     Notes
     -----
     Eqs (5), (B7) and (B8) answered mode by mode. On the stability boundary all digits are kept
-    at any time, where forward integration has lost them all beyond tau beta of about 12.
+    at any time, where forward integration has lost them all beyond tau beta of about 12. Off the
+    boundary the attitude grows without end, to infinity where floating point ends.
 
     Examples
     --------
@@ -145,6 +146,9 @@ def attitude_responses(
     times = finite("timepts", timepts, "s")
     if times.ndim != 1 or not times.size:
         raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("deflection", deflection, History, "such as HeldDeflection")
+    instance("wind", wind, History, "such as TriangularWind")
     shapes = {"plant": plant.batch, "deflection": deflection.batch, "wind": wind.batch}
     try:
         shape = np.broadcast_shapes(*shapes.values())

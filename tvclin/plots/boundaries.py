@@ -152,8 +152,10 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlo
     if study.limit is not None:
         limit = float(np.degrees(study.limit))
         axes.axhline(limit, color=WARM, lw=1.6, label="available limit")
+    shape = type(study.wind).__name__.removesuffix("Wind").lower()
+    peak = float(np.degrees(study.wind.peak))
     axes.set(
-        title=f"{study.vehicle.name}: winds of {np.degrees(study.wind.peak):.3g} deg",
+        title=f"{study.vehicle.name or 'Vehicle'}: {shape} winds of {peak:.3g} deg",
         xlabel="wind duration [s]",
         ylabel="deflection [deg]",
         xlim=(0.0, float(x.max())),
