@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance
+from tvclin.errors import InputError, finite, instance, one_of
 from tvclin.histories import History
 from tvclin.kernels import integrals, lags
 from tvclin.modes import Modes, all_modes, first_time, growing, residues_at
@@ -53,8 +53,7 @@ class Responses:
 
     def __getitem__(self, label: str) -> FloatArray:
         """Return one output by its name, ``(..., n)``."""
-        if label not in self.labels:
-            raise InputError(f"output must be one of {', '.join(self.labels)}; got {label!r}")
+        one_of("output", label, self.labels)
         return self.outputs[..., self.labels.index(label), :]
 
 
