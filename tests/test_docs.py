@@ -41,3 +41,26 @@ def test_every_public_name_is_documented_with_its_errors_and_units() -> None:
         text = getattr(tvclin, name).__doc__ or ""
         assert len(text.split()) > 5, name
         assert not text.startswith(f"{name}("), f"{name} has only its generated docstring"
+
+
+def test_the_table_of_optima_is_what_the_package_finds() -> None:
+    """Every number of the table in docs/optimum.md, to its printed digits."""
+    columns = [
+        ("configuration-i", "fixed-path"),
+        ("configuration-i", "drift"),
+        ("configuration-i", "drift-exact"),
+        ("configuration-i", "drift-and-speed"),
+        ("configuration-ii", "drift-exact"),
+        ("configuration-ii", "drift-and-speed"),
+    ]
+    page = (ROOT / "docs" / "optimum.md").read_text()
+    rows = re.findall(r"^\| (\d+) \|((?: 0\.\d{5} \|){6})$", page, flags=re.MULTILINE)
+
+    assert [row[0] for row in rows] == ["2", "4", "8", "14", "20", "40"]
+    for tau_beta, cells in rows:
+        for (name, model), printed in zip(columns, re.findall(r"0\.\d{5}", cells), strict=True):
+            plant = tvclin.Plant.from_vehicle(tvclin.load_vehicle(name), model)
+            c = plant.coefficients
+            wind = tvclin.TriangularWind(peak=0.1, duration=int(tau_beta) / c.beta)
+            peak = tvclin.optimum_deflection(plant, wind).peak / (0.1 * c.B)
+            assert f"{peak:.5f}" == printed, (tau_beta, name, model)

@@ -26,7 +26,7 @@ from tvclin.closed_forms import (
     triangular_limit_with_drift,
 )
 from tvclin.deflections import dead_band_driver, trim_deflection
-from tvclin.errors import InputError, instance, nonzero, plain, within
+from tvclin.errors import InputError, broadcast, instance, nonzero, plain, within
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
 from tvclin.modes import unstable_modes
@@ -120,7 +120,7 @@ def boundary_limit(
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     trim = trim_deflection(plant, wind)
     driver = dead_band_driver(plant, wind, trim, switch)
-    shape = _shape(dead_band=K.shape, plant=pole.shape, wind=driver.batch)
+    shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=driver.batch)
     problem = Problem(
         kernel.spread((driver * (1.0 / scale)).pieces, shape),
         kernel.spread((trim * (1.0 / scale)).pieces, shape),
@@ -237,15 +237,6 @@ def _trim_for_ever(problem: Problem) -> FloatArray:
     peaks = [np.abs(Piecewise(pieces).peak) for pieces in (problem.driver, problem.trim)]
     band = np.where(problem.dead_band > 0.0, problem.dead_band, np.inf)
     return np.maximum(peaks[0] / band, peaks[1])
-
-
-def _shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        raise InputError(
-            f"dead_band, plant and wind must have shapes that broadcast; got {shapes}"
-        ) from None
 
 
 def _fastest_real_pole(plant: Plant) -> FloatArray:

@@ -80,7 +80,8 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     Returns
     -------
     float or ndarray
-        y_BR, to about 1e-15. The dead band is left at a = y_BR K tau/2 <= tau/2, always.
+        y_BR, to a relative 1e-13 or better. The dead band is left at a = y_BR K tau/2, which is
+        never later than tau/2.
 
     Raises
     ------

@@ -199,12 +199,12 @@ def leaving_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> Flo
     shape = np.broadcast_shapes(relative.batch, dead_band.shape)
     level = np.broadcast_to(dead_band, shape).ravel()
     start = np.broadcast_to(relative.onset, shape)
-    times = np.broadcast_to(relative.probe_times(), (*shape, relative.probe_times().shape[-1]))
+    times = relative.probe_times()
     pieces = kernel.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: NDArray[np.intp]) -> FloatArray:
         values = kernel.value(kernel.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level[index]
 
-    values = np.real(kernel.value(pieces, times)) - np.broadcast_to(dead_band, shape)[..., None]
+    values = np.real(kernel.value(pieces, times)) - level.reshape(shape)[..., np.newaxis]
     return np.where(level.reshape(shape) > 0.0, first_crossing(times, values, excess), start)

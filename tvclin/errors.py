@@ -84,12 +84,17 @@ def plain(array: NDArray[np.float64]) -> float | NDArray[np.float64]:
 
 def together(**arrays: NDArray[Any]) -> None:
     """Raise `InputError` unless the named arrays broadcast with each other."""
+    broadcast(**{name: array.shape for name, array in arrays.items()})
+
+
+def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the shape to which the named shapes broadcast; `InputError` if there is none."""
     try:
-        np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.ndim)
+        shown = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise InputError(
-            f"arguments must have shapes that broadcast together; got {shapes}"
+            f"arguments must have shapes that broadcast together; got {shown}"
         ) from None
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance, one_of
+from tvclin.errors import InputError, broadcast, finite, instance, one_of
 from tvclin.histories import History
 from tvclin.kernels import integrals, lags
 from tvclin.modes import Modes, all_modes, first_time, growing, residues_at
@@ -148,11 +148,7 @@ def attitude_responses(
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
-    shapes = {"plant": plant.batch, "deflection": deflection.batch, "wind": wind.batch}
-    try:
-        shape = np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        raise InputError(f"the batches must broadcast together; got {shapes}") from None
+    shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
     modes = all_modes(plant)
     near = _near_poles(modes.poles, times.max() - first_time(deflection, wind))
     with np.errstate(invalid="ignore"):  # near poles have no residues; they are answered below

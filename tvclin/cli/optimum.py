@@ -113,14 +113,12 @@ def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[
 
     trim = abs(float(plant.coefficients.B * wind.peak))
     held = abs(float(boundary_limit(plant, wind, 0.0).deflection))
-    first = float(np.sign(best.deflection(np.nextafter(best.deflection.onset, np.inf))))
-    opposing = -float(np.sign(plant.coefficients.B * wind.peak))
     document = {
         "peak_deg": np.degrees(best.peak),
         "part_of_trim": best.peak / trim if trim else None,
         "trim_deg": np.degrees(trim),
         "held_deg": np.degrees(held),
-        "first_segment": "opposes the wind" if first == opposing else "goes with the wind",
+        "first_segment": _first_segment(plant, wind, best.deflection),
         "switch_times_s": best.switch_times,
         "status": best.status,
         "certificate": {
@@ -139,6 +137,16 @@ def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[
             "status": limited.status,
         }
     return document
+
+
+def _first_segment(plant: "Plant", wind: "History", deflection: "History") -> str:
+    import numpy as np
+
+    if np.isinf(deflection.onset):
+        return "none"
+    first = np.sign(deflection(np.nextafter(deflection.onset, np.inf)))
+    against = -np.sign(plant.coefficients.B * wind.peak)
+    return "opposes the wind" if first == against else "goes with the wind"
 
 
 def _print(title: str, found: dict[str, Any]) -> None:

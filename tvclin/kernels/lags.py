@@ -13,8 +13,6 @@ _NEAR = 0.25
 """A rate within this of a lag's pole, times the width, counts as resonant."""
 _TAYLOR_TERMS = 13
 """0.25^13/13! is below 1e-17: the expansion of a resonant term is exact to rounding."""
-
-
 _ROOM = 16.0
 """The piece split off an endless one stays near for later lags with gaps so many times as wide."""
 _DIED = 60.0
