@@ -287,11 +287,30 @@ def test_nyquist_counts_the_unstable_poles_of_the_closed_loop(model):
 
 def test_positive_feedback_is_called_so():
     plant = plant_of(coefficients=COEFFICIENTS.replace(mu_delta=-2.6))
-    for method in (Autopilot(**GAINS).loop, Autopilot(**GAINS).close):
-        with pytest.warns(UserWarning, match=r"attitude_gain = 0\.3 is positive feedback") as seen:
+    autopilot = Autopilot(**GAINS, integral_gain=0.1)
+    for method in (autopilot.loop, autopilot.close, autopilot.margins):
+        with pytest.warns(UserWarning, match="feedback") as seen:
             method(plant)
+        assert [str(one.message).split(" is ")[0] for one in seen] == [
+            "attitude_gain = 0.3",
+            "rate_gain = 0.4",
+            "integral_gain = 0.1",
+        ]
+        assert all(
+            "positive feedback on a plant with mu_delta = -2.6" in str(s.message) for s in seen
+        )
         assert Path(seen[0].filename).name == Path(__file__).name
     Autopilot(attitude_gain=-0.3, rate_gain=-0.4).loop(plant)
+
+
+def test_missing_gains_are_called_so():
+    with pytest.warns(UserWarning, match="rate_gain is zero: nothing damps the attitude"):
+        Autopilot(attitude_gain=0.3, rate_gain=0.0).loop(plant_of())
+    with pytest.warns(UserWarning, match="attitude_gain is zero: nothing holds the attitude"):
+        Autopilot(attitude_gain=0.0, rate_gain=0.4).margins(plant_of())
+    Autopilot(attitude_gain=0.0, rate_gain=0.4, alpha_gain=0.3).loop(plant_of())
+    with pytest.warns(UserWarning, match=r"rate_gain = -0\.1 is positive feedback"):
+        Autopilot(attitude_gain=0.3, rate_gain=[0.4, -0.1]).margins(plant_of())
 
 
 def test_a_slow_actuator_is_called_so():
@@ -307,7 +326,8 @@ def test_a_slow_actuator_is_called_so():
         ({"attitude_gain": np.nan}, "attitude_gain must be finite"),
         ({"rate_gain": np.inf}, "rate_gain must be finite"),
         ({"alpha_gain": "much"}, "alpha_gain must be a number"),
-        ({"integral_gain": [0.1, 0.2]}, "integral_gain must be one number; got .* shape"),
+        ({"integral_gain": [0.1, 0.0]}, "integral_gain must be zero for all of a batch or for no"),
+        ({"attitude_gain": [0.1, 0.2], "rate_gain": [1.0, 2.0, 3.0]}, "broadcast together; got"),
         ({"attitude_gain": 0.0, "rate_gain": 0.0}, "needs a gain; attitude_gain, .* all zero"),
         ({"delay": -0.01}, "delay must be zero or positive"),
         ({"pade_order": 0}, "pade_order must be an integer from 1 to 10; got 0"),
@@ -327,7 +347,7 @@ def test_autopilots_that_cannot_be(arguments, message):
         ({"natural_frequency": 0.0}, "natural_frequency must be positive; got 0 rad/s"),
         ({"damping": -0.7}, "damping must be positive"),
         ({"damping": np.nan}, "damping must be finite"),
-        ({"natural_frequency": [1.0, 2.0]}, "natural_frequency must be one number"),
+        ({"natural_frequency": [1.0, 2.0], "damping": [0.5, 0.6, 0.7]}, "broadcast together"),
     ],
 )
 def test_actuators_that_cannot_be(arguments, message):
@@ -335,24 +355,21 @@ def test_actuators_that_cannot_be(arguments, message):
         Actuator(**arguments)
 
 
-def test_a_batch_is_refused_everywhere():
-    batch = COEFFICIENTS.replace(mu_alpha=[0.2, 0.3])
-    plant, autopilot = plant_of(coefficients=batch), Autopilot(**GAINS)
-    for attempt in (
-        lambda: autopilot.loop(plant),
-        lambda: autopilot.close(plant),
-        lambda: autopilot.frequency_response(plant, 1.0),
-        lambda: canonical_gains(batch),
-        lambda: design_gains(batch, natural_frequency=1.0, damping=0.7),
-    ):
-        with pytest.raises(InputError, match=r"for one vehicle; got a batch of shape \(2,\)"):
-            attempt()
+def test_python_control_systems_are_for_one():
+    batch = plant_of(coefficients=COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
+    many = Autopilot(attitude_gain=[0.2, 0.3, 0.4], rate_gain=0.4)
+    for autopilot, plant in ((Autopilot(**GAINS), batch), (many, plant_of())):
+        for method in (autopilot.loop, autopilot.close):
+            with pytest.raises(InputError, match=r"one autopilot and one plant; got .*margins\(\)"):
+                method(plant)
+    with pytest.raises(InputError, match=r"for one actuator; got a batch of shape \(2,\)"):
+        Actuator(natural_frequency=[20.0, 30.0]).tf()
 
 
 def test_other_things_are_refused_by_name():
-    with pytest.raises(InputError, match="expected a tvclin Plant; got a StateSpace"):
+    with pytest.raises(InputError, match=r"plant must be a Plant .*; got StateSpace"):
         Autopilot(**GAINS).loop(plant_of().ss())
-    with pytest.raises(InputError, match="expected a tvclin Coefficients; got a Plant"):
+    with pytest.raises(InputError, match=r"coefficients must be a Coefficients .*; got Plant"):
         canonical_gains(plant_of())
     with pytest.raises(InputError, match="aerodynamically unstable"):
         canonical_gains(Coefficients(mu_alpha=-0.28, mu_delta=2.6))

@@ -240,7 +240,7 @@ def test_unknown_names_are_refused_with_the_near_ones():
 
 
 def test_a_fixed_path_has_no_flight_path_angle():
-    with pytest.raises(InputError, match=r"output must be one of attitude, attitude_rate, angle"):
+    with pytest.raises(InputError, match=r"no flight_path_angle; drift, drift-exact"):
         plant_of("fixed-path").tf("flight_path_angle")
 
 

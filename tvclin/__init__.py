@@ -10,8 +10,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tvclin.autopilot import Actuator as Actuator
     from tvclin.autopilot import Autopilot as Autopilot
+    from tvclin.autopilot import GainSchedule as GainSchedule
     from tvclin.autopilot import canonical_gains as canonical_gains
     from tvclin.autopilot import design_gains as design_gains
+    from tvclin.autopilot import drift_minimum_gains as drift_minimum_gains
+    from tvclin.autopilot import load_minimum_gains as load_minimum_gains
+    from tvclin.autopilot import lqr_gains as lqr_gains
+    from tvclin.autopilot import relief_gains as relief_gains
     from tvclin.boundary import BoundaryLimit as BoundaryLimit
     from tvclin.boundary import boundary_limit as boundary_limit
     from tvclin.boundary import is_sufficient as is_sufficient
@@ -26,6 +31,12 @@ if TYPE_CHECKING:
     from tvclin.histories import History as History
     from tvclin.loads import Loads as Loads
     from tvclin.loads import wind_loads as wind_loads
+    from tvclin.margins import CRITERIA as CRITERIA
+    from tvclin.margins import Criteria as Criteria
+    from tvclin.margins import Crossings as Crossings
+    from tvclin.margins import Loop as Loop
+    from tvclin.margins import Margins as Margins
+    from tvclin.margins import loop_margins as loop_margins
     from tvclin.modes import LeftOver as LeftOver
     from tvclin.modes import Modes as Modes
     from tvclin.modes import Verdict as Verdict
@@ -61,7 +72,17 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _ROOMS = {
-    "autopilot": ("Actuator", "Autopilot", "canonical_gains", "design_gains"),
+    "autopilot": (
+        "Actuator",
+        "Autopilot",
+        "GainSchedule",
+        "canonical_gains",
+        "design_gains",
+        "drift_minimum_gains",
+        "load_minimum_gains",
+        "lqr_gains",
+        "relief_gains",
+    ),
     "boundary": (
         "BoundaryLimit",
         "boundary_limit",
@@ -74,6 +95,7 @@ _ROOMS = {
     "errors": ("InputError",),
     "histories": ("History",),
     "loads": ("Loads", "wind_loads"),
+    "margins": ("CRITERIA", "Criteria", "Crossings", "Loop", "Margins", "loop_margins"),
     "modes": (
         "LeftOver",
         "Modes",

@@ -77,7 +77,7 @@ def instance(name: str, value: object, kind: type, maker: str) -> None:
         raise InputError(f"{name} must be a {kind.__name__} ({maker}); got {_shown(value)}")
 
 
-def plain(array: NDArray[np.float64]) -> float | NDArray[np.float64]:
+def plain(array: NDArray[np.float64] | np.float64) -> float | NDArray[np.float64]:
     """Return a Python float for an array of shape ``()``, and any other array as it is."""
     return float(array) if array.ndim == 0 else array
 

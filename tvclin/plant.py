@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, instance, one_of
+from tvclin.kernels import polynomials
 from tvclin.vehicle import Vehicle
 
 if TYPE_CHECKING:
@@ -102,18 +103,22 @@ class Plant:
         InputError
             For an output or an input that the model does not have.
         """
+        if output == "flight_path_angle" and output not in self.outputs:
+            raise InputError(
+                f'model "{self.model}" has no flight_path_angle; {", ".join(MODELS[1:])} have it'
+            )
         one_of("output", output, self.outputs)
         one_of("input", input, INPUTS)
         if output == "attitude":
             return self._attitude(input)
         if output == "attitude_rate":
-            return _times_s(self._attitude(input))
+            return polynomials.times_variable(self._attitude(input))
         if output == "flight_path_angle":
             return self._flight_path(input)
         angle = self._attitude(input)
         if self.model != "fixed-path":
-            angle = _minus(angle, self._flight_path(input))
-        return _minus(angle, self.denominator) if input == "wind" else angle
+            angle = polynomials.add(angle, -self._flight_path(input))
+        return polynomials.add(angle, -self.denominator) if input == "wind" else angle
 
     def tf(self, output: str = "attitude", input: str = "deflection") -> "control.TransferFunction":
         """Return one transfer function as `control.TransferFunction`.
@@ -252,7 +257,9 @@ class Plant:
         else:
             terms = (-path.wind, 0.0, c.mu_alpha * (path.wind - path.attitude))
         numerator = self._stack(terms)
-        return _times_s(numerator) if self.model == "drift-and-speed" else numerator
+        return (
+            polynomials.times_variable(numerator) if self.model == "drift-and-speed" else numerator
+        )
 
     @property
     def _path(self) -> "_PathCoefficients":
@@ -293,17 +300,3 @@ class _PathCoefficients:
     damping: Any
     deflection: Any
     wind: Any
-
-
-def _times_s(polynomial: FloatArray) -> FloatArray:
-    return np.concatenate([polynomial, np.zeros_like(polynomial[..., :1])], axis=-1)
-
-
-def _minus(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Subtract polynomials of different degree."""
-    degree = max(first.shape[-1], second.shape[-1])
-    wide = [
-        np.concatenate([np.zeros((*p.shape[:-1], degree - p.shape[-1])), p], axis=-1)
-        for p in (first, second)
-    ]
-    return np.asarray(wide[0] - wide[1])

@@ -1,12 +1,32 @@
 """The autopilot: attitude and rate feedback, with actuator and delay, around one plant.
 
-The rooms inside: `actuator` holds what lies between a command and the deflection, `feedback` wires
-the loop that `diagram` shows, and `gains` finds gains from poles.
+The rooms inside: `actuator` holds what lies between a command and the deflection, `wiring` writes
+down the loop that `diagram` shows, `feedback` is the autopilot itself, `gains` finds gains and
+`schedule` holds them over the flight.
 """
 
 from tvclin.autopilot.actuator import Actuator
 from tvclin.autopilot.diagram import LOOP_DIAGRAM
 from tvclin.autopilot.feedback import Autopilot
-from tvclin.autopilot.gains import canonical_gains, design_gains
+from tvclin.autopilot.gains import (
+    canonical_gains,
+    design_gains,
+    drift_minimum_gains,
+    load_minimum_gains,
+    lqr_gains,
+    relief_gains,
+)
+from tvclin.autopilot.schedule import GainSchedule
 
-__all__ = ["LOOP_DIAGRAM", "Actuator", "Autopilot", "canonical_gains", "design_gains"]
+__all__ = [
+    "LOOP_DIAGRAM",
+    "Actuator",
+    "Autopilot",
+    "GainSchedule",
+    "canonical_gains",
+    "design_gains",
+    "drift_minimum_gains",
+    "load_minimum_gains",
+    "lqr_gains",
+    "relief_gains",
+]

@@ -1,13 +1,12 @@
 """What lies between a deflection command and the deflection: the actuator and the delay."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from tvclin.errors import InputError, positive
+from tvclin.errors import InputError, plain, positive, together
 
 if TYPE_CHECKING:
     import control
@@ -25,38 +24,57 @@ class Actuator:
 
     Parameters
     ----------
-    natural_frequency : float
+    natural_frequency : array_like
         Natural frequency [rad/s], positive; of a first-order actuator its bandwidth.
-    damping : float or None
+    damping : array_like or None
         Damping ratio, positive; None makes the actuator first order.
 
     Raises
     ------
     InputError
-        For numbers that are not finite and positive, and for arrays.
+        For numbers that are not finite and positive, and shapes that do not broadcast.
     """
 
-    natural_frequency: float = 25.1
-    damping: float | None = 0.7
+    natural_frequency: float | FloatArray = 25.1
+    damping: float | FloatArray | None = 0.7
 
     def __post_init__(self) -> None:
-        frequency = one_number("natural_frequency", positive, self.natural_frequency, "rad/s")
-        object.__setattr__(self, "natural_frequency", frequency)
+        frequency = positive("natural_frequency", self.natural_frequency, "rad/s")
+        object.__setattr__(self, "natural_frequency", plain(frequency))
         if self.damping is not None:
-            object.__setattr__(self, "damping", one_number("damping", positive, self.damping))
+            damping = positive("damping", self.damping)
+            together(natural_frequency=frequency, damping=damping)
+            object.__setattr__(self, "damping", plain(damping))
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one actuator."""
+        return self.denominator.shape[:-1]
 
     @property
     def denominator(self) -> FloatArray:
-        """The characteristic polynomial, highest power first; its last term is the numerator."""
-        w = self.natural_frequency
+        """The characteristic polynomial ``(..., order + 1)``, highest power first.
+
+        Its last term is the numerator.
+        """
+        w = np.asarray(self.natural_frequency)
         if self.damping is None:
-            return np.array([1.0, w])
-        return np.array([1.0, 2.0 * self.damping * w, w**2])
+            return np.stack([np.ones_like(w), w], axis=-1)
+        rows = np.broadcast_arrays(1.0, 2.0 * np.asarray(self.damping) * w, w**2)
+        return np.stack(rows, axis=-1)
 
     def tf(self) -> "control.TransferFunction":
-        """Return the actuator as `control.TransferFunction`, deflection per command."""
+        """Return the actuator as `control.TransferFunction`, deflection per command.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+        """
         import control
 
+        if self.batch:
+            raise InputError(f"tf() is for one actuator; got a batch of shape {self.batch}")
         return control.TransferFunction(
             self.denominator[-1:],
             self.denominator,
@@ -67,7 +85,7 @@ class Actuator:
         )
 
     def matrices(self) -> Matrices:
-        """Return A, B, C, D; the states are the deflection [rad] and its rate [rad/s]."""
+        """Return A, B, C, D of one; the states are the deflection [rad] and its rate [rad/s]."""
         order = self.denominator.size - 1
         A, B, C = np.eye(order, k=1), np.zeros((order, 1)), np.eye(1, order)
         A[-1] = -self.denominator[:0:-1]
@@ -75,26 +93,24 @@ class Actuator:
         return A, B, C, np.zeros((1, 1))
 
 
+def pade_polynomials(delay: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
+    """Return numerator and denominator of delays above zero, each ``(..., order + 1)``."""
+    import control
+
+    powers = np.asarray(delay)[..., np.newaxis] ** np.arange(order, -1, -1)
+    above, below = (np.array(p) / p[-1] for p in control.pade(1.0, order))
+    return above * powers, below * powers
+
+
 def pade_delay(delay: float, order: int) -> Matrices:
     """Return A, B, C, D of the delay, in time units in which its poles are of size one."""
     if delay == 0.0:
         return THROUGH
-    import control
-
-    numerator, denominator = (np.array(p) for p in control.pade(1.0, order))
+    numerator, denominator = pade_polynomials(np.ones(()), order)
+    numerator, denominator = numerator / denominator[0], denominator / denominator[0]
     unit = denominator[-1] ** (1.0 / order)
     numerator, denominator = (p / unit ** np.arange(order + 1) for p in (numerator, denominator))
     A, B = np.eye(order, k=1), np.zeros((order, 1))
     A[-1], B[-1] = -denominator[:0:-1], 1.0
     C = (numerator - numerator[0] * denominator)[np.newaxis, :0:-1]
     return A * unit / delay, B * unit / delay, C, numerator[:1, np.newaxis]
-
-
-def one_number(
-    name: str, check: Callable[..., FloatArray], value: ArrayLike, unit: str = ""
-) -> float:
-    """Return `value` as a float; `InputError` unless it passes the check and is no array."""
-    array = check(name, value, unit)
-    if array.ndim:
-        raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
-    return float(array)

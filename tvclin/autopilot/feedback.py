@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.autopilot.actuator import THROUGH, Actuator, one_number, pade_delay
+from tvclin.autopilot.actuator import Actuator
 from tvclin.autopilot.diagram import with_diagram
-from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, finite, nonnegative
+from tvclin.autopilot.wiring import loop_polynomials, wind_polynomials, wired
+from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain
+from tvclin.histories import History
+from tvclin.margins import Loop, Margins, loop_margins
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 _DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
-_GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
+GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
 _HIGHEST_PADE = 10
 
 
@@ -34,28 +36,32 @@ _HIGHEST_PADE = 10
 class Autopilot:
     """Feedback of attitude, attitude rate, angle of attack and integrated attitude.
 
+    Gains, delay and actuator may be arrays, which broadcast with each other and with a batch of
+    plants: gains over the flight, or a thousand dispersed loops. `loop` and `close` are for one.
+
     Parameters
     ----------
-    attitude_gain : float
+    attitude_gain : array_like
         a0 [rad/rad]; positive is negative feedback, where mu_delta is positive.
-    rate_gain : float
+    rate_gain : array_like
         a1 [s].
-    alpha_gain : float
+    alpha_gain : array_like
         b0 [rad/rad], on the angle of attack, of which the wind is a part.
-    integral_gain : float
-        aI [1/s], on the integral of attitude less command.
+    integral_gain : array_like
+        aI [1/s], on the integral of attitude less command; in a batch zero for all or for none.
     actuator : Actuator, optional
         Without one the deflection follows its command at once.
-    delay : float
+    delay : array_like
         Delay [s] between the sum of the feedbacks and the actuator.
     pade_order : int
-        Order of the Pade approximation that stands for the delay in `loop` and `close`, 1 to 10.
-        `frequency_response` has the exact delay.
+        Order of the Pade approximation that stands for the delay in `loop`, `close` and
+        `history`, 1 to 10. `frequency_response` and `margins` have the exact delay.
 
     Raises
     ------
     InputError
-        For gains that are not finite or all zero, a delay below zero, and arrays.
+        For gains that are not finite or all zero, a delay below zero, and shapes that do not
+        broadcast.
 
     Examples
     --------
@@ -66,28 +72,41 @@ class Autopilot:
     array([-1.047+1.073j, -1.047-1.073j])
     """
 
-    attitude_gain: float
-    rate_gain: float
-    alpha_gain: float = 0.0
-    integral_gain: float = 0.0
+    attitude_gain: float | FloatArray
+    rate_gain: float | FloatArray
+    alpha_gain: float | FloatArray = 0.0
+    integral_gain: float | FloatArray = 0.0
     actuator: Actuator | None = None
-    delay: float = 0.0
+    delay: float | FloatArray = 0.0
     pade_order: int = 4
 
     def __post_init__(self) -> None:
-        for name in _GAINS:
-            object.__setattr__(self, name, one_number(name, finite, getattr(self, name)))
-        if not any(getattr(self, name) for name in _GAINS):
-            raise InputError(f"an autopilot needs a gain; {', '.join(_GAINS)} are all zero")
-        object.__setattr__(self, "delay", one_number("delay", nonnegative, self.delay, "s"))
+        gains = {name: finite(name, getattr(self, name)) for name in GAINS}
+        delay = nonnegative("delay", self.delay, "s")
+        for name, array in {**gains, "delay": delay}.items():
+            object.__setattr__(self, name, plain(array))
         if not isinstance(self.actuator, Actuator | None):
             raise InputError(f"actuator must be an Actuator or None; got {self.actuator!r}")
+        _ = self.batch  # the shapes go together
+        if np.any(np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)):
+            raise InputError(f"an autopilot needs a gain; {', '.join(GAINS)} are all zero")
+        integral = gains["integral_gain"]
+        if np.any(integral) and not np.all(integral):
+            raise InputError("integral_gain must be zero for all of a batch or for none")
         order = self.pade_order
         whole = isinstance(order, int | np.integer) and not isinstance(order, bool)
         if not whole or not 1 <= order <= _HIGHEST_PADE:
             raise InputError(
                 f"pade_order must be an integer from 1 to {_HIGHEST_PADE}; got {order!r}"
             )
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one autopilot."""
+        shapes = {name: np.shape(getattr(self, name)) for name in (*GAINS, "delay")}
+        if self.actuator is not None:
+            shapes["actuator"] = self.actuator.batch
+        return broadcast(**shapes)
 
     @with_diagram
     def loop(self, plant: Plant) -> "control.StateSpace":
@@ -114,13 +133,14 @@ class Autopilot:
         Warns
         -----
         UserWarning
-            Where attitude_gain is positive feedback on this plant, and where the actuator is
-            slower than its fastest unstable pole.
+            Where a gain that should stiffen or damp is zero or positive feedback on this plant,
+            and where the actuator is slower than its fastest unstable pole.
         """
         import control
 
+        self._require_single(plant)
         self._warn(plant)
-        states, motion, _, returned = self._wired(plant)
+        states, motion, _, returned = wired(self, plant)
         n = len(states)
         return control.StateSpace(
             motion[:, :n],
@@ -163,8 +183,9 @@ class Autopilot:
         """
         import control
 
+        self._require_single(plant)
         self._warn(plant)
-        states, motion, outputs, returned = self._wired(plant)
+        states, motion, outputs, returned = wired(self, plant)
         n = len(states)
         # No plant passes its deflection on at once, so the returned command does not contain the
         # deflection command, and to put the one for the other closes the loop.
@@ -183,103 +204,138 @@ class Autopilot:
             states=states,
         )
 
+    def rational_loop(self, plant: Plant) -> Loop:
+        """Return the loop as polynomials and an exact delay, for one plant or a batch.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant or a batch of any model; it broadcasts with the gains.
+
+        Returns
+        -------
+        tvclin.margins.Loop
+            The L of `loop`, but that its delay is exact.
+        """
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        broadcast(autopilot=self.batch, plant=plant.batch)
+        return Loop(*loop_polynomials(self, plant), self.delay)
+
+    def margins(self, plant: Plant) -> Margins:
+        """Return the margins of the loop around one plant, or around each of a batch.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant or a batch of any model; it broadcasts with the gains.
+
+        Returns
+        -------
+        Margins
+            See there for the names. The closed-loop poles come first: a loop that they show to
+            be unstable has no margins, and `reason` says so.
+
+        Warns
+        -----
+        UserWarning
+            As `loop`.
+
+        Examples
+        --------
+        >>> import tvclin as tv
+        >>> plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=0.228, mu_delta=1.317))
+        >>> m = tv.Autopilot(attitude_gain=1.88, rate_gain=1.59).margins(plant)
+        >>> round(m.crossover_frequency, 3), round(m.phase_margin_deg, 1)
+        (2.262, 62.4)
+        >>> round(m.aero_margin_dB, 1)
+        20.7
+        """
+        loop = self.rational_loop(plant)
+        self._warn(plant)
+        return loop_margins(loop)
+
     def frequency_response(self, plant: Plant, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega) of `loop`, with the exact delay e^(-j omega delay).
 
         Parameters
         ----------
         plant : Plant
-            One plant of any model.
+            One plant or a batch of any model.
         omega : array_like
-            Frequencies [rad/s], of any shape; where the loop has a pole the answer is infinite.
+            Frequencies [rad/s], of any shape, which follows that of the batch; where the loop
+            has a pole the answer is infinite.
 
         Raises
         ------
         InputError
-            For a batch, and for frequencies that are not finite.
+            For frequencies that are not finite.
         """
-        require_single(plant, Plant)
-        s = 1j * finite("omega", omega, "rad/s")
-        attitude = np.polyval(plant.numerator("attitude", "deflection"), s)
-        angle = np.polyval(plant.numerator("angle_of_attack", "deflection"), s)
-        top = (self.attitude_gain + self.rate_gain * s) * attitude + self.alpha_gain * angle
-        bottom = np.polyval(plant.denominator, s)
-        if self.integral_gain:
-            top, bottom = top * s + self.integral_gain * attitude, bottom * s
-        if self.actuator is not None:
-            top = top * self.actuator.denominator[-1]
-            bottom = bottom * np.polyval(self.actuator.denominator, s)
-        pole = (bottom == 0.0) & (top != 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(pole, np.inf, -top / bottom * np.exp(-s * self.delay))
+        return self.rational_loop(plant).response(omega)
 
-    def _wired(self, plant: Plant) -> tuple[list[str], FloatArray, FloatArray, FloatArray]:
-        """Write down all signals of the broken loop.
+    def history(self, plant: Plant, wind: History, output: str = "deflection") -> History:
+        """Return what the closed loop makes of a wind, as an exact history.
 
-        Each is a row of factors on the states, the three disturbances and the deflection command:
-        the rates of the states, the outputs of `close`, and the returned command.
+        Parameters
+        ----------
+        plant : Plant
+            One plant or a batch of any model.
+        wind : History
+            Wind angle of attack [rad]; batches broadcast.
+        output : str
+            "deflection", or an output of the plant.
+
+        Returns
+        -------
+        History
+            The deflection [rad], or the output [rad, rad/s], from rest, without limits; a delay
+            enters as its Pade approximation. Its `peak` and its values are exact.
+
+        Raises
+        ------
+        InputError
+            For an output that the model of the plant does not have.
         """
-        A, B, C, D = plant.matrices()
-        delay = pade_delay(self.delay, self.pade_order)
-        engine = THROUGH if self.actuator is None else self.actuator.matrices()
-        integrators = int(self.integral_gain != 0.0)
-        sizes = [len(A), len(engine[0]), len(delay[0]), integrators, 1, 1, 1, 1]
-        x, bent, late, held, wind, command, disturbance, sent = np.split(
-            np.eye(sum(sizes)), np.cumsum(sizes)[:-1]
-        )
-        arrived = delay[2] @ late + delay[3] @ sent
-        deflection = engine[2] @ bent + engine[3] @ arrived + disturbance
-        forces = np.vstack([deflection, wind])
-        seen = C @ x + D @ forces
-        error = seen[:1] - command
-        returned = (
-            self.attitude_gain * error
-            + self.rate_gain * seen[1:2]
-            + self.alpha_gain * seen[-1:]
-            + self.integral_gain * held.sum(axis=0, keepdims=True)
-        )
-        motion = np.vstack(
-            [
-                A @ x + B @ forces,
-                engine[0] @ bent + engine[1] @ arrived,
-                delay[0] @ late + delay[1] @ sent,
-                error[:integrators],
-            ]
-        )
-        names = [
-            *plant.states,
-            *("actuator_deflection", "actuator_rate")[: len(bent)],
-            *(f"delay_{k}" for k in range(1, len(late) + 1)),
-            *("attitude_error_integral",)[:integrators],
-        ]
-        return names, motion, np.vstack([seen, deflection]), returned
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        instance("wind", wind, History, "such as TriangularWind")
+        broadcast(autopilot=self.batch, plant=plant.batch, wind=wind.batch)
+        return wind.filter(*wind_polynomials(self, plant, output))
+
+    def _require_single(self, plant: Plant) -> None:
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        if self.batch or plant.batch:
+            raise InputError(
+                "loop() and close() are for one autopilot and one plant; got batches of shape"
+                f" {self.batch} and {plant.batch} (use margins(), or take one at a time)"
+            )
 
     def _warn(self, plant: Plant) -> None:
-        require_single(plant, Plant)
-        mu_delta = float(plant.coefficients.mu_delta)
-        if self.attitude_gain * mu_delta < 0.0:
-            warnings.warn(
-                f"attitude_gain = {self.attitude_gain:.6g} is positive feedback on a plant with"
-                f" mu_delta = {mu_delta:.6g} 1/s^2; give it the sign of mu_delta",
-                stacklevel=3,
-            )
-        poles = unstable_modes(plant).poles
-        if self.actuator is None or not poles.size:
+        """Warn of what is legal and hardly ever meant."""
+        mu_delta = np.asarray(plant.coefficients.mu_delta)
+        stiffness = np.asarray(self.attitude_gain) + self.alpha_gain
+        name = "attitude_gain + alpha_gain" if np.any(self.alpha_gain) else "attitude_gain"
+        gains = [(name, stiffness, "holds"), ("rate_gain", np.asarray(self.rate_gain), "damps")]
+        if np.any(self.integral_gain):
+            gains.append(("integral_gain", np.asarray(self.integral_gain), ""))
+        for name, gains_of_all, does in gains:
+            gain, per = np.broadcast_arrays(gains_of_all, mu_delta)
+            worst = np.unravel_index(np.argmin(gain * per), gain.shape)
+            if gain[worst] * per[worst] < 0.0:
+                warnings.warn(
+                    f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
+                    f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
+                    stacklevel=3,
+                )
+            elif gain[worst] == 0.0:
+                warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=3)
+        if self.actuator is None:
             return
-        frequency, fastest = self.actuator.natural_frequency, float(poles[0].real)
-        if frequency < fastest:
+        poles = np.real(unstable_modes(plant).poles)
+        fastest = np.nan_to_num(poles).max(axis=-1, initial=0.0)
+        slow = np.asarray(self.actuator.natural_frequency) < fastest
+        if np.any(slow):
+            frequency = np.min(self.actuator.natural_frequency)
             warnings.warn(
                 f"the actuator, natural_frequency = {frequency:.6g} rad/s, is slower than the"
-                f" fastest unstable pole of the plant, {fastest:.6g} 1/s",
+                f" fastest unstable pole of the plant, {np.max(fastest):.6g} 1/s",
                 stacklevel=3,
             )
-
-
-def require_single(of: Plant | Coefficients, kind: type) -> None:
-    """Raise `InputError` unless `of` is a plant, or coefficients, of one vehicle."""
-    if not isinstance(of, kind):
-        raise InputError(f"expected a tvclin {kind.__name__}; got a {type(of).__name__}")
-    if of.batch:
-        raise InputError(
-            f"an autopilot is for one vehicle; got a batch of shape {of.batch} (take one at a time)"
-        )

@@ -1,11 +1,17 @@
-"""Gains from the poles that they should give."""
+"""Gains from what they should do: poles, a quadratic cost, or the least drift or load.
+
+All are arrays where the coefficients are: gains for every flight condition in one call.
+"""
 
 from typing import Any
 
-from tvclin.autopilot.actuator import one_number
-from tvclin.autopilot.feedback import Autopilot, require_single
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.autopilot.feedback import Autopilot
 from tvclin.coefficients import Coefficients
-from tvclin.errors import positive
+from tvclin.errors import InputError, instance, nonnegative, plain, positive
+from tvclin.plant import Plant
 
 
 def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
@@ -17,22 +23,23 @@ def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     Parameters
     ----------
     coefficients : Coefficients
-        Those of one aerodynamically unstable vehicle; for others see `design_gains`.
+        Those of one aerodynamically unstable vehicle or of a batch; for others see
+        `design_gains`.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
 
     Raises
     ------
     InputError
-        For a stable vehicle, which has no beta, and for a batch.
+        For a stable vehicle, which has no beta.
     """
-    require_single(coefficients, Coefficients)
-    B, beta = float(coefficients.B), float(coefficients.beta)
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    B, beta = coefficients.B, coefficients.beta
     return Autopilot(attitude_gain=2.0 * B, rate_gain=B / beta, **options)
 
 
 def design_gains(
-    coefficients: Coefficients, *, natural_frequency: float, damping: float, **options: Any
+    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
     """Return the autopilot that gives eq (5) the poles asked for.
 
@@ -42,10 +49,10 @@ def design_gains(
     Parameters
     ----------
     coefficients : Coefficients
-        Those of one vehicle, stable or not.
-    natural_frequency : float
+        Those of one vehicle or of a batch, stable or not.
+    natural_frequency : array_like
         omega_n [rad/s] of the closed loop, positive.
-    damping : float
+    damping : array_like
         Damping ratio of the closed loop, positive.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
@@ -53,13 +60,208 @@ def design_gains(
     Raises
     ------
     InputError
-        For numbers that are not positive, and for a batch.
+        For numbers that are not positive.
     """
-    require_single(coefficients, Coefficients)
-    frequency = one_number("natural_frequency", positive, natural_frequency, "rad/s")
-    ratio, c = one_number("damping", positive, damping), coefficients
+    stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
+    return Autopilot(attitude_gain=stiffness, rate_gain=rate, **options)
+
+
+def relief_gains(
+    coefficients: Coefficients,
+    *,
+    natural_frequency: ArrayLike,
+    damping: ArrayLike,
+    alpha_ratio: ArrayLike,
+    **options: Any,
+) -> Autopilot:
+    """Return the autopilot that leaves a given part of a steady wind as angle of attack.
+
+    The attitude answers as with `design_gains`, but part of the stiffness comes from the angle
+    of attack, so that the vehicle turns into the wind:
+
+        a0 = ratio omega_n^2/mu_delta,    a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch, stable or not.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive.
+    alpha_ratio : array_like
+        Size of alpha/alpha_w when the attitude has settled in a steady wind and the flight path
+        has not yet changed, zero or positive. Pure attitude hold has 1 + mu_alpha/omega_n^2 =
+        a0/(a0 - B), above one.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+
+    Notes
+    -----
+    With theta'' = theta' = 0 the autopilot asks for a0 theta + b0 alpha = B alpha, and before
+    the path has changed theta = alpha + alpha_w; so alpha = -a0/(a0 + b0 - B) alpha_w.
+    With drift the slow pole of the closed loop lies near w - ratio (b1 + w), where
+    w = C2/mu_alpha = g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
+    """
+    ratio = nonnegative("alpha_ratio", alpha_ratio)
+    stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
+    attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
     return Autopilot(
-        attitude_gain=float((frequency**2 + c.mu_alpha) / c.mu_delta),
-        rate_gain=float(2.0 * ratio * frequency / c.mu_delta),
+        attitude_gain=attitude, rate_gain=rate, alpha_gain=stiffness - attitude, **options
+    )
+
+
+def drift_minimum_gains(
+    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+) -> Autopilot:
+    """Return the autopilot whose flight path does not turn in a steady wind.
+
+    The vehicle leans into the wind until thrust and lift across the path cancel. The size of
+    alpha/alpha_w is then (b2 + w)/(b1 + w), with w = C2/mu_alpha = g sin(Theta_n)/V_n; without
+    drag and weight it is 1/(1 + (N/T)(1 + l_a/l_c)).
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For coefficients without drift, and numbers that are not positive.
+
+    Notes
+    -----
+    gamma' = 0 at gamma = 0 in eq (B6) with the attitude settled: (b1 + w) alpha +
+    (b2 + w) alpha_w = 0. The principle is Hoelkner's.
+    """
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    c = coefficients
+    if np.any(np.asarray(c.mu_alpha) == 0.0) or np.any(np.asarray(c.b1) <= 0.0):
+        raise InputError(
+            "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
+            " than zero; make them with Coefficients.from_vehicle"
+        )
+    along = c.C2 / np.asarray(c.mu_alpha)
+    return relief_gains(
+        c,
+        natural_frequency=natural_frequency,
+        damping=damping,
+        alpha_ratio=(c.b2 + along) / (c.b1 + along),
         **options,
     )
+
+
+def load_minimum_gains(
+    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+) -> Autopilot:
+    """Return the autopilot that turns the nose wholly into a steady wind: a0 = 0.
+
+    The angle of attack, and with it the bending moment, goes to zero. Nothing holds the attitude
+    any more: with drift and gravity the flight path runs away slowly, near e^(C2/mu_alpha t), and
+    margins on the exact models say so.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+    """
+    return relief_gains(
+        coefficients,
+        natural_frequency=natural_frequency,
+        damping=damping,
+        alpha_ratio=0.0,
+        **options,
+    )
+
+
+def lqr_gains(
+    plant: Plant,
+    *,
+    attitude_weight: float = 1.0,
+    rate_weight: float = 0.0,
+    alpha_weight: float = 0.0,
+    deflection_weight: float = 1.0,
+    **options: Any,
+) -> Autopilot:
+    """Return the autopilot that minimises a quadratic cost, by `control.lqr`.
+
+    The cost is the integral of attitude_weight theta^2 + rate_weight theta'^2 + alpha_weight
+    alpha^2 + deflection_weight delta^2, without wind. On a model with drift the third state,
+    the flight path angle, is fed back as the angle of attack.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant, "fixed-path", "drift" or "drift-exact".
+    attitude_weight, rate_weight, alpha_weight : float
+        Zero or positive.
+    deflection_weight : float
+        Positive; only the ratios of the weights count.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on. They are not designed
+        for: look at the margins.
+
+    Raises
+    ------
+    InputError
+        For a batch, for "drift-and-speed", whose fourth state an autopilot does not measure, and
+        for weights that leave an unstable mode without a cost.
+    """
+    import control
+
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    if plant.batch or plant.model == "drift-and-speed":
+        raise InputError(
+            "lqr_gains needs one plant whose states an autopilot measures (fixed-path, drift or"
+            f" drift-exact); got {plant.model} of shape {plant.batch}"
+        )
+    weights = {
+        "attitude_weight": attitude_weight,
+        "rate_weight": rate_weight,
+        "alpha_weight": alpha_weight,
+    }
+    costs = [float(nonnegative(name, value)) for name, value in weights.items()]
+    A, B, C, _ = plant.matrices()
+    seen = C[[0, 1, -1]]
+    Q = seen.T @ np.diag(costs) @ seen
+    R = np.atleast_2d(positive("deflection_weight", deflection_weight))
+    try:
+        gain, _, poles = control.lqr(A, B[:, :1], Q, R)
+    except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
+        poles, gain = np.ones(1), np.zeros((1, len(A)))
+    if np.any(np.real(poles) >= 0.0):
+        raise InputError(
+            "the weights leave a mode of the plant without a cost; raise attitude_weight or"
+            " alpha_weight"
+        )
+    on_attitude, on_rate, *on_path = (-gain[0]).tolist()
+    path = sum(on_path)
+    return Autopilot(
+        attitude_gain=on_attitude + path,
+        rate_gain=on_rate,
+        alpha_gain=0.0 - path,
+        **options,
+    )
+
+
+def _stiffness(
+    coefficients: Coefficients, natural_frequency: ArrayLike, damping: ArrayLike
+) -> tuple[Any, Any]:
+    """The gain on attitude and angle of attack together, and that on the rate."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    frequency = positive("natural_frequency", natural_frequency, "rad/s")
+    ratio, c = positive("damping", damping), coefficients
+    stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
+    return plain(stiffness), plain(np.asarray(2.0 * ratio * frequency / c.mu_delta))

@@ -20,6 +20,48 @@ def derivative(polynomial: NDArray[Any]) -> NDArray[Any]:
     return polynomial[..., :-1] * np.arange(degree, 0, -1)
 
 
+def multiply(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
+    """Return the product; the leading axes broadcast."""
+    m, n = first.shape[-1], second.shape[-1]
+    shape = np.broadcast_shapes(first.shape[:-1], second.shape[:-1])
+    product = np.zeros((*shape, m + n - 1), dtype=np.result_type(first, second))
+    for k in range(m):
+        product[..., k : k + n] += first[..., k, np.newaxis] * second
+    return product
+
+
+def add(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
+    """Return the sum of polynomials, also of different degree; the leading axes broadcast."""
+    size = max(first.shape[-1], second.shape[-1])
+    return np.asarray(_padded(first, size) + _padded(second, size))
+
+
+def quotient(polynomial: NDArray[Any], divisor: NDArray[Any]) -> NDArray[Any]:
+    """Return the quotient of a division that leaves no remainder, or none that counts."""
+    m, n = polynomial.shape[-1], divisor.shape[-1]
+    shape = np.broadcast_shapes(polynomial.shape[:-1], divisor.shape[:-1])
+    rest = np.array(np.broadcast_to(polynomial, (*shape, m)))
+    for k in range(m - n + 1):
+        rest[..., k] = rest[..., k] / divisor[..., 0]
+        rest[..., k + 1 : k + n] -= rest[..., k, np.newaxis] * divisor[..., 1:]
+    return rest[..., : max(m - n + 1, 1)] if m >= n else np.zeros((*shape, 1))
+
+
+def squared_size(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return |p(j omega)|^2 as a polynomial in omega^2."""
+    even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
+    even, odd = _alternating(even), _alternating(odd)
+    squares = multiply(even, even)
+    if odd.shape[-1]:
+        squares = add(squares, times_variable(multiply(odd, odd)))
+    return squares
+
+
+def times_variable(polynomial: NDArray[Any], power: int = 1) -> NDArray[Any]:
+    """Return the polynomial times a power of its variable."""
+    return np.concatenate([polynomial, np.zeros((*polynomial.shape[:-1], power))], axis=-1)
+
+
 def divide(polynomial: NDArray[Any], root: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return quotient and remainder of the division by (s - root), by Horner's scheme."""
     columns = [polynomial[..., 0] + 0 * root]
@@ -45,6 +87,16 @@ def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     for _ in range(2):
         found = _newton(polynomial, found)
     return found
+
+
+def _alternating(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The polynomial at minus its argument, but for the sign of the whole."""
+    return polynomial * (-1.0) ** np.arange(polynomial.shape[-1])
+
+
+def _padded(polynomial: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+    width = [(0, 0)] * (polynomial.ndim - 1) + [(size - polynomial.shape[-1], 0)]
+    return np.pad(polynomial, width)
 
 
 def _newton(polynomial: NDArray[np.float64], found: NDArray[Any]) -> NDArray[Any]:

@@ -1,0 +1,140 @@
+"""A loop as a rational function and a delay: all that its margins depend on."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.errors import InputError, broadcast, finite, nonnegative
+from tvclin.kernels import polynomials
+
+if TYPE_CHECKING:
+    import control
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One loop L(s) = numerator(s)/denominator(s) e^(-s delay), or a batch of them.
+
+    The closed loop is 1 + L = 0. The delay is exact wherever a loop is looked at.
+
+    Parameters
+    ----------
+    numerator, denominator : array_like
+        Polynomial coefficients, highest power first, ``(..., m)`` and ``(..., n)``; the leading
+        axes broadcast. The denominator is of higher degree.
+    delay : array_like
+        Delay [s], ``(...)``.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not finite, a delay below zero, a denominator that begins with zero,
+        and an algebraic loop: a numerator of the same degree as the denominator, or higher.
+    """
+
+    numerator: FloatArray
+    denominator: FloatArray
+    delay: FloatArray
+
+    def __init__(
+        self, numerator: ArrayLike, denominator: ArrayLike, delay: ArrayLike = 0.0
+    ) -> None:
+        above = np.atleast_1d(finite("numerator", numerator))
+        below = np.atleast_1d(finite("denominator", denominator))
+        late = nonnegative("delay", delay, "s")
+        if np.any(below[..., 0] == 0.0):
+            raise InputError("denominator must not begin with a zero")
+        while above.shape[-1] > 1 and not np.any(above[..., 0]):
+            above = above[..., 1:]
+        if above.shape[-1] >= below.shape[-1]:
+            raise InputError(
+                "this is an algebraic loop: its command comes back at once (numerator of degree"
+                f" {above.shape[-1] - 1} over {below.shape[-1] - 1}); put an actuator into it"
+            )
+        shape = broadcast(
+            numerator=above.shape[:-1], denominator=below.shape[:-1], delay=late.shape
+        )
+        missing = below.shape[-1] - above.shape[-1]
+        above = np.pad(above, [(0, 0)] * (above.ndim - 1) + [(missing, 0)])
+        size = below.shape[-1]
+        object.__setattr__(self, "numerator", np.broadcast_to(above, (*shape, size)))
+        object.__setattr__(self, "denominator", np.broadcast_to(below, (*shape, size)))
+        object.__setattr__(self, "delay", np.broadcast_to(late, shape))
+
+    @classmethod
+    def from_system(
+        cls, system: "control.StateSpace | control.TransferFunction", delay: ArrayLike = 0.0
+    ) -> Self:
+        """Return the loop of a python-control system with one input and one output.
+
+        Parameters
+        ----------
+        system : control.StateSpace or control.TransferFunction
+            The open loop in continuous time, with the sign of 1 + L = 0.
+        delay : array_like
+            A delay [s] in series with it.
+
+        Raises
+        ------
+        InputError
+            For anything else: margins rest on the poles, which frequency data do not have.
+        """
+        import control
+
+        if not isinstance(system, control.StateSpace | control.TransferFunction):
+            raise InputError(
+                "a loop must be a control.StateSpace or control.TransferFunction, whose poles are"
+                f" known; got a {type(system).__name__}"
+            )
+        if not system.issiso() or system.isdtime(strict=True):
+            raise InputError("a loop must have one input and one output, in continuous time")
+        rational = control.tf(system)
+        return cls(rational.num[0][0], rational.den[0][0], delay)
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one loop."""
+        return self.delay.shape
+
+    def parts(self, omega: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return numerator, with the delay, and denominator at j omega, ``(..., k)``.
+
+        Parameters
+        ----------
+        omega : array_like
+            Frequencies [rad/s], ``(..., k)``.
+        """
+        s = 1j * np.asarray(omega, dtype=float)
+        late = np.exp(-s * self.delay[..., np.newaxis])
+        above = polynomials.value(self.numerator, s) * late
+        return above, polynomials.value(self.denominator, s)
+
+    def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
+        """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
+
+        Parameters
+        ----------
+        omega : array_like
+            Frequencies [rad/s], of any shape.
+
+        Raises
+        ------
+        InputError
+            For frequencies that are not finite.
+        """
+        frequencies = finite("omega", omega, "rad/s")
+        above, below = self.parts(frequencies.ravel())
+        pole = (below == 0.0) & (above != 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = np.where(pole, np.inf, above / below)
+        return np.asarray(values.reshape((*self.batch, *frequencies.shape)))
+
+    def take(self, index: Any) -> "Loop":
+        """Return the loops at the positions `index` of the flattened batch."""
+        size = self.numerator.shape[-1]
+        above, below = (p.reshape(-1, size)[index] for p in (self.numerator, self.denominator))
+        return Loop(above, below, self.delay.reshape(-1)[index])

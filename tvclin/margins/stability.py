@@ -1,0 +1,94 @@
+"""Whether a closed loop is stable, with its delay exact, and where its gain is one.
+
+Without the delay T the closed-loop poles are the roots of D + N. As a delay grows from zero,
+poles can pass the imaginary axis only at the frequencies at which |N/D| = 1, whatever the delay;
+there they pass each time the phase comes round to -180 degrees, to the right where |D|^2 - |N|^2
+rises with the frequency and to the left where it falls. So they can be counted (after Walton and
+Marshall, IEE Proceedings D 134, 1987): no approximation of the delay enters the verdict.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.kernels import polynomials
+from tvclin.margins.loop import Loop
+
+FloatArray = NDArray[np.float64]
+
+_AXIS = 1e-12
+"""Nearer to the imaginary axis than this part of the largest pole is on it."""
+_TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Stability:
+    """What the closed loop does.
+
+    Attributes
+    ----------
+    unstable_poles : ndarray of int
+        Closed-loop poles in the right half plane, ``(...)``.
+    marginal : ndarray of bool
+        Whether one lies on the imaginary axis, ``(...)``.
+    crossovers : ndarray
+        Frequencies [rad/s] at which |L| = 1, rising, ``(..., k)``, filled with NaN.
+    """
+
+    unstable_poles: NDArray[np.intp]
+    marginal: NDArray[np.bool_]
+    crossovers: FloatArray
+
+
+def stability(loop: Loop) -> Stability:
+    """Return how many closed-loop poles are unstable, and the gain crossovers.
+
+    Parameters
+    ----------
+    loop : Loop
+        One or a batch.
+    """
+    poles = polynomials.roots(loop.denominator + loop.numerator)
+    slack = _AXIS * np.abs(poles).max(axis=-1, keepdims=True)
+    grown = np.sum(np.real(poles) > slack, axis=-1)
+    on_axis = np.abs(np.real(poles)) <= slack
+    at_zero = np.any(on_axis & (np.abs(poles) <= slack), axis=-1)
+    frequencies, rising = _crossovers(loop, 1.0)
+    above, below = _undelayed(loop, frequencies)
+    with np.errstate(invalid="ignore"):
+        due = np.angle(-above / below) % _TURN
+        due = np.where(due > _TURN * (1.0 - _AXIS), 0.0, due)
+        turns = (frequencies * loop.delay[..., np.newaxis] - due) / _TURN
+        passed = np.maximum(np.ceil(turns), 0.0)
+        # Without delay these were on the axis and counted nowhere; they start to the left.
+        passed -= (due == 0.0) & ~rising & (passed > 0.0)
+        whole = (np.abs(turns - np.round(turns)) < _AXIS) & (turns > -_AXIS)
+    moved = np.nansum(np.where(rising, 2.0, -2.0) * passed, axis=-1)
+    delayed = loop.delay > 0.0
+    touching = np.where(delayed, np.any(whole, axis=-1), np.any(on_axis, axis=-1))
+    count = grown + np.where(delayed, moved, 0.0).astype(np.intp)
+    return Stability(np.asarray(count), np.asarray(at_zero | touching), frequencies)
+
+
+def last_frequency(loop: Loop, size: float) -> FloatArray:
+    """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero if at none."""
+    return np.nan_to_num(_crossovers(loop, size)[0]).max(axis=-1, initial=0.0)
+
+
+def _crossovers(loop: Loop, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Where |L| is `size`, and whether |D|^2 size^2 - |N|^2 rises with the frequency there."""
+    squares = polynomials.squared_size(loop.denominator)
+    squares = size**2 * squares - polynomials.squared_size(loop.numerator)
+    roots = polynomials.roots(squares)
+    real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0)
+    frequencies = np.sort(np.sqrt(np.where(real, np.real(roots), np.nan)), axis=-1)
+    with np.errstate(invalid="ignore"):
+        slope = polynomials.value(polynomials.derivative(squares), frequencies**2)
+    return frequencies, np.asarray(slope > 0.0)
+
+
+def _undelayed(loop: Loop, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
+    s = 1j * omega
+    return polynomials.value(loop.numerator, s), polynomials.value(loop.denominator, s)
