@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from tvclin.boundary import survivable_peak as survivable_peak
     from tvclin.boundary import triangle_error as triangle_error
     from tvclin.coefficients import Coefficients as Coefficients
+    from tvclin.comparison import TrimComparison as TrimComparison
+    from tvclin.comparison import WorstDuration as WorstDuration
+    from tvclin.comparison import compare_with_trim as compare_with_trim
+    from tvclin.comparison import worst_duration as worst_duration
     from tvclin.deflections import BangBang as BangBang
     from tvclin.deflections import HeldDeflection as HeldDeflection
     from tvclin.deflections import trim_deflection as trim_deflection
@@ -91,6 +95,7 @@ _ROOMS = {
         "triangle_error",
     ),
     "coefficients": ("Coefficients",),
+    "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
     "histories": ("History",),

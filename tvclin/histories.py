@@ -21,6 +21,9 @@ from tvclin.kernels.pieces import Pieces
 
 FloatArray = NDArray[np.float64]
 
+_PROBES = 8192
+"""About so many times, over all knots, are looked at for each rate of a curved history."""
+
 
 class History(ABC):
     """A real function of time, zero before its first knot, given exactly.
@@ -197,14 +200,23 @@ class History(ABC):
         return np.concatenate([flat, self.knots[..., -1:]], axis=-1)
 
     def _close_probes(self) -> FloatArray:
-        """Times that show a curved history, also its endless last piece."""
-        rates = np.abs(self.pieces.rates)
-        slowest = np.where(rates > 0.0, rates, np.inf).min(axis=-1, keepdims=True)
-        beyond = self.knots[..., -1:] + np.linspace(0.0, 20.0, 400) / slowest
-        inside = self.probe_times(64)
-        shape = np.broadcast_shapes(inside.shape[:-1], beyond.shape[:-1])
-        both = [np.broadcast_to(t, (*shape, t.shape[-1])) for t in (inside, beyond)]
-        return np.concatenate(both, axis=-1)
+        """Times that show a curved history: after each knot every rate has its own time scale."""
+        count = self.knots.shape[-1]
+        each = np.linspace(0.0, 20.0, int(np.clip(_PROBES // count, 8, 128)))
+        rates = np.abs(self.pieces.rates)[..., np.newaxis]
+        offsets = each / np.where(rates > 0.0, rates, np.inf)
+        widths = np.diff(self.knots, axis=-1)
+        after = np.sort(offsets.reshape(*offsets.shape[:-2], -1), axis=-1)[..., np.newaxis, :]
+        inside = np.minimum(after, np.nextafter(widths, 0.0)[..., np.newaxis])
+        first = self.knots[..., :-1, np.newaxis]
+        parts = [
+            self.probe_times(64 if count < _PROBES // 64 else 8),
+            (first + inside).reshape(*np.broadcast_shapes(first.shape, inside.shape)[:-2], -1),
+            self.knots[..., -1:] + after[..., 0, :],
+        ]
+        shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+        every = [np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts]
+        return np.sort(np.concatenate(every, axis=-1), axis=-1)
 
     @property
     def _live(self) -> NDArray[np.bool_]:

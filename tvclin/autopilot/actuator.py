@@ -93,21 +93,13 @@ class Actuator:
         return A, B, C, np.zeros((1, 1))
 
 
-def pade_polynomials(delay: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of delays above zero, each ``(..., order + 1)``."""
-    import control
-
-    powers = np.asarray(delay)[..., np.newaxis] ** np.arange(order, -1, -1)
-    above, below = (np.array(p) / p[-1] for p in control.pade(1.0, order))
-    return above * powers, below * powers
-
-
 def pade_delay(delay: float, order: int) -> Matrices:
     """Return A, B, C, D of the delay, in time units in which its poles are of size one."""
     if delay == 0.0:
         return THROUGH
-    numerator, denominator = pade_polynomials(np.ones(()), order)
-    numerator, denominator = numerator / denominator[0], denominator / denominator[0]
+    import control
+
+    numerator, denominator = (np.array(p) for p in control.pade(1.0, order))
     unit = denominator[-1] ** (1.0 / order)
     numerator, denominator = (p / unit ** np.arange(order + 1) for p in (numerator, denominator))
     A, B = np.eye(order, k=1), np.zeros((order, 1))

@@ -6,7 +6,6 @@ Positive deflection pitches the nose down, so positive gains are negative feedba
 `close` wire the same blocks and give python-control's own systems with named signals.
 """
 
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,12 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot.actuator import Actuator
+from tvclin.autopilot.answer import WindAnswer, wind_answer
 from tvclin.autopilot.diagram import with_diagram
-from tvclin.autopilot.wiring import loop_polynomials, wind_polynomials, wired
+from tvclin.autopilot.doubts import warn_of_doubts
+from tvclin.autopilot.wiring import closed, loop_polynomials, wired
 from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain
 from tvclin.histories import History
 from tvclin.margins import Loop, Margins, loop_margins
-from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Autopilot:
         Delay [s] between the sum of the feedbacks and the actuator.
     pade_order : int
         Order of the Pade approximation that stands for the delay in `loop`, `close` and
-        `history`, 1 to 10. `frequency_response` and `margins` have the exact delay.
+        `answer`, 1 to 10. `frequency_response` and `margins` have the exact delay.
 
     Raises
     ------
@@ -139,7 +139,7 @@ class Autopilot:
         import control
 
         self._require_single(plant)
-        self._warn(plant)
+        warn_of_doubts(self, plant)
         states, motion, _, returned = wired(self, plant)
         n = len(states)
         return control.StateSpace(
@@ -184,19 +184,13 @@ class Autopilot:
         import control
 
         self._require_single(plant)
-        self._warn(plant)
-        states, motion, outputs, returned = wired(self, plant)
-        n = len(states)
-        # No plant passes its deflection on at once, so the returned command does not contain the
-        # deflection command, and to put the one for the other closes the loop.
-        motion, outputs = (
-            rows[:, :-1] + rows[:, -1:] @ returned[:, :-1] for rows in (motion, outputs)
-        )
+        warn_of_doubts(self, plant)
+        states, A, B, C, D = closed(self, plant)
         return control.StateSpace(
-            motion[:, :n],
-            motion[:, n:],
-            outputs[:, :n],
-            outputs[:, n:],
+            A,
+            B,
+            C,
+            D,
             0,
             name=f"{plant.model} with autopilot",
             inputs=list(_DISTURBANCES),
@@ -251,7 +245,7 @@ class Autopilot:
         20.7
         """
         loop = self.rational_loop(plant)
-        self._warn(plant)
+        warn_of_doubts(self, plant)
         return loop_margins(loop)
 
     def frequency_response(self, plant: Plant, omega: ArrayLike) -> NDArray[np.complex128]:
@@ -272,33 +266,77 @@ class Autopilot:
         """
         return self.rational_loop(plant).response(omega)
 
-    def history(self, plant: Plant, wind: History, output: str = "deflection") -> History:
-        """Return what the closed loop makes of a wind, as an exact history.
+    def answer(self, plant: Plant, wind: History) -> WindAnswer:
+        """Return what the closed loop makes of a wind, without limits, at any time.
 
         Parameters
         ----------
         plant : Plant
-            One plant or a batch of any model.
+            One plant of any model.
         wind : History
-            Wind angle of attack [rad]; batches broadcast.
-        output : str
-            "deflection", or an output of the plant.
+            One wind angle of attack [rad].
 
         Returns
         -------
-        History
-            The deflection [rad], or the output [rad, rad/s], from rest, without limits; a delay
-            enters as its Pade approximation. Its `peak` and its values are exact.
+        WindAnswer
+            The outputs of `close` and their peaks, exact: nothing is sampled. A delay enters as
+            its Pade approximation.
 
         Raises
         ------
         InputError
-            For an output that the model of the plant does not have.
+            For a batch.
         """
-        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        self._require_single(plant)
         instance("wind", wind, History, "such as TriangularWind")
-        broadcast(autopilot=self.batch, plant=plant.batch, wind=wind.batch)
-        return wind.filter(*wind_polynomials(self, plant, output))
+        if wind.batch:
+            raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
+        _, A, B, C, D = closed(self, plant)
+        return wind_answer(A, B[:, 0], C, D[:, 0], (*plant.outputs, "deflection"), wind)
+
+    def respond(
+        self, plant: Plant, wind: History, timepts: ArrayLike
+    ) -> "control.TimeResponseData":
+        """Return the exact response of the closed loop to a wind as `control.TimeResponseData`.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+        wind : History
+            One wind angle of attack [rad].
+        timepts : array_like
+            Times [s], ``(n,)``; knots of the wind need not be among them.
+
+        Returns
+        -------
+        control.TimeResponseData
+            Outputs those of the plant, and the deflection [rad, rad/s]; input wind [rad].
+
+        Raises
+        ------
+        InputError
+            For a batch, and for times that are not finite or not one row.
+        """
+        from control import TimeResponseData
+
+        times = finite("timepts", timepts, "s")
+        if times.ndim != 1 or not times.size:
+            raise InputError(f"timepts must be one row of times; got shape {times.shape}")
+        answer = self.answer(plant, wind)
+        return TimeResponseData(
+            times,
+            answer(times),
+            None,
+            wind(times)[np.newaxis],
+            issiso=False,
+            output_labels=list(answer.labels),
+            input_labels=["wind"],
+            sysname=f"{plant.model} with autopilot",
+            plot_inputs=True,
+            title=f"Response to wind, {plant.model} with autopilot",
+            trace_types=["forced"],
+        )
 
     def _require_single(self, plant: Plant) -> None:
         instance("plant", plant, Plant, "see Plant.from_vehicle")
@@ -306,36 +344,4 @@ class Autopilot:
             raise InputError(
                 "loop() and close() are for one autopilot and one plant; got batches of shape"
                 f" {self.batch} and {plant.batch} (use margins(), or take one at a time)"
-            )
-
-    def _warn(self, plant: Plant) -> None:
-        """Warn of what is legal and hardly ever meant."""
-        mu_delta = np.asarray(plant.coefficients.mu_delta)
-        stiffness = np.asarray(self.attitude_gain) + self.alpha_gain
-        name = "attitude_gain + alpha_gain" if np.any(self.alpha_gain) else "attitude_gain"
-        gains = [(name, stiffness, "holds"), ("rate_gain", np.asarray(self.rate_gain), "damps")]
-        if np.any(self.integral_gain):
-            gains.append(("integral_gain", np.asarray(self.integral_gain), ""))
-        for name, gains_of_all, does in gains:
-            gain, per = np.broadcast_arrays(gains_of_all, mu_delta)
-            worst = np.unravel_index(np.argmin(gain * per), gain.shape)
-            if gain[worst] * per[worst] < 0.0:
-                warnings.warn(
-                    f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
-                    f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
-                    stacklevel=3,
-                )
-            elif gain[worst] == 0.0:
-                warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=3)
-        if self.actuator is None:
-            return
-        poles = np.real(unstable_modes(plant).poles)
-        fastest = np.nan_to_num(poles).max(axis=-1, initial=0.0)
-        slow = np.asarray(self.actuator.natural_frequency) < fastest
-        if np.any(slow):
-            frequency = np.min(self.actuator.natural_frequency)
-            warnings.warn(
-                f"the actuator, natural_frequency = {frequency:.6g} rad/s, is slower than the"
-                f" fastest unstable pole of the plant, {np.max(fastest):.6g} 1/s",
-                stacklevel=3,
             )

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.autopilot.actuator import THROUGH, pade_delay, pade_polynomials
-from tvclin.errors import InputError
+from tvclin.autopilot.actuator import THROUGH, pade_delay
 from tvclin.kernels import polynomials
 from tvclin.plant import Plant
 
@@ -64,62 +63,38 @@ def wired(
     return names, motion, np.vstack([seen, deflection]), returned
 
 
+def closed(
+    autopilot: "Autopilot", plant: Plant
+) -> tuple[list[str], FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the names of the states, and A, B, C, D of the closed loop of one plant."""
+    states, motion, outputs, returned = wired(autopilot, plant)
+    n = len(states)
+    # No plant passes its deflection on at once, so the returned command does not contain the
+    # deflection command, and to put the one for the other closes the loop.
+    motion, outputs = (rows[:, :-1] + rows[:, -1:] @ returned[:, :-1] for rows in (motion, outputs))
+    return states, motion[:, :n], motion[:, n:], outputs[:, :n], outputs[:, n:]
+
+
 def loop_polynomials(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator ``(..., n)`` of the loop without its delay."""
-    asked, integrators = _feedback(autopilot, plant, "deflection")
+    asked, integrators = _feedback(autopilot, plant)
     above, below = _engine(autopilot)
     denominator = polynomials.times_variable(plant.denominator, integrators)
     return polynomials.multiply(-asked, above), polynomials.multiply(denominator, below)
 
 
-def wind_polynomials(
-    autopilot: "Autopilot", plant: Plant, output: str
-) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator ``(..., n)`` from the wind to an output, loop closed.
-
-    The denominator is the characteristic polynomial of the closed loop; a delay enters as its
-    Pade approximation. With plant numerators N over D, feedback K, and F = above/below between
-    command and deflection,
-
-        y/w = [N_yw s^k below - above (N_yw K_d - N_yd K_w)/D] / (D s^k below - above K_d),
-
-    k being 1 with an integrator; the division by D leaves no remainder.
-    """
-    above, below = _with_delay(autopilot, *_engine(autopilot))
-    by_deflection, integrators = _feedback(autopilot, plant, "deflection")
-    by_wind, _ = _feedback(autopilot, plant, "wind")
-    open_loop = polynomials.times_variable(plant.denominator, integrators)
-    open_loop = polynomials.multiply(open_loop, below)
-    closed = polynomials.add(open_loop, -polynomials.multiply(by_deflection, above))
-    if output == "deflection":
-        return polynomials.multiply(by_wind, above), closed
-    own = plant.numerator(output, "wind")
-    cross = polynomials.add(
-        polynomials.multiply(own, by_deflection),
-        -polynomials.multiply(plant.numerator(output, "deflection"), by_wind),
-    )
-    cross = polynomials.quotient(cross, plant.denominator)
-    direct = polynomials.multiply(polynomials.times_variable(own, integrators), below)
-    return polynomials.add(direct, -polynomials.multiply(cross, above)), closed
-
-
-def _feedback(autopilot: "Autopilot", plant: Plant, source: str) -> tuple[FloatArray, int]:
-    """The numerator from an input of the plant to the command, and how many powers of s it has.
+def _feedback(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, int]:
+    """The numerator from deflection to command, and how many integrators there are.
 
     It stands over the denominator of the plant times s, if there is an integrator.
     """
     integrators = int(np.any(np.asarray(autopilot.integral_gain)))
-    attitude = plant.numerator("attitude", source)
-    angle = plant.numerator("angle_of_attack", source)
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
     on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
     on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
-    return (
-        polynomials.add(
-            polynomials.multiply(on_attitude, attitude), polynomials.multiply(on_angle, angle)
-        ),
-        integrators,
-    )
+    attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", "deflection"))
+    angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", "deflection"))
+    return polynomials.add(attitude, angle), integrators
 
 
 def _engine(autopilot: "Autopilot") -> tuple[FloatArray, FloatArray]:
@@ -127,17 +102,3 @@ def _engine(autopilot: "Autopilot") -> tuple[FloatArray, FloatArray]:
         return np.ones(1), np.ones(1)
     below = autopilot.actuator.denominator
     return below[..., -1:], below
-
-
-def _with_delay(
-    autopilot: "Autopilot", above: FloatArray, below: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    delay = np.asarray(autopilot.delay)
-    if not np.any(delay):
-        return above, below
-    if not np.all(delay):
-        raise InputError(
-            "delay must be zero for none or for all of a batch whose time responses are asked for"
-        )
-    top, bottom = pade_polynomials(delay, autopilot.pade_order)
-    return polynomials.multiply(above, top), polynomials.multiply(below, bottom)

@@ -36,17 +36,6 @@ def add(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(_padded(first, size) + _padded(second, size))
 
 
-def quotient(polynomial: NDArray[Any], divisor: NDArray[Any]) -> NDArray[Any]:
-    """Return the quotient of a division that leaves no remainder, or none that counts."""
-    m, n = polynomial.shape[-1], divisor.shape[-1]
-    shape = np.broadcast_shapes(polynomial.shape[:-1], divisor.shape[:-1])
-    rest = np.array(np.broadcast_to(polynomial, (*shape, m)))
-    for k in range(m - n + 1):
-        rest[..., k] = rest[..., k] / divisor[..., 0]
-        rest[..., k + 1 : k + n] -= rest[..., k, np.newaxis] * divisor[..., 1:]
-    return rest[..., : max(m - n + 1, 1)] if m >= n else np.zeros((*shape, 1))
-
-
 def squared_size(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return |p(j omega)|^2 as a polynomial in omega^2."""
     even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]

@@ -1,0 +1,91 @@
+"""What the closed loop makes of a wind, exactly and without limits."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import one_of
+from tvclin.histories import History
+from tvclin.kernels.propagation import Motion, exponentials, motion
+
+FloatArray = NDArray[np.float64]
+
+_SETTLED = 40.0
+"""The last piece is followed until the slowest mode has decayed by e^-40."""
+_JUMP = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class WindAnswer:
+    """The outputs of one closed loop in one wind, at any time, and their peaks.
+
+    Attributes
+    ----------
+    labels : tuple of str
+        Names of the outputs: those of the plant, and the deflection.
+    """
+
+    labels: tuple[str, ...]
+    _motion: Motion
+    _rows: NDArray[Any]
+    _settled: float
+    _through: FloatArray
+
+    def __call__(self, times: FloatArray) -> FloatArray:
+        """Return the outputs [rad, rad/s] at the times ``(n,)`` [s], shape ``(outputs, n)``."""
+        return np.real(self._rows @ self._motion.at(times).T)
+
+    def peak(self, output: str) -> tuple[float, float]:
+        """Return the value of largest size [rad, rad/s], with its sign, and its time [s]."""
+        return self._motion.largest(self._row(output), self._settled)
+
+    def peak_rate(self, output: str) -> float:
+        """Return the largest rate of change in size [1/s of the output]; inf where it jumps."""
+        if self._through[self.labels.index(output)]:
+            return float(np.inf)
+        row = self._row(output) @ self._motion.matrix
+        return abs(self._motion.largest(row, self._settled)[0])
+
+    def _row(self, output: str) -> NDArray[Any]:
+        return self._rows[self.labels.index(one_of("output", output, self.labels))]
+
+
+def wind_answer(
+    A: FloatArray,
+    B: FloatArray,
+    C: FloatArray,
+    D: FloatArray,
+    labels: tuple[str, ...],
+    wind: History,
+) -> WindAnswer:
+    """Return the answer of x' = A x + B w, y = C x + D w to a wind, from rest.
+
+    Parameters
+    ----------
+    A, B, C, D : ndarray
+        One system, ``(n, n)``, ``(n,)``, ``(outputs, n)`` and ``(outputs,)``.
+    labels : tuple of str
+        Names of the outputs.
+    wind : History
+        One wind [rad].
+    """
+    pieces = wind.pieces
+    inputs = np.zeros(pieces.rates.size * (pieces.degree + 1))
+    inputs[:: pieces.degree + 1] = 1.0
+    rows = np.hstack([C, D[:, np.newaxis] * inputs])
+    found = motion(A, B, pieces)
+    decay = -np.real(np.linalg.eigvals(A)).max()
+    settled = _SETTLED / decay if decay > 0.0 else 1.0
+    values = found.starts[:, len(A) :] @ inputs
+    before = np.append(0.0, np.real(_ends(found, inputs, len(A))))
+    jumps = np.abs(np.real(values) - before) > _JUMP * np.abs(values).max(initial=0.0)
+    return WindAnswer(labels, found, rows, settled, (D != 0.0) & np.any(jumps))
+
+
+def _ends(found: Motion, inputs: FloatArray, order: int) -> NDArray[Any]:
+    """The wind at the end of each piece but the last."""
+    alone = found.matrix[order:, order:]
+    steps = exponentials(alone, np.diff(found.knots))
+    return np.einsum("i,kij,kj->k", inputs, steps, found.starts[:-1, order:])

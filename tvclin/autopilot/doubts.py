@@ -1,0 +1,48 @@
+"""What is legal in an autopilot and hardly ever meant."""
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tvclin.modes import unstable_modes
+from tvclin.plant import Plant
+
+if TYPE_CHECKING:
+    from tvclin.autopilot.feedback import Autopilot
+
+_OUTSIDE = 3
+"""The warning points at the caller of the method that asks."""
+
+
+def warn_of_doubts(autopilot: "Autopilot", plant: Plant) -> None:
+    """Warn of zero gains, positive feedback, and an actuator slower than the plant."""
+    mu_delta = np.asarray(plant.coefficients.mu_delta)
+    stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
+    name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
+    gains = [(name, stiffness, "holds"), ("rate_gain", np.asarray(autopilot.rate_gain), "damps")]
+    if np.any(autopilot.integral_gain):
+        gains.append(("integral_gain", np.asarray(autopilot.integral_gain), ""))
+    for name, gains_of_all, does in gains:
+        gain, per = np.broadcast_arrays(gains_of_all, mu_delta)
+        worst = np.unravel_index(np.argmin(gain * per), gain.shape)
+        if gain[worst] * per[worst] < 0.0:
+            warnings.warn(
+                f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
+                f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
+                stacklevel=_OUTSIDE,
+            )
+        elif gain[worst] == 0.0:
+            warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=_OUTSIDE)
+    if autopilot.actuator is None:
+        return
+    poles = np.real(unstable_modes(plant).poles)
+    fastest = np.nan_to_num(poles).max(axis=-1, initial=0.0)
+    slow = np.asarray(autopilot.actuator.natural_frequency) < fastest
+    if np.any(slow):
+        frequency = np.min(autopilot.actuator.natural_frequency)
+        warnings.warn(
+            f"the actuator, natural_frequency = {frequency:.6g} rad/s, is slower than the"
+            f" fastest unstable pole of the plant, {np.max(fastest):.6g} 1/s",
+            stacklevel=_OUTSIDE,
+        )

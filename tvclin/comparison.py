@@ -1,0 +1,271 @@
+"""A closed loop in a wind beside trim: what the autopilot asks of the nozzle, and what is needed.
+
+The report compares every control with ideal trim, which takes |B alpha_w,max|. Here the same is
+done for an autopilot: its largest deflection and the loads it leaves, beside trim, the boundary
+limits and the minimum of appendix C. All peaks are those of exact histories, without limits.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import Autopilot
+from tvclin.boundary import boundary_limit
+from tvclin.errors import InputError, instance, positive
+from tvclin.histories import History
+from tvclin.margins import Margins
+from tvclin.optimum import optimum_deflection
+from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+DEAD_BANDS = (1.0, 0.5, 0.0)
+_DURATIONS = 41
+
+
+@dataclass(frozen=True, eq=False)
+class TrimComparison:
+    """What an autopilot does in a wind, beside trim and the least deflections of the theory.
+
+    Angles are sizes [rad]. Where the closed loop is unstable the autopilot's are infinite.
+
+    Attributes
+    ----------
+    plant, autopilot, wind : Plant, Autopilot, History
+        What was compared.
+    margins : Margins
+        Those of the loop.
+    trim_deflection : float
+        |B alpha_w,max|, what ideal trim without drift takes.
+    peak_deflection : float
+        Largest deflection of the autopilot.
+    peak_deflection_rate : float
+        Its largest rate [rad/s]; infinite where the deflection jumps, which it does in a wind
+        that jumps when the angle of attack is fed back without an actuator.
+    peak_angle_of_attack, peak_attitude : float
+        The largest ones. Ideal trim keeps the attitude, and the wind is its angle of attack.
+    peak_flight_path_angle : float
+        The drift; times the speed it is the lateral velocity. NaN on a fixed path.
+    boundaries : dict of float to float
+        For each dead band K the deflection on the report's boundary; NaN for a wind of two signs.
+    minimum : float
+        The least peak of any control that knows the wind, appendix C.
+    wind_gain : float
+        The H-infinity norm from wind to deflection: the deflection per wind angle in the worst
+        sinusoidal wind.
+    notes : tuple of str
+        What the reader should know before believing the numbers; often nothing.
+    """
+
+    plant: Plant
+    autopilot: Autopilot
+    wind: History
+    margins: Margins
+    trim_deflection: float
+    peak_deflection: float
+    peak_deflection_rate: float
+    peak_angle_of_attack: float
+    peak_attitude: float
+    peak_flight_path_angle: float
+    boundaries: dict[float, float]
+    minimum: float
+    wind_gain: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def relative(self) -> float:
+        """The autopilot's largest deflection over that of trim."""
+        return self.peak_deflection / self.trim_deflection if self.trim_deflection else np.nan
+
+    def bending_indicator(self, normal_force_slope: float) -> float:
+        """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
+        return abs(normal_force_slope) * self.peak_angle_of_attack
+
+
+@dataclass(frozen=True)
+class WorstDuration:
+    """The wind of a family that asks the largest deflection of an autopilot.
+
+    Attributes
+    ----------
+    duration : float
+        Its duration [s].
+    peak_deflection : float
+        The deflection [rad].
+    at_the_end : bool
+        Whether it is the shortest or longest that was asked about: beyond it may be worse.
+    """
+
+    duration: float
+    peak_deflection: float
+    at_the_end: bool
+
+
+def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> TrimComparison:
+    """Return what an autopilot does in a wind, beside trim and the theory's least deflections.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant of any model.
+    autopilot : Autopilot
+        One autopilot. It has no limits here: compare its peak with the one there is.
+    wind : History
+        One wind that ends.
+
+    Raises
+    ------
+    InputError
+        For batches, and for a wind that never ends or is zero.
+
+    Notes
+    -----
+    Trim, the boundaries and the minimum need no gains; they say how far the autopilot is from
+    what the wind itself demands. Pure attitude hold makes the angle of attack larger than the
+    wind: in a steady wind by a0/(a0 - B).
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> c = tv.compare_with_trim(plant, tv.canonical_gains(plant.coefficients), wind)
+    >>> round(c.relative, 3), round(c.boundaries[1.0] / c.trim_deflection, 3)
+    (1.707, 0.687)
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    instance("wind", wind, History, "such as TriangularWind")
+    if plant.batch or autopilot.batch or wind.batch:
+        raise InputError("compare_with_trim is for one case; take those of a batch one by one")
+    if not np.isfinite(wind.end):
+        raise InputError("wind must end, and be other than zero")
+    margins = autopilot.margins(plant)
+    trim = abs(float(plant.coefficients.B * wind.peak))
+    peaks = _peaks(plant, autopilot, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
+    notes = [] if margins.stable else [margins.reason]
+    boundaries = _boundaries(plant, wind, notes)
+    least = optimum_deflection(plant, wind)
+    if least.status != "ok":
+        notes.append(f"minimum: {least.status}")
+    return TrimComparison(
+        plant=plant,
+        autopilot=autopilot,
+        wind=wind,
+        margins=margins,
+        trim_deflection=trim,
+        **peaks,
+        boundaries=boundaries,
+        minimum=float(least.peak),
+        wind_gain=wind_gain(plant, autopilot) if margins.stable else np.inf,
+        notes=tuple(notes),
+    )
+
+
+def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
+    """Return the H-infinity norm from wind to deflection, by `control.system_norm`.
+
+    Parameters
+    ----------
+    plant, autopilot : Plant, Autopilot
+        One each; a delay enters as its Pade approximation.
+    """
+    import control
+
+    closed = autopilot.close(plant)
+    return float(control.system_norm(closed["deflection", "wind"], p="inf", tol=1e-9))
+
+
+def worst_duration(
+    plant: Plant,
+    autopilot: Autopilot,
+    *,
+    peak: float,
+    shortest: float,
+    longest: float,
+    shape: Callable[..., History],
+) -> WorstDuration:
+    """Return the duration of a family of winds that asks the largest deflection.
+
+    Parameters
+    ----------
+    plant, autopilot : Plant, Autopilot
+        One each, with a stable closed loop.
+    peak : float
+        Peak [rad] of every wind of the family.
+    shortest, longest : float
+        The durations [s] in question.
+    shape : callable
+        Such as `TriangularWind`: called with peak and duration.
+
+    Raises
+    ------
+    InputError
+        For an unstable closed loop, and durations that are not positive and rising.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> gains = tv.canonical_gains(plant.coefficients)
+    >>> worst = tv.worst_duration(
+    ...     plant, gains, peak=0.1, shortest=1, longest=60, shape=tv.TriangularWind
+    ... )
+    >>> round(worst.duration, 1), worst.at_the_end
+    (17.7, False)
+    """
+    from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
+
+    low, high = float(positive("shortest", shortest, "s")), float(positive("longest", longest, "s"))
+    if low >= high:
+        raise InputError(f"longest must be above shortest; got {high:.6g} and {low:.6g} s")
+    margins = autopilot.margins(plant)
+    if not margins.stable:
+        raise InputError(f"no duration is the worst: {margins.reason}")
+
+    def deflection(duration: float) -> float:
+        return abs(
+            autopilot.answer(plant, shape(peak=peak, duration=duration)).peak("deflection")[0]
+        )
+
+    durations = np.geomspace(low, high, _DURATIONS)
+    values = np.array([deflection(duration) for duration in durations])
+    k = int(np.argmax(values))
+    edges = durations[max(k - 1, 0)], durations[min(k + 1, _DURATIONS - 1)]
+    near = minimize_scalar(lambda d: -deflection(d), bounds=edges, options={"xatol": 1e-6 * high})
+    if -near.fun > values[k]:
+        return WorstDuration(float(near.x), float(-near.fun), False)
+    return WorstDuration(float(durations[k]), float(values[k]), k in (0, _DURATIONS - 1))
+
+
+_PEAKS = (
+    "peak_deflection",
+    "peak_deflection_rate",
+    "peak_angle_of_attack",
+    "peak_attitude",
+    "peak_flight_path_angle",
+)
+
+
+def _peaks(plant: Plant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
+    answer = autopilot.answer(plant, wind)
+    sizes = {name: abs(answer.peak(name)[0]) for name in answer.labels}
+    return {
+        "peak_deflection": sizes["deflection"],
+        "peak_deflection_rate": answer.peak_rate("deflection"),
+        "peak_angle_of_attack": sizes["angle_of_attack"],
+        "peak_attitude": sizes["attitude"],
+        "peak_flight_path_angle": sizes.get("flight_path_angle", np.nan),
+    }
+
+
+def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
+    try:
+        limits = boundary_limit(plant, wind, np.array(DEAD_BANDS)).deflection
+    except InputError as error:
+        notes.append(f"no boundary: {error}")
+        limits = np.full(len(DEAD_BANDS), np.nan)
+    return dict(zip(DEAD_BANDS, np.abs(limits).tolist(), strict=True))
