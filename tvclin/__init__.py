@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from tvclin.boundary import is_sufficient as is_sufficient
     from tvclin.boundary import survivable_peak as survivable_peak
     from tvclin.boundary import triangle_error as triangle_error
+    from tvclin.closed_loop import ClosedLoopBoundary as ClosedLoopBoundary
+    from tvclin.closed_loop import closed_loop_boundary as closed_loop_boundary
+    from tvclin.closed_loop import fly as fly
     from tvclin.coefficients import Coefficients as Coefficients
     from tvclin.comparison import TrimComparison as TrimComparison
     from tvclin.comparison import WorstDuration as WorstDuration
@@ -32,7 +35,16 @@ if TYPE_CHECKING:
     from tvclin.deflections import trim_deflection as trim_deflection
     from tvclin.deflections import trim_then_hold as trim_then_hold
     from tvclin.errors import InputError as InputError
+    from tvclin.forecast_free import ForecastFreeLimit as ForecastFreeLimit
+    from tvclin.forecast_free import forecast_free_limit as forecast_free_limit
     from tvclin.histories import History as History
+    from tvclin.laws import DeadBandLaw as DeadBandLaw
+    from tvclin.laws import Law as Law
+    from tvclin.laws import RecoverableAttitudeLaw as RecoverableAttitudeLaw
+    from tvclin.laws import SaturatedLaw as SaturatedLaw
+    from tvclin.laws import Seen as Seen
+    from tvclin.laws import TrimLaw as TrimLaw
+    from tvclin.laws import WindEstimator as WindEstimator
     from tvclin.loads import Loads as Loads
     from tvclin.loads import wind_loads as wind_loads
     from tvclin.margins import CRITERIA as CRITERIA
@@ -94,11 +106,22 @@ _ROOMS = {
         "survivable_peak",
         "triangle_error",
     ),
+    "closed_loop": ("ClosedLoopBoundary", "closed_loop_boundary", "fly"),
     "coefficients": ("Coefficients",),
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
+    "forecast_free": ("ForecastFreeLimit", "forecast_free_limit"),
     "histories": ("History",),
+    "laws": (
+        "DeadBandLaw",
+        "Law",
+        "RecoverableAttitudeLaw",
+        "SaturatedLaw",
+        "Seen",
+        "TrimLaw",
+        "WindEstimator",
+    ),
     "loads": ("Loads", "wind_loads"),
     "margins": ("CRITERIA", "Criteria", "Crossings", "Loop", "Margins", "loop_margins"),
     "modes": (

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
 from tvclin.boundary import boundary_limit
-from tvclin.errors import InputError, instance, positive
+from tvclin.errors import InputError, instance, number, positive
 from tvclin.histories import History
 from tvclin.margins import Margins
 from tvclin.optimum import optimum_deflection
@@ -219,7 +219,10 @@ def worst_duration(
     """
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
-    low, high = float(positive("shortest", shortest, "s")), float(positive("longest", longest, "s"))
+    low, high = (
+        number("shortest", shortest, positive, "s"),
+        number("longest", longest, positive, "s"),
+    )
     if low >= high:
         raise InputError(f"longest must be above shortest; got {high:.6g} and {low:.6g} s")
     margins = autopilot.margins(plant)

@@ -4,7 +4,7 @@ Every check names the argument, the rule it breaks, and what came, so that the
 reader knows which argument to change.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from typing import Any
 
@@ -74,7 +74,18 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
 def instance(name: str, value: object, kind: type, maker: str) -> None:
     """Raise `InputError` unless `value` is of the kind asked for; `maker` says how to get one."""
     if not isinstance(value, kind):
-        raise InputError(f"{name} must be a {kind.__name__} ({maker}); got {_shown(value)}")
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {_shown(value)}")
+
+
+def number(
+    name: str, value: ArrayLike, check: Callable[..., NDArray[np.float64]] = finite, unit: str = ""
+) -> float:
+    """Return `value` as a float; `InputError` unless it passes the check and is no array."""
+    array = check(name, value, unit)
+    if array.ndim:
+        raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
+    return float(array)
 
 
 def plain(array: NDArray[np.float64] | np.float64) -> float | NDArray[np.float64]:
@@ -115,5 +126,5 @@ def _in(unit: str) -> str:
 
 
 def _shown(value: object) -> str:
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) <= 60 else text[:57] + "..."

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import one_of
+from tvclin.errors import finite, one_of
 from tvclin.histories import History
 from tvclin.kernels.propagation import Motion, exponentials, motion
 
@@ -33,19 +33,28 @@ class WindAnswer:
     _settled: float
     _through: FloatArray
 
-    def __call__(self, times: FloatArray) -> FloatArray:
-        """Return the outputs [rad, rad/s] at the times ``(n,)`` [s], shape ``(outputs, n)``."""
-        return np.real(self._rows @ self._motion.at(times).T)
+    def __call__(self, times: ArrayLike) -> FloatArray:
+        """Return the outputs [rad, rad/s] at times [s] of any shape, which follows theirs."""
+        when = finite("times", times, "s")
+        values = np.real(self._rows @ self._motion.at(when.ravel()).T)
+        return values.reshape((-1, *when.shape))
 
     def peak(self, output: str) -> tuple[float, float]:
-        """Return the value of largest size [rad, rad/s], with its sign, and its time [s]."""
-        return self._motion.largest(self._row(output), self._settled)
+        """Return the value of largest size [rad, rad/s], with its sign, and its time [s].
+
+        Both are infinite where the closed loop is unstable.
+        """
+        row = self._row(output)
+        return self._motion.largest(row, self._settled) if self._settled else (np.inf, np.inf)
 
     def peak_rate(self, output: str) -> float:
-        """Return the largest rate of change in size [1/s of the output]; inf where it jumps."""
-        if self._through[self.labels.index(output)]:
-            return float(np.inf)
+        """Return the largest rate of change in size [1/s of the output].
+
+        It is infinite where the output jumps, and where the closed loop is unstable.
+        """
         row = self._row(output) @ self._motion.matrix
+        if self._through[self.labels.index(output)] or not self._settled:
+            return float(np.inf)
         return abs(self._motion.largest(row, self._settled)[0])
 
     def _row(self, output: str) -> NDArray[Any]:
@@ -77,7 +86,7 @@ def wind_answer(
     rows = np.hstack([C, D[:, np.newaxis] * inputs])
     found = motion(A, B, pieces)
     decay = -np.real(np.linalg.eigvals(A)).max()
-    settled = _SETTLED / decay if decay > 0.0 else 1.0
+    settled = _SETTLED / decay if decay > 0.0 else 0.0
     values = found.starts[:, len(A) :] @ inputs
     before = np.append(0.0, np.real(_ends(found, inputs, len(A))))
     jumps = np.abs(np.real(values) - before) > _JUMP * np.abs(values).max(initial=0.0)

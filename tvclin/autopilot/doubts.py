@@ -4,7 +4,9 @@ import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tvclin.margins.stability import stability
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 
@@ -46,3 +48,12 @@ def warn_of_doubts(autopilot: "Autopilot", plant: Plant) -> None:
             f" fastest unstable pole of the plant, {np.max(fastest):.6g} 1/s",
             stacklevel=_OUTSIDE,
         )
+
+
+def pade_misleads(autopilot: "Autopilot", plant: Plant, A: NDArray[np.float64]) -> bool:
+    """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
+    if not autopilot.delay:
+        return False
+    exact = stability(autopilot.rational_loop(plant))
+    unstable = int(np.sum(np.real(np.linalg.eigvals(A)) > 0.0))
+    return not bool(exact.marginal) and unstable != int(exact.unstable_poles)

@@ -6,6 +6,7 @@ Positive deflection pitches the nose down, so positive gains are negative feedba
 `close` wire the same blocks and give python-control's own systems with named signals.
 """
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.autopilot.actuator import Actuator
 from tvclin.autopilot.answer import WindAnswer, wind_answer
 from tvclin.autopilot.diagram import with_diagram
-from tvclin.autopilot.doubts import warn_of_doubts
+from tvclin.autopilot.doubts import pade_misleads, warn_of_doubts
 from tvclin.autopilot.wiring import closed, loop_polynomials, wired
 from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain
 from tvclin.histories import History
@@ -186,6 +187,12 @@ class Autopilot:
         self._require_single(plant)
         warn_of_doubts(self, plant)
         states, A, B, C, D = closed(self, plant)
+        if pade_misleads(self, plant, A):
+            warnings.warn(
+                f"pade_order = {self.pade_order} is too low for this delay: with the exact delay"
+                " the loop has another number of unstable poles (see margins)",
+                stacklevel=2,
+            )
         return control.StateSpace(
             A,
             B,
@@ -285,13 +292,19 @@ class Autopilot:
         Raises
         ------
         InputError
-            For a batch.
+            For a batch, and for a Pade approximation that shows another stability than the
+            exact delay.
         """
         self._require_single(plant)
         instance("wind", wind, History, "such as TriangularWind")
         if wind.batch:
             raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
         _, A, B, C, D = closed(self, plant)
+        if pade_misleads(self, plant, A):
+            raise InputError(
+                f"pade_order = {self.pade_order} is too low for this delay: with the exact delay"
+                " the loop has another number of unstable poles"
+            )
         return wind_answer(A, B[:, 0], C, D[:, 0], (*plant.outputs, "deflection"), wind)
 
     def respond(

@@ -10,8 +10,11 @@ from numpy.typing import ArrayLike
 
 from tvclin.autopilot.feedback import Autopilot
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, nonnegative, plain, positive
+from tvclin.errors import InputError, broadcast, instance, nonnegative, number, plain, positive
 from tvclin.plant import Plant
+
+_NEGLIGIBLE = 1e-8
+"""A pole nearer to the axis than this part of the largest is left without a cost."""
 
 
 def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
@@ -108,6 +111,7 @@ def relief_gains(
     """
     ratio = nonnegative("alpha_ratio", alpha_ratio)
     stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
+    broadcast(gains=np.shape(stiffness), alpha_ratio=ratio.shape)
     attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
     return Autopilot(
         attitude_gain=attitude, rate_gain=rate, alpha_gain=stiffness - attitude, **options
@@ -232,16 +236,16 @@ def lqr_gains(
         "rate_weight": rate_weight,
         "alpha_weight": alpha_weight,
     }
-    costs = [float(nonnegative(name, value)) for name, value in weights.items()]
+    costs = [number(name, value, nonnegative) for name, value in weights.items()]
     A, B, C, _ = plant.matrices()
     seen = C[[0, 1, -1]]
     Q = seen.T @ np.diag(costs) @ seen
-    R = np.atleast_2d(positive("deflection_weight", deflection_weight))
+    R = np.array([[number("deflection_weight", deflection_weight, positive)]])
     try:
-        gain, _, poles = control.lqr(A, B[:, :1], Q, R)
+        gain, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
     except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
         poles, gain = np.ones(1), np.zeros((1, len(A)))
-    if np.any(np.real(poles) >= 0.0):
+    if np.real(poles).max() >= -_NEGLIGIBLE * np.abs(poles).max():
         raise InputError(
             "the weights leave a mode of the plant without a cost; raise attitude_weight or"
             " alpha_weight"
@@ -263,5 +267,8 @@ def _stiffness(
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     frequency = positive("natural_frequency", natural_frequency, "rad/s")
     ratio, c = positive("damping", damping), coefficients
+    broadcast(
+        coefficients=coefficients.batch, natural_frequency=frequency.shape, damping=ratio.shape
+    )
     stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
     return plain(stiffness), plain(np.asarray(2.0 * ratio * frequency / c.mu_delta))

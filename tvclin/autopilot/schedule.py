@@ -80,7 +80,7 @@ class GainSchedule:
         >>> schedule.margins(tv.Plant.from_coefficients(c)).stable.all().item()
         True
         """
-        return cls(np.asarray(time, float), rule(coefficients, **arguments))
+        return cls(finite("time", time, "s"), rule(coefficients, **arguments))
 
     def at(self, time: ArrayLike) -> Autopilot:
         """Return the autopilot at a flight time, or at several.
@@ -91,10 +91,11 @@ class GainSchedule:
             For a time outside the schedule: gains are not extrapolated.
         """
         when = finite("time", time, "s")
-        if np.any((when < self.time[0]) | (when > self.time[-1])):
+        outside = (when < self.time[0]) | (when > self.time[-1])
+        if np.any(outside):
             raise InputError(
                 f"time must lie in the schedule, {self.time[0]:.6g} to {self.time[-1]:.6g} s;"
-                f" got {np.ravel(when)[0]:.6g}"
+                f" got {when[outside].ravel()[0]:.6g}"
             )
         held = {name: getattr(self.autopilot, name) for name in (*GAINS, "delay")}
         changes: dict[str, Any] = {

@@ -4,12 +4,15 @@ Only typer is imported at the top of this room; a command loads what it needs wh
 that ``tvclin --help`` answers at once.
 """
 
+import warnings
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from tvclin.cli.autopilot import autopilot
 from tvclin.cli.boundary import boundary
+from tvclin.cli.margins import margins
 from tvclin.cli.optimum import optimum
 from tvclin.cli.poles import poles
 from tvclin.cli.reproduce import reproduce
@@ -24,7 +27,11 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.simplefilter("always", UserWarning)
+                said: set[str] = set()
+                warnings.showwarning = lambda message, *_, **__: _say_once(str(message), said)
+                return super().invoke(ctx)
         except ValueError as error:
             from tvclin.errors import InputError
 
@@ -41,8 +48,25 @@ app = typer.Typer(
     help="How much thrust-vector deflection must this booster have to survive this wind?",
     epilog="First steps: tvclin vehicles | tvclin study configuration-i | tvclin init my.toml",
 )
-for command in (study, boundary, optimum, respond, poles, reproduce, vehicles, init):
+for command in (
+    study,
+    boundary,
+    optimum,
+    respond,
+    autopilot,
+    margins,
+    poles,
+    reproduce,
+    vehicles,
+    init,
+):
     app.command()(command)
+
+
+def _say_once(message: str, said: set[str]) -> None:
+    if message not in said:
+        typer.echo(f"Warning: {message}", err=True)
+    said.add(message)
 
 
 def _version(wanted: bool) -> None:

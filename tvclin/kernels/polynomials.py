@@ -46,6 +46,17 @@ def squared_size(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
     return squares
 
 
+def imaginary_part(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return Im(first(j omega) conj(second(j omega)))/omega as a polynomial in omega^2."""
+    parts = []
+    for polynomial in (first, second):
+        even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
+        sign = (-1.0) ** np.arange(even.shape[-1])[::-1], (-1.0) ** np.arange(odd.shape[-1])[::-1]
+        parts.append((even * sign[0], odd * sign[1]))
+    (even, odd), (even_2, odd_2) = parts
+    return add(multiply(odd, even_2), -multiply(even, odd_2))
+
+
 def times_variable(polynomial: NDArray[Any], power: int = 1) -> NDArray[Any]:
     """Return the polynomial times a power of its variable."""
     return np.concatenate([polynomial, np.zeros((*polynomial.shape[:-1], power))], axis=-1)

@@ -5,7 +5,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from tvclin.errors import InputError, instance, nonnegative, one_of, plain
+from tvclin.errors import InputError, instance, nonnegative, number, one_of, plain
 from tvclin.margins.record import Margins
 
 _UNITS = {
@@ -45,6 +45,10 @@ class Requirement:
     margin: str
     limit: float
     source: str
+
+    def __post_init__(self) -> None:
+        one_of("margin", self.margin, _UNITS)
+        object.__setattr__(self, "limit", number(self.margin, self.limit, nonnegative))
 
     @property
     def unit(self) -> str:
@@ -94,6 +98,10 @@ class Criteria:
     name: str
     requirements: tuple[Requirement, ...]
 
+    def __post_init__(self) -> None:
+        if not self.requirements:
+            raise InputError(f"criteria need a limit: one or more of {', '.join(_UNITS)}")
+
     @classmethod
     def own(cls, name: str = "own", source: str = "the user", **limits: float) -> Self:
         """Return criteria of one's own.
@@ -120,15 +128,9 @@ class Criteria:
         >>> [r.limit for r in dispersed.requirements]
         [3.0, 20.0]
         """
-        if not limits:
-            raise InputError(f"criteria need a limit: one or more of {', '.join(_UNITS)}")
-        return cls(
-            name,
-            tuple(
-                Requirement(one_of("a limit", key, _UNITS), float(nonnegative(key, value)), source)
-                for key, value in limits.items()
-            ),
-        )
+        for key in limits:
+            one_of("a limit", key, _UNITS)
+        return cls(name, tuple(Requirement(key, value, source) for key, value in limits.items()))
 
     def judge(self, margins: Margins) -> tuple[Judgement, ...]:
         """Return each margin beside what is asked for.

@@ -10,8 +10,10 @@ from tvclin.margins.loop import Loop
 
 FloatArray = NDArray[np.float64]
 
-_SUMMITS = 3
-"""So many of the highest samples that stand above their neighbours are refined."""
+_WORTH = 0.3
+"""Samples that stand above their neighbours are refined if they reach this part of the highest."""
+_AT_CROSSING = 1e-3
+"""The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +55,11 @@ def phase_crossovers(loop: Loop, omega: FloatArray) -> tuple[FloatArray, FloatAr
     rise = np.sign(step[case, place])
     low, high = omega[case, place], omega[case, place + 1]
     found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
+    true = np.abs(angle(found, case)) < _AT_CROSSING
+    true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
     at_zero = loop.numerator[:, -1] * loop.denominator[:, -1] < 0.0
-    case = np.concatenate([np.flatnonzero(at_zero), case])
-    found = np.concatenate([np.zeros(int(at_zero.sum())), found])
+    case = np.concatenate([np.flatnonzero(at_zero), case[true]])
+    found = np.concatenate([np.zeros(int(at_zero.sum())), found[true]])
     above, below = loop.take(case).parts(found[:, np.newaxis])
     sizes = np.abs(above / below)[:, 0]
     return _rows(case, found, found, len(omega)), _rows(case, found, sizes, len(omega))
@@ -80,7 +84,8 @@ def peaks(loop: Loop, omega: FloatArray) -> Peaks:
 def _size(loop: Loop, omega: FloatArray, kind: int) -> FloatArray:
     above, below = loop.parts(omega)
     tops = (below, above, (below - above) / 2.0)
-    return np.abs(tops[kind] / (below + above))
+    with np.errstate(invalid="ignore"):  # NaN fills rows of frequencies
+        return np.abs(tops[kind] / (below + above))
 
 
 def _largest(
@@ -88,13 +93,12 @@ def _largest(
 ) -> tuple[FloatArray, FloatArray]:
     from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
 
-    values = _size(loop, omega, kind)
+    values = np.nan_to_num(_size(loop, omega, kind), nan=-np.inf)
     inner = values[:, 1:-1]
     summit = (inner >= values[:, :-2]) & (inner > values[:, 2:])
-    heights = np.where(summit, inner, -np.inf)
-    order = np.argsort(heights, axis=-1)[:, ::-1][:, :_SUMMITS] + 1
-    case, rank = np.nonzero(np.take_along_axis(heights, order - 1, axis=-1) > -np.inf)
-    place = order[case, rank]
+    summit &= inner > _WORTH * values.max(axis=-1, keepdims=True)
+    case, place = np.nonzero(summit)
+    place = place + 1
 
     def lowness(frequency: FloatArray, index: NDArray[np.intp]) -> FloatArray:
         return -_size(loop.take(index), frequency[:, np.newaxis], kind)[:, 0]

@@ -20,6 +20,10 @@ _BELOW, _BEYOND = 1e-3, 1e2
 _AROUND = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
 """Around a root, in units of its distance from the axis."""
 _ON_AXIS = 1e-6
+_FAR, _ZERO = 1e7, 1e-12
+"""Over the fastest pole: a zero farther out is rounding, and so is a smaller root."""
+_BESIDE, _FARTHEST = 1e-3, 1e30
+"""So near to a frequency at which L is real one looks on both sides; none is beyond the second."""
 _APART = 1e-6
 """Equal frequencies are moved apart by less than this part, so that each has two neighbours."""
 _QUIET = 1e-2
@@ -29,7 +33,7 @@ _STEP, _MORE, _MOST = np.pi / 4.0, 12, 20_000
 
 
 def frequencies(loop: Loop, crossovers: FloatArray) -> FloatArray:
-    """Return frequencies [rad/s] above zero, rising, ``(k, m)``.
+    """Return frequencies [rad/s] above zero, rising, ``(k, m)``; NaN fills the ends of rows.
 
     Parameters
     ----------
@@ -39,33 +43,52 @@ def frequencies(loop: Loop, crossovers: FloatArray) -> FloatArray:
         Frequencies at which |L| = 1, ``(k, n)``, filled with NaN.
     """
     closed = loop.denominator + loop.numerator
-    roots = np.concatenate(
-        [
-            polynomials.roots(closed).astype(complex),
-            polynomials.roots(loop.denominator).astype(complex),
-            _zeros(loop.numerator),
-        ],
-        axis=-1,
-    )
+    poles = [polynomials.roots(p).astype(complex) for p in (closed, loop.denominator)]
+    fastest = np.abs(np.concatenate(poles, axis=-1)).max(axis=-1)[:, np.newaxis]
+    zeros = _zeros(loop.numerator)
+    with np.errstate(invalid="ignore"):
+        zeros = np.where(np.abs(zeros) < _FAR * fastest, zeros, np.nan)
+    roots = np.concatenate([*poles, zeros], axis=-1)
     roots = np.where(roots.imag >= 0.0, roots, np.nan)  # one of each pair
     size = np.abs(roots)
-    largest = np.where(np.isfinite(size), size, 0.0).max(axis=-1)
-    counted = np.isfinite(size) & (size > 1e-9 * largest[:, np.newaxis])
+    largest = np.nan_to_num(size).max(axis=-1)
+    counted = size > _ZERO * fastest
     low = _BELOW * np.where(counted, size, np.inf).min(axis=-1)
-    low = np.where(np.isfinite(low) & (low > 0.0), low, 1e-3)
+    low = np.where(np.isfinite(low), low, 1e-3)
     high = np.maximum(_BEYOND * largest, 1e3 * low)
     steps = np.geomspace(low, high, _EVEN, axis=-1)
     width = np.maximum(np.abs(roots.real), _ON_AXIS * size)
     offsets = np.concatenate([-_AROUND[:0:-1], _AROUND])
     near = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
+    turning = np.sqrt(_real_crossings(loop))
     parts = [steps, near.reshape(len(near), -1), crossovers]
+    parts += [turning * factor for factor in (1.0 - _BESIDE, 1.0 + _BESIDE)]
     if np.any(loop.delay > 0.0):
-        turning, end = _turning(loop, largest, low)
-        parts = [*(np.fmin(part, end[:, np.newaxis]) for part in parts), turning]
+        even, end = _turning(loop, largest, low)
+        parts = [*(_up_to(part, end[:, np.newaxis]) for part in parts), even]
     every = np.concatenate(parts, axis=-1)
     bounded = (every >= low[:, np.newaxis]) & np.isfinite(every)
-    every = np.sort(np.where(bounded, every, low[:, np.newaxis]), axis=-1)
+    every = np.sort(np.where(bounded, every, np.nan), axis=-1)
     return every * np.linspace(1.0, 1.0 + _APART, every.shape[-1])
+
+
+def _real_crossings(loop: Loop) -> FloatArray:
+    """The squares of the frequencies at which L is real, but for its delay; NaN fills the rest."""
+    polynomial = polynomials.imaginary_part(loop.numerator, loop.denominator)
+    lead = np.abs(polynomial).max(axis=-1, keepdims=True)
+    polynomial = np.where(lead > 0.0, polynomial, 1.0)
+    live = int(np.argmax(np.any(polynomial != 0.0, axis=0)))
+    polynomial = np.array(polynomial[:, live:])
+    first = polynomial[:, 0]
+    polynomial[:, 0] = np.where(first == 0.0, 1e-300 + 1e-30 * lead[:, 0], first)
+    with np.errstate(all="ignore"):
+        roots = polynomials.roots(polynomial)
+    real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0) & (np.real(roots) < _FARTHEST)
+    return np.where(real, np.real(roots), np.nan)
+
+
+def _up_to(part: FloatArray, end: FloatArray) -> FloatArray:
+    return np.where(part <= end, part, np.nan)
 
 
 def _turning(loop: Loop, largest: FloatArray, low: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+_ROUNDING = 1e-13
+
 
 @dataclass(frozen=True, eq=False)
 class Loop:
@@ -112,6 +114,21 @@ class Loop:
         late = np.exp(-s * self.delay[..., np.newaxis])
         above = polynomials.value(self.numerator, s) * late
         return above, polynomials.value(self.denominator, s)
+
+    def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
+        """Return whether numerator or denominator is zero, to rounding, at one frequency each.
+
+        Parameters
+        ----------
+        omega : ndarray
+            Frequencies [rad/s], of the shape of the batch.
+        """
+        s = 1j * omega[..., np.newaxis]
+        parts = []
+        for polynomial in (self.numerator, self.denominator):
+            size = polynomials.value(np.abs(polynomial), np.abs(s))
+            parts.append(np.abs(polynomials.value(polynomial, s)) <= _ROUNDING * size)
+        return np.asarray(parts[0] | parts[1])[..., 0]
 
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import instance, plain
+from tvclin.errors import InputError, instance, plain
 from tvclin.margins.crossings import peaks, phase_crossovers
 from tvclin.margins.frequencies import frequencies
 from tvclin.margins.loop import Loop
@@ -135,6 +135,11 @@ float or ndarray
     @property
     def reason(self) -> str:
         """Why there are no margins, in one sentence; empty for a stable loop. One loop only."""
+        if not isinstance(self.status, str):
+            raise InputError(
+                "reason and notes are of one loop; these are margins of a batch of shape"
+                f" {np.shape(self.status)} (use status and unstable_poles)"
+            )
         if self.status == UNSTABLE:
             many = (
                 f"{self.unstable_poles} closed-loop poles lie"
@@ -149,7 +154,7 @@ float or ndarray
     @property
     def notes(self) -> tuple[str, ...]:
         """What is to be known about margins that do not exist. One loop only."""
-        if not self.stable:
+        if self.reason:
             return (self.reason,)
         found = []
         if np.isinf(self.aero_margin):
@@ -197,8 +202,8 @@ def loop_margins(loop: Loop) -> Margins:
         _flat_margins(loop.take(np.arange(start, min(start + _TOGETHER, size))))
         for start in range(0, size, _TOGETHER)
     ]
-    every = chunks or [_flat_margins(loop.take(np.arange(0)))]
-    return _assembled(every, loop.batch)
+    nothing = [] if chunks else [_flat_margins(Loop([[1.0]], [[1.0, 1.0]]))]
+    return _assembled(chunks or nothing, loop.batch)
 
 
 def decibels(factor: Any) -> Any:
@@ -279,7 +284,7 @@ def _assembled(chunks: list[Margins], batch: tuple[int, ...]) -> Margins:
 
 
 def _joined(parts: list[NDArray[Any]], batch: tuple[int, ...]) -> Any:
-    whole = np.concatenate(parts)
+    whole = np.concatenate(parts)[: int(np.prod(batch))]
     return whole.reshape(batch) if batch else whole[0].item()
 
 
@@ -289,4 +294,4 @@ def _padded(parts: list[FloatArray], batch: tuple[int, ...]) -> FloatArray:
         [np.pad(p, [(0, 0), (0, width - p.shape[-1])], constant_values=np.nan) for p in parts]
     )
     width = int(np.sum(~np.isnan(wide), axis=-1).max(initial=0))
-    return wide[:, :width].reshape((*batch, width))
+    return wide[: int(np.prod(batch)), :width].reshape((*batch, width))

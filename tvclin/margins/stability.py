@@ -21,6 +21,8 @@ FloatArray = NDArray[np.float64]
 _AXIS = 1e-12
 """Nearer to the imaginary axis than this part of the largest pole is on it."""
 _TURN = 2.0 * np.pi
+_SAME = 1e-6
+"""A pole that is due within this phase [rad] begins on the axis, to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,17 +61,29 @@ def stability(loop: Loop) -> Stability:
     above, below = _undelayed(loop, frequencies)
     with np.errstate(invalid="ignore"):
         due = np.angle(-above / below) % _TURN
-        due = np.where(due > _TURN * (1.0 - _AXIS), 0.0, due)
+        beginning = (due < _SAME) | (due > _TURN - _SAME)
+        due = np.where(beginning, _first_due(poles, slack, frequencies, rising), due)
         turns = (frequencies * loop.delay[..., np.newaxis] - due) / _TURN
         passed = np.maximum(np.ceil(turns), 0.0)
-        # Without delay these were on the axis and counted nowhere; they start to the left.
-        passed -= (due == 0.0) & ~rising & (passed > 0.0)
         whole = (np.abs(turns - np.round(turns)) < _AXIS) & (turns > -_AXIS)
     moved = np.nansum(np.where(rising, 2.0, -2.0) * passed, axis=-1)
     delayed = loop.delay > 0.0
     touching = np.where(delayed, np.any(whole, axis=-1), np.any(on_axis, axis=-1))
     count = grown + np.where(delayed, moved, 0.0).astype(np.intp)
     return Stability(np.asarray(count), np.asarray(at_zero | touching), frequencies)
+
+
+def _first_due(
+    poles: NDArray[Any], slack: FloatArray, omega: FloatArray, rising: NDArray[np.bool_]
+) -> FloatArray:
+    """The phase [rad] still to be lost by poles that begin on the axis or next to it.
+
+    Those that move to the side on which they already are have a whole turn to go.
+    """
+    apart = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
+    nearest = np.argmin(np.nan_to_num(apart, nan=np.inf), axis=-1)
+    right = np.take_along_axis(np.real(poles) > slack, nearest, axis=-1)
+    return np.where(right != rising, 0.0, _TURN)
 
 
 def last_frequency(loop: Loop, size: float) -> FloatArray:

@@ -6,7 +6,11 @@ first figure is drawn.
 """
 
 from tvclin.plots.boundaries import DEAD_BANDS, boundary_chart, figure_2, figure_5, study_chart
+from tvclin.plots.closed_loops import step_chart, wind_chart
+from tvclin.plots.comparison import comparison_chart
 from tvclin.plots.curves import Column, Curves, curves_of
+from tvclin.plots.loops import bode_chart, nichols_chart
+from tvclin.plots.nyquist import nyquist_chart
 from tvclin.plots.poles import pole_map
 from tvclin.plots.responses import (
     attitude_chart,
@@ -17,6 +21,7 @@ from tvclin.plots.responses import (
     figure_8,
     figure_9,
 )
+from tvclin.plots.root_locus import root_locus_chart
 from tvclin.plots.single_response import response_chart, response_curves
 from tvclin.plots.sketches import sketch_a, sketch_b, sketch_c
 from tvclin.plots.style import save_figure
@@ -27,7 +32,9 @@ __all__ = [
     "Column",
     "Curves",
     "attitude_chart",
+    "bode_chart",
     "boundary_chart",
+    "comparison_chart",
     "curves_of",
     "figure_1",
     "figure_2",
@@ -38,12 +45,17 @@ __all__ = [
     "figure_7",
     "figure_8",
     "figure_9",
+    "nichols_chart",
+    "nyquist_chart",
     "pole_map",
     "response_chart",
     "response_curves",
+    "root_locus_chart",
     "save_figure",
     "sketch_a",
     "sketch_b",
     "sketch_c",
+    "step_chart",
     "study_chart",
+    "wind_chart",
 ]

@@ -1,0 +1,230 @@
+"""`tvclin autopilot`: what an autopilot asks of the nozzle in a wind, beside trim."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.gains import (
+    ActuatorDamping,
+    ActuatorFrequency,
+    AlphaGain,
+    AttitudeGain,
+    Damping,
+    DelayMs,
+    Design,
+    IntegralGain,
+    NaturalFrequency,
+    RateGain,
+    described,
+    gains_document,
+    make_autopilot,
+)
+from tvclin.cli.inputs import peak_angle
+from tvclin.cli.margins import CriteriaName, poles, wanted_criteria
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Vehicle,
+    Wind,
+)
+
+if TYPE_CHECKING:
+    from tvclin.comparison import TrimComparison, WorstDuration
+    from tvclin.margins import Criteria
+    from tvclin.vehicle import Vehicle as VehicleData
+
+_SHORTEST, _LONGEST = 0.2, 8.0
+"""Of the durations among which the worst is sought, in units of the one that was given."""
+
+
+def autopilot(
+    vehicle: Vehicle = "configuration-i",
+    wind: Wind = "triangular",
+    duration: Duration = 7.5,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
+    limit_deg: Annotated[
+        float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
+    ] = None,
+    design: Design = None,
+    natural_frequency: NaturalFrequency = None,
+    damping: Damping = None,
+    attitude_gain: AttitudeGain = None,
+    rate_gain: RateGain = None,
+    alpha_gain: AlphaGain = None,
+    integral_gain: IntegralGain = 0.0,
+    actuator_frequency: ActuatorFrequency = 25.1,
+    actuator_damping: ActuatorDamping = 0.7,
+    delay_ms: DelayMs = 0.0,
+    criteria: CriteriaName = "classic",
+    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift",
+    plane: Plane = "pitch",
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Print what an autopilot asks of the nozzle in a wind, beside trim and the boundaries.
+
+    Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input.
+    """
+    from tvclin.cli.output import print_json
+    from tvclin.comparison import compare_with_trim
+    from tvclin.errors import one_of, positive
+    from tvclin.plant import Plant
+    from tvclin.study import SHAPES
+    from tvclin.vehicle_file import load_vehicle
+
+    loaded = load_vehicle(vehicle)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+    shape = SHAPES[one_of("--wind", wind, SHAPES)]
+    limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
+    asked = wanted_criteria(criteria, None, None, None)
+    plant = Plant.from_vehicle(loaded, model, plane)
+    pilot = make_autopilot(
+        plant,
+        design=design,
+        natural_frequency=natural_frequency,
+        damping=damping,
+        attitude_gain=attitude_gain,
+        rate_gain=rate_gain,
+        alpha_gain=alpha_gain,
+        integral_gain=integral_gain,
+        actuator_frequency=actuator_frequency,
+        actuator_damping=actuator_damping,
+        delay_ms=delay_ms,
+    )
+    found = compare_with_trim(plant, pilot, shape(peak=peak, duration=duration))
+    worst = _worst(found, peak, duration, shape)
+    if plot is not None:
+        _draw(found, plot)
+    document = _document(loaded, found, worst, limit, asked)
+    if as_json:
+        print_json({"vehicle": loaded.name, "model": model, "plane": plane, **document})
+    else:
+        _print(loaded, found, worst, document, f"{wind} wind of {duration:g} s", limit)
+    if not document["met"]:
+        raise typer.Exit(1)
+
+
+def _worst(
+    found: "TrimComparison", peak: float, duration: float, shape: Any
+) -> "WorstDuration | None":
+    from tvclin.comparison import worst_duration
+
+    if not found.margins.stable or not peak:
+        return None
+    ends = {"shortest": _SHORTEST * duration, "longest": _LONGEST * duration}
+    return worst_duration(found.plant, found.autopilot, peak=peak, shape=shape, **ends)
+
+
+def _draw(found: "TrimComparison", plot: Path) -> None:
+    from tvclin.plots import comparison_chart, save_figure
+
+    save_figure(comparison_chart(found), plot)
+
+
+def _document(
+    vehicle: "VehicleData",
+    found: "TrimComparison",
+    worst: "WorstDuration | None",
+    limit_deg: float | None,
+    asked: "Criteria",
+) -> dict[str, Any]:
+    import numpy as np
+
+    deg = np.degrees
+    within = limit_deg is None or deg(found.peak_deflection) <= limit_deg
+    criteria = bool(asked.are_met(found.margins))
+    return {
+        "autopilot": gains_document(found.autopilot),
+        "closed_loop_poles": found.autopilot.close(found.plant).poles().tolist(),
+        "wind_peak_deg": deg(float(found.wind.peak)),
+        "stable": found.margins.stable,
+        "peak_deflection_deg": deg(found.peak_deflection),
+        "part_of_trim": found.relative,
+        "peak_deflection_rate_deg_s": deg(found.peak_deflection_rate),
+        "peak_angle_of_attack_deg": deg(found.peak_angle_of_attack),
+        "peak_normal_force_N": found.bending_indicator(float(vehicle.normal_force_slope)),
+        "peak_attitude_deg": deg(found.peak_attitude),
+        "peak_flight_path_angle_deg": deg(found.peak_flight_path_angle),
+        "peak_lateral_speed_m_s": found.peak_flight_path_angle * float(vehicle.velocity),
+        "trim_deg": deg(found.trim_deflection),
+        "boundaries_deg": {f"{K:g}": deg(limit) for K, limit in found.boundaries.items()},
+        "minimum_deg": deg(found.minimum),
+        "wind_gain": found.wind_gain,
+        "worst_duration": None
+        if worst is None
+        else {"duration_s": worst.duration, "peak_deflection_deg": deg(worst.peak_deflection)},
+        "criteria": {"name": asked.name, "met": criteria},
+        "limit_deg": limit_deg,
+        "within_limit": None if limit_deg is None else bool(within),
+        "met": bool(found.margins.stable and criteria and within),
+        "notes": list(found.notes),
+    }
+
+
+def _print(
+    vehicle: "VehicleData",
+    found: "TrimComparison",
+    worst: "WorstDuration | None",
+    document: dict[str, Any],
+    wind: str,
+    limit_deg: float | None,
+) -> None:
+    from tvclin.cli.output import print_pairs, print_table
+
+    title = f"{vehicle.name}, {found.plant.model}: {wind}, {document['wind_peak_deg']:.4g} deg"
+    pairs = [*described(found.autopilot)]
+    pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
+    print_pairs(title, pairs, columns=1)
+    if not found.margins.stable:
+        typer.echo(f"NO NUMBERS: {found.margins.reason}")
+        return
+    print_table("", ["deflection", "[deg]", "of trim"], _deflections(document))
+    print_pairs("", _loads(document, worst), columns=1)
+    for note in found.notes:
+        typer.echo(f"Note: {note}")
+    word = "MET" if document["criteria"]["met"] else "NOT MET (tvclin margins says by how much)"
+    typer.echo(f"Criteria {document['criteria']['name']}: {word}")
+    if limit_deg is not None:
+        word = "ENOUGH" if document["within_limit"] else "NOT ENOUGH for this autopilot"
+        typer.echo(f"Limit {limit_deg:g} deg: {word}")
+
+
+def _deflections(document: dict[str, Any]) -> list[list[str]]:
+    trim = document["trim_deg"]
+    rows = [
+        ("this autopilot", document["peak_deflection_deg"]),
+        ("ideal trim, |B alpha_w,max|", trim),
+        *(
+            (f"boundary, dead band K = {K}", limit)
+            for K, limit in document["boundaries_deg"].items()
+        ),
+        ("least of all, wind known beforehand", document["minimum_deg"]),
+    ]
+    return [[name, f"{value:.4f}", f"{value / trim:.3f}" if trim else "-"] for name, value in rows]
+
+
+def _loads(document: dict[str, Any], worst: "WorstDuration | None") -> list[tuple[str, str]]:
+    import numpy as np
+
+    pairs = [
+        ("largest deflection rate", f"{document['peak_deflection_rate_deg_s']:.4g} deg/s"),
+        ("largest angle of attack", f"{document['peak_angle_of_attack_deg']:.4g} deg"),
+        ("N times it", f"{document['peak_normal_force_N']:.4g} N"),
+        ("largest attitude error", f"{document['peak_attitude_deg']:.4g} deg"),
+    ]
+    if np.isfinite(document["peak_flight_path_angle_deg"]):
+        drift = document["peak_lateral_speed_m_s"]
+        angle = f"{document['peak_flight_path_angle_deg']:.4g} deg"
+        pairs.append(("largest drift", f"{angle}, {drift:.4g} m/s across"))
+    pairs.append(("H-infinity, wind to deflection", f"{document['wind_gain']:.4g}"))
+    if worst is not None:
+        asks = np.degrees(worst.peak_deflection)
+        pairs.append(("worst duration", f"{worst.duration:.3g} s, {asks:.4g} deg"))
+    return pairs

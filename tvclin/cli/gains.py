@@ -1,0 +1,149 @@
+"""The options that describe an autopilot, and the autopilot that they ask for."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from tvclin.autopilot import Autopilot
+    from tvclin.plant import Plant
+
+DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
+
+Design = Annotated[
+    str | None,
+    typer.Option(
+        help="Rule for the gains: canonical, poles, drift-minimum, load-minimum or lqr;"
+        " canonical if nothing is given."
+    ),
+]
+NaturalFrequency = Annotated[
+    float | None, typer.Option(help="Of the closed loop, in rad/s; with it the rule is poles.")
+]
+Damping = Annotated[float | None, typer.Option(help="Damping ratio of the closed loop; 0.7.")]
+AttitudeGain = Annotated[float | None, typer.Option(help="a0, in place of a rule.")]
+RateGain = Annotated[float | None, typer.Option(help="a1, in s, in place of a rule.")]
+AlphaGain = Annotated[float | None, typer.Option(help="b0, on the angle of attack.")]
+IntegralGain = Annotated[float, typer.Option(help="aI, in 1/s, on the integrated attitude.")]
+ActuatorFrequency = Annotated[
+    float, typer.Option(help="Natural frequency of the actuator, in rad/s; 0: no actuator.")
+]
+ActuatorDamping = Annotated[float, typer.Option(help="Damping ratio of the actuator.")]
+DelayMs = Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")]
+
+
+def make_autopilot(
+    plant: "Plant",
+    *,
+    design: str | None,
+    natural_frequency: float | None,
+    damping: float | None,
+    attitude_gain: float | None,
+    rate_gain: float | None,
+    alpha_gain: float | None,
+    integral_gain: float,
+    actuator_frequency: float,
+    actuator_damping: float,
+    delay_ms: float,
+) -> "Autopilot":
+    """Return the autopilot that the options ask for."""
+    import numpy as np
+
+    from tvclin.autopilot import Actuator, Autopilot
+    from tvclin.errors import InputError, nonnegative
+
+    frequency = float(nonnegative("--actuator-frequency", actuator_frequency, "rad/s"))
+    actuator = (
+        Actuator(natural_frequency=frequency, damping=actuator_damping) if frequency else None
+    )
+    options: dict[str, Any] = {
+        "actuator": actuator,
+        "delay": float(nonnegative("--delay-ms", delay_ms, "ms")) / 1000.0,
+        "integral_gain": integral_gain,
+    }
+    if any(gain is not None for gain in (attitude_gain, rate_gain, alpha_gain)):
+        if design is not None or natural_frequency is not None or damping is not None:
+            raise InputError(
+                "give gains or a rule for them (--design, --natural-frequency), not both"
+            )
+        if attitude_gain is None or rate_gain is None:
+            raise InputError("gains of your own need --attitude-gain and --rate-gain, both")
+        return Autopilot(
+            attitude_gain=attitude_gain,
+            rate_gain=rate_gain,
+            alpha_gain=alpha_gain or 0.0,
+            **options,
+        )
+    found = _by_rule(plant, design, natural_frequency, damping, options)
+    if not np.isfinite(found.attitude_gain):
+        raise InputError("the rule gives no finite gains for this vehicle; give gains of your own")
+    return found
+
+
+def _by_rule(
+    plant: "Plant",
+    design: str | None,
+    natural_frequency: float | None,
+    damping: float | None,
+    options: dict[str, Any],
+) -> "Autopilot":
+    from tvclin import autopilot
+    from tvclin.errors import InputError, one_of
+
+    asked = natural_frequency is not None or damping is not None
+    rule = one_of("--design", design or ("poles" if asked else "canonical"), DESIGNS)
+    if rule in {"canonical", "lqr"}:
+        if asked:
+            raise InputError(f"--design {rule} takes no --natural-frequency and no --damping")
+        if rule == "lqr":
+            return autopilot.lqr_gains(plant, **options)
+        return autopilot.canonical_gains(plant.coefficients, **options)
+    if natural_frequency is None:
+        raise InputError(f"--design {rule} needs --natural-frequency, in rad/s")
+    rules = {
+        "poles": autopilot.design_gains,
+        "drift-minimum": autopilot.drift_minimum_gains,
+        "load-minimum": autopilot.load_minimum_gains,
+    }
+    return rules[rule](
+        plant.coefficients,
+        natural_frequency=natural_frequency,
+        damping=0.7 if damping is None else damping,
+        **options,
+    )
+
+
+def described(autopilot: "Autopilot") -> list[tuple[str, str]]:
+    """Return the numbers of an autopilot as names and values."""
+    actuator = autopilot.actuator
+    engine = (
+        "none"
+        if actuator is None
+        else f"{actuator.natural_frequency:.4g} rad/s, damping {actuator.damping:.3g}"
+    )
+    pairs = [
+        ("attitude gain a0", f"{autopilot.attitude_gain:.5g}"),
+        ("rate gain a1", f"{autopilot.rate_gain:.5g} s"),
+        ("actuator", engine),
+        ("delay", f"{1000.0 * float(autopilot.delay):.4g} ms"),
+    ]
+    if autopilot.alpha_gain:
+        pairs.append(("alpha gain b0", f"{autopilot.alpha_gain:.5g}"))
+    if autopilot.integral_gain:
+        pairs.append(("integral gain aI", f"{autopilot.integral_gain:.5g} 1/s"))
+    return pairs
+
+
+def gains_document(autopilot: "Autopilot") -> dict[str, Any]:
+    """Return the numbers of an autopilot for JSON."""
+    actuator = autopilot.actuator
+    return {
+        "attitude_gain": autopilot.attitude_gain,
+        "rate_gain_s": autopilot.rate_gain,
+        "alpha_gain": autopilot.alpha_gain,
+        "integral_gain_per_s": autopilot.integral_gain,
+        "delay_s": autopilot.delay,
+        "actuator": None
+        if actuator is None
+        else {"natural_frequency_rad_s": actuator.natural_frequency, "damping": actuator.damping},
+    }

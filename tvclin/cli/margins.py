@@ -1,0 +1,244 @@
+"""`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.gains import (
+    ActuatorDamping,
+    ActuatorFrequency,
+    AlphaGain,
+    AttitudeGain,
+    Damping,
+    DelayMs,
+    Design,
+    IntegralGain,
+    NaturalFrequency,
+    RateGain,
+    described,
+    gains_document,
+    make_autopilot,
+)
+from tvclin.cli.options import MODELS_HELP, AsJson, Plane, Plot, Vehicle
+
+if TYPE_CHECKING:
+    from tvclin.autopilot import Autopilot
+    from tvclin.margins import Criteria, Judgement, Margins
+    from tvclin.plant import Plant
+
+CriteriaName = Annotated[
+    str, typer.Option("--criteria", help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
+]
+GainDb = Annotated[
+    float | None, typer.Option(help="Gain margin asked for on both sides, in dB, in its place.")
+]
+PhaseDeg = Annotated[
+    float | None, typer.Option(help="Phase margin asked for, in deg, in its place.")
+]
+DelayMarginMs = Annotated[float | None, typer.Option(help="Delay margin asked for as well, in ms.")]
+_CHARTS = ("nichols", "bode", "nyquist", "root-locus")
+
+
+def margins(
+    vehicle: Vehicle = "configuration-i",
+    design: Design = None,
+    natural_frequency: NaturalFrequency = None,
+    damping: Damping = None,
+    attitude_gain: AttitudeGain = None,
+    rate_gain: RateGain = None,
+    alpha_gain: AlphaGain = None,
+    integral_gain: IntegralGain = 0.0,
+    actuator_frequency: ActuatorFrequency = 25.1,
+    actuator_damping: ActuatorDamping = 0.7,
+    delay_ms: DelayMs = 0.0,
+    criteria: CriteriaName = "classic",
+    gain_db: GainDb = None,
+    phase_deg: PhaseDeg = None,
+    delay_margin_ms: DelayMarginMs = None,
+    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift",
+    plane: Plane = "pitch",
+    chart: Annotated[
+        str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
+    ] = "nichols",
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Print the stability margins of an attitude and rate autopilot, and judge them.
+
+    Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
+    """
+    from tvclin.cli.output import print_json
+    from tvclin.errors import one_of
+    from tvclin.plant import Plant
+    from tvclin.vehicle_file import load_vehicle
+
+    one_of("--chart", chart, _CHARTS)
+    asked = wanted_criteria(criteria, gain_db, phase_deg, delay_margin_ms)
+    loaded = load_vehicle(vehicle)
+    plant = Plant.from_vehicle(loaded, model, plane)
+    autopilot = make_autopilot(
+        plant,
+        design=design,
+        natural_frequency=natural_frequency,
+        damping=damping,
+        attitude_gain=attitude_gain,
+        rate_gain=rate_gain,
+        alpha_gain=alpha_gain,
+        integral_gain=integral_gain,
+        actuator_frequency=actuator_frequency,
+        actuator_damping=actuator_damping,
+        delay_ms=delay_ms,
+    )
+    found = autopilot.margins(plant)
+    if plot is not None:
+        _draw(chart, autopilot, plant, asked, plot)
+    if as_json:
+        head = {"vehicle": loaded.name, "model": model, "plane": plane}
+        print_json({**head, **margins_document(autopilot, plant, found, asked)})
+    else:
+        _print(f"{loaded.name or vehicle}, {model}, {plane}", autopilot, plant, found, asked)
+    if not asked.are_met(found):
+        raise typer.Exit(1)
+
+
+def wanted_criteria(
+    name: str, gain_db: float | None, phase_deg: float | None, delay_ms: float | None
+) -> "Criteria":
+    """Return the named criteria, or with other numbers those of the user."""
+    from tvclin.errors import nonnegative, one_of
+    from tvclin.margins import CRITERIA, Criteria
+
+    named = CRITERIA[one_of("--criteria", name, CRITERIA)]
+    if gain_db is None and phase_deg is None and delay_ms is None:
+        return named
+    limits = {one.margin: one.limit for one in named.requirements}
+    if gain_db is not None:
+        gain = float(nonnegative("--gain-db", gain_db, "dB"))
+        limits |= {"aero_margin_dB": gain, "gain_increase_dB": gain}
+    if phase_deg is not None:
+        limits["phase_margin_deg"] = float(nonnegative("--phase-deg", phase_deg, "deg"))
+    if delay_ms is not None:
+        limits["delay_margin"] = float(nonnegative("--delay-margin-ms", delay_ms, "ms")) / 1000.0
+    return Criteria.own(f"{name} as changed", "the command line", **limits)
+
+
+def _draw(
+    chart: str, autopilot: "Autopilot", plant: "Plant", asked: "Criteria", plot: Path
+) -> None:
+    from tvclin import plots
+
+    draw = {
+        "nichols": lambda: plots.nichols_chart(autopilot, plant, asked),
+        "bode": lambda: plots.bode_chart(autopilot, plant),
+        "nyquist": lambda: plots.nyquist_chart(autopilot, plant),
+        "root-locus": lambda: plots.root_locus_chart(autopilot, plant),
+    }
+    plots.save_figure(draw[chart](), plot)
+
+
+def _print(
+    title: str, autopilot: "Autopilot", plant: "Plant", found: "Margins", asked: "Criteria"
+) -> None:
+    from tvclin.cli.output import print_pairs, print_table
+
+    pairs = [*described(autopilot), ("closed-loop poles [1/s]", poles(autopilot, plant))]
+    print_pairs(title, pairs, columns=1)
+    if not found.stable:
+        typer.echo(f"NO MARGINS: {found.reason}")
+        return
+    judged = {one.requirement.margin: one for one in asked.judge(found)}
+    headings = ["margin", "value", "at [rad/s]", "asked", "by"]
+    print_table("", headings, [[*row, *_judged(judged.get(name))] for name, row in _rows(found)])
+    for note in found.notes:
+        typer.echo(f"Note: {note}")
+    met = asked.are_met(found)
+    typer.echo(f"Criteria {asked.name}: {'MET' if met else 'NOT MET'}")
+    if not met:
+        typer.echo("Other gains: --natural-frequency and --damping, or gains of your own.")
+
+
+def poles(autopilot: "Autopilot", plant: "Plant") -> str:
+    """Return the closed-loop poles [1/s], those of the delay's approximation left out."""
+    import numpy as np
+
+    every = autopilot.close(plant).poles()
+    slow = np.sort_complex(every[np.abs(every) < _beyond(autopilot)])[::-1]
+    shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in slow]
+    return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
+
+
+def _beyond(autopilot: "Autopilot") -> float:
+    return 3.0 / float(autopilot.delay) if autopilot.delay else float("inf")
+
+
+def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
+    m = found
+    fall = f"{m.aero_margin_dB:.2f} dB ({m.aero_margin:.3g}x)"
+    rise = f"{m.gain_increase_dB:.2f} dB ({m.gain_increase:.3g}x)"
+    both = f"{m.disk_margin_dB:.2f} dB, {m.disk_phase_deg:.1f} deg"
+    lines = [
+        ("aero_margin_dB", "aero: gain may fall", fall, m.aero_frequency),
+        ("gain_increase_dB", "gain may rise", rise, m.gain_increase_frequency),
+        ("phase_margin_deg", "phase", f"{m.phase_margin_deg:.2f} deg", m.crossover_frequency),
+        ("delay_margin", "delay", f"{1000 * m.delay_margin:.1f} ms", m.delay_margin_frequency),
+        ("disk_margin", "disk", f"{m.disk_margin:.3f}", m.disk_frequency),
+        ("", "  gain and phase", both, m.disk_frequency),
+        (
+            "peak_sensitivity",
+            "peak of S",
+            f"{m.peak_sensitivity:.3f}",
+            m.peak_sensitivity_frequency,
+        ),
+        (
+            "peak_complementary_sensitivity",
+            "peak of T",
+            f"{m.peak_complementary_sensitivity:.3f}",
+            m.peak_complementary_sensitivity_frequency,
+        ),
+    ]
+    return [(name, [label, value, f"{at:.4g}"]) for name, label, value, at in lines]
+
+
+def _judged(one: "Judgement | None") -> list[str]:
+    if one is None:
+        return ["", ""]
+    requirement = one.requirement
+    times = 1000.0 if requirement.unit == "s" else 1.0
+    unit = "ms" if requirement.unit == "s" else requirement.unit
+    limit = f"{'at most ' if requirement.at_most else ''}{times * requirement.limit:g} {unit}"
+    return [limit.strip(), f"{times * one.surplus:+.3g} {'met' if one.met else 'NOT MET'}"]
+
+
+def margins_document(
+    autopilot: "Autopilot", plant: "Plant", found: "Margins", asked: "Criteria"
+) -> dict[str, Any]:
+    """Return gains, poles, margins and criteria for JSON; what does not exist becomes null."""
+    numbers = {
+        name: value for name, value in vars(found).items() if name not in {"crossings", "status"}
+    }
+    properties = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin_dB")
+    return {
+        "autopilot": gains_document(autopilot),
+        "closed_loop_poles": autopilot.close(plant).poles().tolist(),
+        "stable": found.stable,
+        "status": found.status,
+        "reason": found.reason or None,
+        "margins": numbers | {name: getattr(found, name) for name in properties},
+        "criteria": {
+            "name": asked.name,
+            "met": asked.are_met(found),
+            "requirements": [
+                {
+                    "margin": one.requirement.margin,
+                    "limit": one.requirement.limit,
+                    "value": one.value,
+                    "surplus": one.surplus,
+                    "met": one.met,
+                    "source": one.requirement.source,
+                }
+                for one in asked.judge(found)
+            ],
+        },
+        "notes": list(found.notes),
+    }

@@ -1,0 +1,50 @@
+"""What a flight is refused for."""
+
+import numpy as np
+
+from tvclin.autopilot import Actuator
+from tvclin.errors import InputError, instance, number, positive
+from tvclin.histories import History
+from tvclin.laws import Law
+from tvclin.plant import Plant
+
+_SAMPLES = 2.0
+"""Least samples of the law in the time 1/omega_n of the actuator."""
+
+
+def check_flight(plant: Plant, law: Law, wind: History) -> None:
+    """Raise `InputError` unless these are one plant, a law, and one wind that ends."""
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("law", law, Law, "such as TrimLaw")
+    instance("wind", wind, History, "such as TriangularWind")
+    if plant.batch or wind.batch:
+        raise InputError(
+            f"a flight is of one plant in one wind; got batches of shape {plant.batch} and"
+            f" {wind.batch}"
+        )
+    if not np.isfinite(wind.end):
+        raise InputError("wind must end, and be other than zero")
+
+
+def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
+    """Return the rate [Hz]; `InputError` if it is too slow for the actuator."""
+    rate = number("sample_rate", sample_rate, positive, "Hz")
+    check_actuator(actuator)
+    if actuator is None:
+        return rate
+    least = _SAMPLES * float(actuator.natural_frequency)
+    if rate < least:
+        raise InputError(
+            f"sample_rate must be at least {least:.6g} Hz for an actuator of"
+            f" {actuator.natural_frequency:.6g} rad/s; got {rate:.6g} Hz"
+        )
+    return rate
+
+
+def check_actuator(actuator: Actuator | None) -> None:
+    """Raise `InputError` unless there is no actuator, or one."""
+    if actuator is None:
+        return
+    instance("actuator", actuator, Actuator, "of one natural frequency")
+    if actuator.batch:
+        raise InputError(f"actuator must be one; got a batch of shape {actuator.batch}")

@@ -1,0 +1,217 @@
+"""One flight of a law that is computed without pause: event-exact.
+
+Knots of the wind, the limit and the switches of the law are hit, not stepped over: between two of
+them everything is smooth, and scipy's DOP853 runs from each to the next.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import Actuator
+from tvclin.closed_loop.sampled import switched
+from tvclin.errors import InputError
+from tvclin.histories import History
+from tvclin.laws import Law, Seen
+from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+_RTOL, _ATOL = 1e-9, 1e-12
+"""Of the solver; the second over the peak of the wind."""
+_MOST = 5000
+"""Switches of the law in one flight."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """A part of a flight without a switch: when it begins, its solution, and its mode."""
+
+    start: float
+    solution: Callable[[FloatArray], FloatArray]
+    mode: float
+
+
+@dataclass(frozen=True, eq=False)
+class ContinuousFlight:
+    """The equations of one flight.
+
+    Attributes
+    ----------
+    plant, law, wind : Plant, Law, History
+        What flies.
+    limit, rate_limit : float
+        Of the deflection [rad] and its rate [rad/s].
+    actuator : Actuator or None
+        What lies between command and deflection.
+    """
+
+    plant: Plant
+    law: Law
+    wind: History
+    limit: float
+    rate_limit: float
+    actuator: Actuator | None
+
+    def arcs(self, start: float, stop: float) -> list[Arc]:
+        """Return the flight from rest at `start` to `stop` [s], arc by arc."""
+        from scipy.integrate import solve_ivp
+
+        knots = self.wind.knots
+        edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
+        state, mode = np.zeros(self._size), 0.0
+        found: list[Arc] = []
+        atol = _ATOL * (abs(float(self.wind.peak)) or 1.0)
+        for first, last in pairwise(edges):
+            gust = _piece(self.wind, float(first))
+            now = float(first)
+            mode = self._mode(now, state, mode, gust)
+            while now < last:
+                if len(found) > _MOST:
+                    raise InputError(
+                        f"the law switches more than {_MOST} times; give a sample_rate to fly it"
+                    )
+                result = solve_ivp(
+                    self._rates,
+                    (now, float(last)),
+                    state,
+                    method="DOP853",
+                    rtol=_RTOL,
+                    atol=atol,
+                    dense_output=True,
+                    events=self._events(mode),
+                    args=(mode, gust),
+                )
+                found.append(Arc(now, result.sol, mode))
+                now, state = float(result.t[-1]), result.y[:, -1]
+                if result.status == 1:
+                    mode = self._after(mode, result)
+        return found
+
+    def shown(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
+        """Return plant states and deflection at the times ``(m,)``, shape ``(n + 1, m)``."""
+        starts = np.array([arc.start for arc in arcs])
+        index = np.searchsorted(starts, times, side="right") - 1
+        order = self._order
+        rows = np.zeros((order + 1, times.size))
+        for k in np.unique(index[index >= 0]):
+            here = index == k
+            states = arcs[k].solution(times[here])
+            seen = self._seen(states, self.wind(times[here]))
+            rows[:order, here] = states[:order]
+            rows[-1, here] = self._deflection(states, seen, arcs[k].mode)
+        return rows
+
+    @property
+    def _size(self) -> int:
+        return self._order + self._servo + len(self._memory[0])
+
+    @cached_property
+    def _order(self) -> int:
+        return len(self.plant.states)
+
+    @cached_property
+    def _servo(self) -> int:
+        return 0 if self.actuator is None else self.actuator.denominator.size - 1
+
+    def _seen(self, states: FloatArray, wind: Any) -> Seen:
+        path = states[2] if self._order > 2 else 0.0 * states[0]
+        return Seen(states[0], states[1], path, states[0] - path - wind, 0.0)
+
+    def _demand(self, states: FloatArray, seen: Seen) -> Any:
+        memory = states[self._order + self._servo :]
+        return self.law.demand(seen, memory, self.limit)
+
+    def _deflection(self, states: FloatArray, seen: Seen, mode: float) -> Any:
+        if self.actuator is not None:
+            return np.clip(states[self._order], -self.limit, self.limit)
+        return mode * self.limit + 0.0 * seen.attitude if mode else self._demand(states, seen)
+
+    def _rates(self, t: float, states: FloatArray, mode: float, gust: Any) -> FloatArray:
+        order = self._order
+        wind = gust(t)
+        seen = self._seen(states, wind)
+        demand = self._demand(states, seen)
+        command = mode * self.limit if mode else float(demand)
+        deflection = command
+        rates = np.zeros(states.size)
+        if self.actuator is not None:
+            servo = states[order : order + self._servo]
+            deflection = min(max(float(servo[0]), -self.limit), self.limit)
+            rates[order : order + self._servo] = self._servo_rates(servo, command)
+        A, B = self._matrices
+        rates[:order] = A @ states[:order] + B[:, 0] * deflection + B[:, 1] * wind
+        F, G = self._memory
+        if len(F):
+            memory = states[order + self._servo :]
+            rates[order + self._servo :] = F @ memory + G @ np.array([*seen[:4], deflection])
+        return rates
+
+    def _servo_rates(self, servo: FloatArray, command: float) -> FloatArray:
+        assert self.actuator is not None
+        most, w = self.rate_limit, float(np.asarray(self.actuator.natural_frequency))
+        if self.actuator.damping is None:
+            return np.clip([w * (command - servo[0])], -most, most)
+        pull = w * w * (command - servo[0])
+        pull -= 2.0 * float(np.asarray(self.actuator.damping)) * w * servo[1]
+        if abs(servo[1]) >= most and pull * servo[1] > 0.0:
+            pull = 0.0
+        return np.array([min(max(servo[1], -most), most), pull])
+
+    @cached_property
+    def _matrices(self) -> tuple[FloatArray, FloatArray]:
+        return self.plant.matrices()[:2]
+
+    @cached_property
+    def _memory(self) -> tuple[FloatArray, FloatArray]:
+        return self.law.states
+
+    def _mode(self, t: float, states: FloatArray, mode: float, gust: Any) -> float:
+        demand = self._demand(states, self._seen(states, gust(t)))
+        found = switched(self.law, np.asarray(demand), np.asarray(mode), np.asarray(self.limit))
+        return float(found)
+
+    def _events(self, mode: float) -> list[Any]:
+        """What falls or rises through zero where the mode ends."""
+        edge = (self.law.release if mode else self.law.engage) * self.limit
+        sides = (mode,) if mode else (1.0, -1.0)
+        events = []
+        for side in sides:
+
+            def crossed(
+                t: float, states: FloatArray, mode: float, gust: Any, side: float = side
+            ) -> float:
+                demand = self._demand(states, self._seen(states, gust(t)))
+                return float(side * demand - edge)
+
+            crossed.terminal = True  # type: ignore[attr-defined]
+            crossed.direction = -1.0 if mode else 1.0  # type: ignore[attr-defined]
+            events.append(crossed)
+        return events
+
+    def _after(self, mode: float, result: Any) -> float:
+        if mode:
+            return 0.0
+        return 1.0 if result.t_events[0].size else -1.0
+
+
+def _piece(wind: History, start: float) -> Callable[[float], float]:
+    """The wind from a knot on, as its own smooth function."""
+    pieces = wind.pieces
+    k = int(np.searchsorted(pieces.knots, start, side="right")) - 1
+    if k < 0:
+        return lambda _: 0.0
+    knot, rates = float(pieces.knots[k]), pieces.rates
+    coefficients = pieces.coefficients[k, :, ::-1]
+
+    def value(t: float) -> float:
+        u = t - knot
+        terms = [np.polyval(c, u) * np.exp(r * u) for c, r in zip(coefficients, rates, strict=True)]
+        return float(np.real(sum(terms)))
+
+    return value

@@ -1,0 +1,55 @@
+"""Attitude and rate feedback under a deflection limit."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import Autopilot
+from tvclin.errors import InputError, instance
+from tvclin.laws.law import Law, Seen
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SaturatedLaw(Law):
+    """The feedback of an autopilot, limited.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One, for its gains; the actuator is given to the flight, and a delay is not flown.
+
+    Raises
+    ------
+    InputError
+        For a batch, and for an autopilot with an actuator or a delay.
+    """
+
+    autopilot: Autopilot
+
+    def __post_init__(self) -> None:
+        instance("autopilot", self.autopilot, Autopilot, "see design_gains")
+        if self.autopilot.batch:
+            raise InputError(f"autopilot must be one; got a batch of shape {self.autopilot.batch}")
+        if self.autopilot.actuator is not None or self.autopilot.delay:
+            raise InputError(
+                "a SaturatedLaw takes gains only: give the actuator to fly(), and no delay"
+            )
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """The integral of the attitude, where it is fed back."""
+        if not self.autopilot.integral_gain:
+            return super().states
+        return np.zeros((1, 1)), np.eye(1, 5)
+
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return a0 theta + a1 theta' + b0 alpha + aI * integral of theta [rad]."""
+        del limit
+        gains = self.autopilot
+        asked = gains.attitude_gain * seen.attitude + gains.rate_gain * seen.attitude_rate
+        asked = asked + gains.alpha_gain * seen.angle_of_attack
+        return asked + gains.integral_gain * states[0] if gains.integral_gain else asked

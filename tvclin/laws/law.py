@@ -1,0 +1,62 @@
+"""What a law is: a pure function from what is seen to the deflection asked for.
+
+A law may have states of its own, which are linear in what is seen (an integral, an observer). It
+holds no memory itself: states are handed to it, so that one law flies a thousand flights at once.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+class Seen(NamedTuple):
+    """What a law is shown, each a number or an array of flights [rad, rad/s]."""
+
+    attitude: Any
+    attitude_rate: Any
+    flight_path_angle: Any
+    angle_of_attack: Any
+    deflection: Any
+
+
+class Law(ABC):
+    """A control law, to be flown with `fly`.
+
+    Attributes
+    ----------
+    engage, release : float
+        When the deflection asked for reaches `engage` times the limit, the whole limit is
+        commanded until what is asked for, on the same side, falls to `release` times the limit.
+        With one and one it is a plain limiter.
+    """
+
+    engage: float = 1.0
+    release: float = 1.0
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G seen. None by default."""
+        return np.zeros((0, 0)), np.zeros((0, 5))
+
+    @property
+    def rate_noise(self) -> tuple[float, int]:
+        """Noise of the measured attitude rate [rad/s rms for each sample], and its seed."""
+        return 0.0, 0
+
+    @abstractmethod
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return the deflection asked for [rad], without limit.
+
+        Parameters
+        ----------
+        seen : Seen
+            What is measured.
+        states : ndarray
+            The law's own states, ``(k, ...)``.
+        limit : float or ndarray
+            The deflection limit [rad], which a law may know, ``(...)``.
+        """

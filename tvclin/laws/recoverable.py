@@ -1,0 +1,139 @@
+"""Lean into the felt wind as far as one can still return from, and no further."""
+
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import finite, instance, nonnegative, number, positive, within
+from tvclin.laws.estimator import WindEstimator
+from tvclin.laws.law import Law, Seen
+from tvclin.plant import Plant
+from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
+
+FloatArray = NDArray[np.float64]
+
+_HEADROOM = 1.1
+"""A wind felt beyond the design peak is taken for so many times as strong."""
+_SLOW = 3.0
+"""Gain of the slow mode's outer loop, in units of its coordinate."""
+_FAST_FIRST = 0.9
+"""Part of the limit that the fast mode may need against the felt wind."""
+_EDGE = 0.9999
+
+
+@dataclass(frozen=True)
+class RecoverableAttitudeLaw(Law):
+    """The law that needs no forecast where the report's needs one.
+
+    With the coordinate z of the unstable mode (see `recoverable`), the felt wind w and D =
+    limit/B it follows a lean Z: as far as the wind, never further than the recoverable set with
+    its `reach`, nor than the design wind asks,
+
+        u = z - k w + gain (z - Z),     |Z| <= min(reach D, k max(A, 1.1 |w|) - D),
+
+    A being the design peak. Full deflection into the wind, holding, following it down, and
+    attitude feedback at rest are one formula. With drift an outer loop on the slow coordinate
+    moves Z.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant it is designed on, with one or two real unstable poles.
+    reach : float
+        Part of the recoverable set that is used, in (0, 1]; what is left is the reserve for
+        reversals, slow actuators and noise.
+    gain : float
+        Gain of the feedback on z.
+    design_peak : float, optional
+        A, the largest wind angle [rad] to be met; without one it leans as far as `reach` allows.
+        Better too high than too low.
+    dead_band : float
+        A felt wind below this angle [rad] counts as none; it spares the nozzle from noise.
+    estimator : WindEstimator, optional
+        Without one the angle of attack is measured exactly.
+
+    Raises
+    ------
+    InputError
+        For a plant without a real unstable pole, a batch, and numbers out of range.
+
+    Warns
+    -----
+    UserWarning
+        For an estimator slower than the unstable mode.
+    """
+
+    plant: Plant
+    reach: float = 0.9
+    gain: float = 10.0
+    design_peak: float | None = None
+    dead_band: float = 0.0
+    estimator: WindEstimator | None = None
+
+    def __post_init__(self) -> None:
+        modes = unstable_coordinates(self.plant)
+        object.__setattr__(self, "reach", float(within("reach", self.reach, 1e-3, 1.0)))
+        object.__setattr__(self, "gain", number("gain", self.gain, positive))
+        object.__setattr__(self, "dead_band", number("dead_band", self.dead_band, nonnegative))
+        if self.design_peak is not None:
+            peak = abs(number("design_peak", self.design_peak, finite, "rad"))
+            object.__setattr__(self, "design_peak", peak)
+        if self.estimator is None:
+            return
+        instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
+        if self.estimator.bandwidth < modes.poles[0]:
+            warnings.warn(
+                f"the estimator, bandwidth = {self.estimator.bandwidth:.6g} rad/s, is slower than"
+                f" the unstable mode, {modes.poles[0]:.6g} 1/s",
+                stacklevel=3,
+            )
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """Those of the estimator."""
+        return super().states if self.estimator is None else self.estimator.states(self.plant)
+
+    @property
+    def rate_noise(self) -> tuple[float, int]:
+        """That of the estimator's gyro."""
+        gyro = self.estimator
+        return super().rate_noise if gyro is None else (gyro.rate_noise, gyro.seed)
+
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return the deflection asked for [rad]."""
+        modes, B = self._modes, float(self.plant.coefficients.B)
+        rate, wind = seen.attitude_rate, seen.attitude - seen.angle_of_attack
+        if self.estimator is not None:
+            rate, wind = states
+        wind = wind - seen.flight_path_angle
+        wind = np.sign(wind) * np.maximum(np.abs(wind) - self.dead_band, 0.0)
+        measured = (seen.attitude, rate, seen.flight_path_angle)[: modes.rows.shape[1]]
+        z = [sum(c * m for c, m in zip(row, measured, strict=True)) for row in modes.rows]
+        felt = modes.wind[0] * wind
+        lean = self._lean(z, felt, np.abs(wind), limit / abs(B))
+        return B * (z[0] - felt + self.gain * (z[0] - lean))
+
+    def _lean(self, z: list[Any], felt: Any, wind: Any, D: Any) -> Any:
+        """Z: the lean [rad] that the wind, the recoverable set and the design wind allow."""
+        modes, reach = self._modes, self.reach * D
+        most = reach
+        if self.design_peak is not None:
+            asked = modes.wind[0] * np.maximum(self.design_peak, _HEADROOM * wind) - D
+            most = np.minimum(reach, np.maximum(asked, 0.0))
+        slow = _SLOW * z[1] if len(z) > 1 else 0.0
+        lean = np.minimum(most + np.maximum(slow, 0.0), felt + slow)
+        lean = np.maximum(lean, np.minimum(slow, 0.0) - most)
+        spare = _FAST_FIRST * D
+        lean = np.where(felt > 0.0, np.maximum(lean, felt - spare), lean)
+        lean = np.where(felt < 0.0, np.minimum(lean, felt + spare), lean)
+        bounded = np.clip(z[1], -_EDGE * reach, _EDGE * reach) if len(z) > 1 else 0.0
+        ends = modes.fast_range(bounded, reach)
+        return np.minimum(np.maximum(lean, ends[0]), ends[1])
+
+    @cached_property
+    def _modes(self) -> UnstableCoordinates:
+        return unstable_coordinates(self.plant)

@@ -1,0 +1,103 @@
+"""Ideal trim as a feedback, alone and with the report's dead band."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import nonnegative, number, within
+from tvclin.laws.law import Law, Seen
+from tvclin.plant import Plant
+from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
+
+FloatArray = NDArray[np.float64]
+
+_LETTING_GO = 0.9
+
+
+@dataclass(frozen=True)
+class TrimLaw(Law):
+    """Ideal trim and attitude feedback, limited: delta = B (alpha + gain z).
+
+    z is the coordinate of the fastest unstable mode of the plant it is designed on; on a fixed
+    path it is theta + theta'/beta. Until the limit is reached the mode stays at rest, so without
+    drift the boundary of this law is the report's with K = 1, eq (12).
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant it is designed on, which need not be the one it flies. Designed on a fixed path
+        it holds the attitude, also in a drifting flight: ideal trim as the report means it.
+        Designed with drift it holds the nose to the path, which gives away what drift relieves.
+    gain : float
+        Gain of the feedback on z, over that of trim.
+
+    Raises
+    ------
+    InputError
+        For a plant without a real unstable pole, a batch, and a gain below zero.
+    """
+
+    plant: Plant
+    gain: float = 10.0
+
+    def __post_init__(self) -> None:
+        unstable_coordinates(self.plant)
+        object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
+
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return the trim deflection and the attitude feedback [rad]."""
+        del states, limit
+        row = self._modes.rows[0]
+        measured = (seen.attitude, seen.attitude_rate, seen.flight_path_angle)[: row.size]
+        error = sum(c * m for c, m in zip(row, measured, strict=True))
+        return float(self.plant.coefficients.B) * (seen.angle_of_attack + self.gain * error)
+
+    @cached_property
+    def _modes(self) -> UnstableCoordinates:
+        return unstable_coordinates(self.plant)
+
+
+@dataclass(frozen=True)
+class DeadBandLaw(TrimLaw):
+    """The report's control as a feedback: trim inside the dead band, then the whole limit.
+
+    When the deflection that trim asks for reaches K times the limit, the whole limit is used
+    until that deflection has come back to zero: the work is done, and trim and attitude feedback
+    have the nozzle again. It switches on the deflection asked for, so with drift it meets the
+    literal dead band, not that of (18).
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant it is designed on.
+    gain : float
+        Gain of the feedback on z, over that of trim. One places the poles where the canonical
+        gains do; with more, the attitude feedback undoes the lean that the dead band is for.
+    dead_band : float
+        K, above zero and at most one; one is the `TrimLaw`.
+
+    Raises
+    ------
+    InputError
+        As `TrimLaw`, and for a dead band outside [0.01, 1]: zero would switch on any rounding.
+    """
+
+    gain: float = 1.0
+    dead_band: float = 0.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "dead_band", float(within("dead_band", self.dead_band, 0.01, 1.0)))
+
+    @property
+    def engage(self) -> float:  # type: ignore[override]
+        """K."""
+        return self.dead_band
+
+    @property
+    def release(self) -> float:  # type: ignore[override]
+        """A little less than K, so that the nozzle does not chatter on the edge."""
+        return _LETTING_GO * self.dead_band

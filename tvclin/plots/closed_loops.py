@@ -1,0 +1,236 @@
+"""The closed loop against time: a step of the attitude command, and a wind."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import Autopilot
+from tvclin.autopilot.answer import WindAnswer
+from tvclin.errors import instance
+from tvclin.histories import History
+from tvclin.margins import Margins, loop_margins
+from tvclin.plant import Plant
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
+from tvclin.plots.marks import Mark, draw_marks, write_numbers
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, control_plot, draw, fine_grid
+
+if TYPE_CHECKING:
+    import control
+    from control import ControlPlot
+
+FloatArray = NDArray[np.float64]
+
+_POINTS = 2001
+_SETTLED, _GROWN = 5.0, 3.0
+"""So many time constants are shown of what dies down, and of what grows."""
+_MANY, _FEW = 60.0, 12.0
+"""Slow modes of a stable loop are followed for so long in units of 1/crossover frequency."""
+_SEEN = 0.02
+"""A mode smaller than this part of the largest does not set the horizon."""
+_TRIM = "trim -B alpha_w,max"
+_ORDINATES = {
+    "angles": "angles [deg]",
+    "deflection": "deflection [deg]",
+    "wind": "wind angle of attack [deg]",
+}
+_STYLES: dict[str, Style] = {
+    "attitude": {"color": INK, "ls": "-", "lw": 2.0},
+    "flight_path_angle": {"color": COLOURS[1], "ls": LINES[3], "lw": 1.8},
+    "angle_of_attack": {"color": COLOURS[4], "ls": "-.", "lw": 1.8},
+    "deflection": {"color": WARM, "ls": "-", "lw": 2.0},
+    _TRIM: {"color": INK, "ls": "--", "lw": 1.4},
+    "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
+}
+_STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
+_LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
+
+
+def step_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
+    """Draw attitude and deflection after a step of the attitude command.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One autopilot.
+    plant : Plant
+        One plant of any model.
+
+    Raises
+    ------
+    InputError
+        For a batch.
+
+    Notes
+    -----
+    The loop is linear: deg per deg are rad per rad. A delay is its Pade approximation, as in
+    `Autopilot.close`. The horizon is the time in which the closed-loop modes die down, but very
+    slow ones are not followed to their end; what is approached is marked on the right edge.
+    """
+    import control
+    import matplotlib.pyplot as plt
+
+    require_one("step_chart", autopilot, plant)
+    margins = loop_margins(autopilot.rational_loop(plant))
+    status, words = margins.status, loop_words(autopilot, plant)
+    closed = autopilot.close(plant)[list(_STEP), "attitude_command"]
+    horizon = _rounded(_horizon(closed, _MANY / margins.crossover_frequency))
+    response = control.step_response(closed, np.linspace(0.0, horizon, _POINTS))
+    figure, panels = plt.subplots(2, 1, figsize=(8.6, 7.2), layout="constrained", sharex=True)
+    drawn = response.plot(
+        ax=panels[:, np.newaxis], plot_inputs=False, show_legend=False, title="", lw=2.0
+    )
+    lines = [line for panel in drawn.lines.flat for line in panel]
+    figure.suptitle(f"Step of the attitude command: {VERDICTS[status]}\n{words}")
+    curves = _step_curves(response, f"{words}; {VERDICTS[status]}")
+    final = np.real(closed.dcgain()).ravel() if status == "ok" else np.full(2, np.nan)
+    written = []
+    for axes, (name, style), end in zip(panels, _STEP.items(), final, strict=True):
+        marks = _step_marks(curves, name, float(end))
+        axes.get_lines()[0].set(color=style["color"], ls=style["ls"])
+        if np.isfinite(end):
+            axes.axhline(end, **_LEVEL)
+        axes.set(ylabel=f"{name}  [deg per deg]", xlabel="", xlim=(0.0, horizon))
+        fine_grid(axes)
+        lines += draw_marks(axes, marks)
+        written.append((axes, marks))
+    panels[1].set_xlabel("time  [s]")
+    write_numbers(*written)
+    return control_plot(lines, panels[:, np.newaxis], curves)
+
+
+def _step_curves(response: Any, words: str) -> Curves:
+    rows = np.reshape(np.asarray(response.outputs, dtype=float), (len(_STEP), -1))
+    columns = [Column(name, row, "deg/deg", name) for name, row in zip(_STEP, rows, strict=True)]
+    return Curves("step", words, "time [s]", np.asarray(response.time), tuple(columns))
+
+
+def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
+    """The value of largest size, and the one that is approached, if the loop is stable."""
+    times, values = curves.abscissa, curves.column(name, name)
+    top = int(np.argmax(np.abs(values)))
+    end = 0.0 if abs(end) < ON_AXIS * abs(values[top]) else end
+    if np.isnan(end):
+        return [Mark(times[top], values[top], f"{values[top]:.3g}", "o", colour=WARM)]
+    marks = [Mark(times[-1], end, f"in the end {end:.3g}", "s")]
+    if top < times.size - 1:
+        words = f"peak {values[top]:.3g} at {times[top]:.3g} s"
+        marks.append(Mark(times[top], values[top], words, "o"))
+    return marks
+
+
+def wind_chart(autopilot: Autopilot, plant: Plant, wind: History) -> "ControlPlot":
+    """Draw what the closed loop does in a wind, beside the deflection that would trim it.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One autopilot.
+    plant : Plant
+        One plant of any model.
+    wind : History
+        One wind angle of attack [rad].
+
+    Raises
+    ------
+    InputError
+        For a batch.
+
+    Notes
+    -----
+    The response is exact, but that a delay is its Pade approximation; see `Autopilot.answer`.
+    The horizon is the end of the wind and some time for the vehicle to come to rest.
+    """
+    instance("wind", wind, History, "such as TriangularWind")
+    require_one("wind_chart", autopilot, plant, wind=wind)
+    margins = loop_margins(autopilot.rational_loop(plant))
+    answer, status = autopilot.answer(plant, wind), margins.status
+    start, stop = _wind_horizon(autopilot, plant, wind, margins)
+    times, peak = _times(start, stop, wind), None
+    if status == "ok":
+        value, when = answer.peak("deflection")
+        peak = Mark(when, float(np.degrees(value)), colour=WARM)
+        times = np.union1d(_times(start, max(stop, 1.1 * when), wind), when)
+    words = loop_words(autopilot, plant)
+    curves = _wind_curves(answer, plant, wind, times, f"{words}; {VERDICTS[status]}")
+    title = f"Autopilot in a wind: {VERDICTS[status]}\n{words}"
+    plot = draw(curves, Look(title, _ORDINATES, _STYLES, across=1))
+    if peak is not None:
+        trim = float(curves.column(_TRIM, "deflection")[0])
+        part = f", {abs(peak.y / trim):.2f} x trim" if trim else ""
+        marks = [replace(peak, text=f"peak {peak.y:.3g} deg at {peak.x:.3g} s{part}")]
+        panel = plot.axes[list(curves.panels).index("deflection"), 0]
+        draw_marks(panel, marks)
+        write_numbers((panel, marks))
+    return plot
+
+
+def _wind_curves(
+    answer: WindAnswer, plant: Plant, wind: History, times: FloatArray, words: str
+) -> Curves:
+    rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
+    peak = float(np.degrees(wind.peak))
+    trim = np.full(times.size, -float(plant.coefficients.B) * peak)
+    angles = [name for name in _STYLES if name in rows and name != "deflection"]
+    columns = [
+        *(Column(name, rows[name], "deg", "angles") for name in angles),
+        Column("deflection", rows["deflection"], "deg", "deflection"),
+        Column(_TRIM, trim, "deg", "deflection"),
+        Column("wind", np.degrees(wind(times)), "deg", "wind"),
+    ]
+    words = f"{words}; wind of {peak:.6g} deg"
+    return Curves("autopilot-in-wind", words, "time [s]", times, tuple(columns))
+
+
+def _times(start: float, stop: float, wind: History) -> FloatArray:
+    """Even times, and both sides of every knot of the wind."""
+    sides = np.concatenate([np.nextafter(wind.knots, -np.inf), wind.knots])
+    sides = sides[(sides >= start) & (sides <= stop)]
+    return np.unique(np.concatenate([np.linspace(start, stop, _POINTS), sides]))
+
+
+def _wind_horizon(
+    autopilot: Autopilot, plant: Plant, wind: History, margins: Margins
+) -> tuple[float, float]:
+    """From the onset of the wind, or zero, to its end and on; if unstable, while it grows."""
+    last = float(wind.end) if np.isfinite(wind.end) else float(wind.knots[-1])
+    first = min(0.0, float(wind.onset) if np.isfinite(wind.onset) else 0.0)
+    system = autopilot.close(plant)[list(_STEP), "wind"]
+    if margins.status == "unstable":
+        return first, first + _rounded(_horizon(system, np.inf))
+    patience = max(2.0 * (last - first), _FEW / margins.crossover_frequency)
+    return first, first + _rounded(last - first + _horizon(system, patience))
+
+
+def _horizon(system: "control.StateSpace", patience: float) -> float:
+    """Return the time [s] in which all modes that count die down, or one of them grows.
+
+    Parameters
+    ----------
+    system : control.StateSpace
+        The closed loop, with the outputs and the one input in question.
+    patience : float
+        The longest time [s] for which slow modes are followed; NaN for no end.
+    """
+    poles, vectors = np.linalg.eig(system.A)
+    scale = float(np.abs(poles).max()) or 1.0
+    excited = np.linalg.pinv(vectors) @ system.B
+    sizes = np.abs(system.C @ vectors).max(axis=0) * np.abs(excited).max(axis=1)
+    sizes = sizes / np.maximum(np.abs(poles), ON_AXIS * scale)
+    poles = poles[sizes >= _SEEN * sizes.max()]
+    falling, growing = poles.real < -ON_AXIS * scale, poles.real > ON_AXIS * scale
+    rest = _SETTLED / -float(poles.real[falling].max()) if falling.any() else np.inf
+    turning = np.abs(poles[~falling & (poles.imag != 0.0)].imag)
+    if growing.any():
+        rest = min(_GROWN / float(poles.real.max()), 10.0 * rest)
+    elif turning.size:
+        rest = _FEW / float(turning.min())
+    return float(np.fmin(rest if np.isfinite(rest) else _FEW / scale, patience))
+
+
+def _rounded(time: float) -> float:
+    """The time, rounded up to two digits."""
+    unit = 10.0 ** (np.floor(np.log10(time)) - 1.0)
+    return float(np.ceil(time / unit - 1e-9) * unit)

@@ -1,0 +1,252 @@
+"""The loop against frequency: Nichols chart and Bode diagram, with the margins that decide.
+
+The margins are those of `Autopilot.margins`, which come after the closed-loop poles; a loop that
+these show to be unstable is drawn, and has none.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import Autopilot
+from tvclin.errors import instance
+from tvclin.margins import CRITERIA, Criteria
+from tvclin.plant import Plant
+from tvclin.plots.loop_samples import (
+    LoopSamples,
+    corner_frequencies,
+    decisive_frequencies,
+    margin_marks,
+    sampled,
+    title,
+)
+from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
+from tvclin.plots.style import INK, WARM, control_plot, fine_grid, new_axes
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+    from matplotlib.axes import Axes
+
+FloatArray = NDArray[np.float64]
+
+_CURVE: dict[str, Any] = {"color": INK, "lw": 1.8}
+_LINE: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
+_GRID_DECIBELS = np.array([-12.0, -6.0, -3.0, 0.0, 3.0, 6.0, 12.0])
+_CONTOURS = "|T| = " + ", ".join(f"{size:g}" for size in _GRID_DECIBELS[::-1]) + " dB"
+_LOUDEST = 60.0
+"""Magnitudes above this many dB leave the Bode diagram: poles on the imaginary axis have no end."""
+_SIDES = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg")
+
+
+def nichols_chart(
+    autopilot: Autopilot, plant: Plant, criteria: Criteria = CRITERIA["classic"]
+) -> "ControlPlot":
+    """Draw the Nichols chart of the loop, with its exact delay, and the box of the criteria.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One autopilot.
+    plant : Plant
+        One plant of any model.
+    criteria : Criteria
+        Their aero and gain-increase margins are the half heights of the box around -1, up and
+        down, and their phase margin is its half width. Other requirements are not drawn.
+
+    Raises
+    ------
+    InputError
+        For a batch.
+
+    Notes
+    -----
+    The criteria speak of the axes of the box alone: a curve may cut a corner and meet them.
+    """
+    instance("criteria", criteria, Criteria, 'such as CRITERIA["classic"]')
+    samples = sampled("nichols_chart", autopilot, plant)
+    axes = new_axes()
+    drawn = samples.data().plot(
+        plot_type="nichols", grid=False, ax=axes, show_legend=False, **_CURVE
+    )
+    lines = list(np.ravel(drawn.lines[0]))
+    lines[0].set_xdata(samples.phase)
+    marks = margin_marks(samples, samples.at)
+    box = box_sides(criteria)
+    _frame_nichols(axes, samples, marks, box)
+    _draw_box(axes, box, criteria.name)
+    more = ""
+    if samples.margins.stable and any(box):
+        met = "met" if criteria.are_met(samples.margins) else "not met"
+        more = f", criteria {criteria.name} {met}"
+    axes.set(
+        title=title("Nichols chart of the loop", samples, more),
+        xlabel="phase of L  [deg]",
+        ylabel="magnitude of L  [dB]",
+    )
+    points = [
+        Mark(point, 0.0, shape="X", name="L = -1" if point == -180.0 else "")
+        for point in _critical(*axes.get_xlim())
+    ]
+    lines += draw_marks(axes, [*marks, *points])
+    axes.figure.legend(loc="outside lower center", ncols=2)
+    write_numbers((axes, marks))
+    return control_plot(lines, axes, samples.curves("nichols"))
+
+
+def box_sides(criteria: Criteria) -> tuple[float, float, float]:
+    """Return how far the box of criteria goes up and down [dB] and to each side [deg]."""
+    asked = {one.margin: one.limit for one in criteria.requirements}
+    up, down, aside = (asked.get(name, 0.0) for name in _SIDES)
+    return up, down, aside
+
+
+def _draw_box(axes: "Axes", box: tuple[float, float, float], name: str) -> None:
+    from matplotlib.patches import Rectangle
+
+    up, down, aside = box
+    if not any(box):
+        return
+    label = f"criteria {name}: +{up:g}/-{down:g} dB, {aside:g} deg"
+    style: dict[str, Any] = {"ec": WARM, "fc": WARM, "lw": 1.6, "ls": "--", "zorder": 1.2}
+    for point in _critical(*axes.get_xlim()):
+        shown = label if point == -180.0 else ""
+        patch = Rectangle((point - aside, -down), 2.0 * aside, up + down, label=shown, **style)
+        patch.set_facecolor((*patch.get_facecolor()[:3], 0.1))
+        axes.add_patch(patch)
+
+
+def _critical(left: float, right: float) -> list[float]:
+    """The phases [deg] in a frame at which L is negative: -180, and whole turns from it."""
+    turns = np.arange(np.ceil((left + 180.0) / 360.0), np.floor((right + 180.0) / 360.0) + 1.0)
+    return (360.0 * turns - 180.0).tolist()
+
+
+def _frame_nichols(
+    axes: "Axes", samples: LoopSamples, marks: list[Mark], box: tuple[float, float, float]
+) -> None:
+    """Show the marks, the box and the curve beside them, with the lines of equal |T|."""
+    import control
+
+    up, down, aside = box
+    heights = [mark.y for mark in marks if np.isfinite(mark.y)]
+    size = samples.decibels
+    top = max([up, *heights, min(12.0, float(size.max()))]) + 6.0
+    bottom = min([-down, *heights, -12.0]) - 6.0
+    seen = samples.phase[(size < top) & (size > bottom)]
+    near = [-180.0 - max(aside, 30.0), -180.0 + max(aside, 30.0), *(m.x for m in marks)]
+    near += [float(v) for v in np.clip(seen, -540.0, 180.0)]
+    left, right = np.nanmin(near), np.nanmax(near)
+    for point in _critical(left - aside, right + aside):
+        left, right = min(left, point - aside), max(right, point + aside)
+    contours, others, names, _ = control.nichols_grid(
+        cl_mags=_GRID_DECIBELS, ax=axes, line_style=":", label_cl_phases=False
+    )
+    for line in contours:
+        line.set(color="0.55", lw=0.9)
+    contours[0].set_label(_CONTOURS)
+    for extra in (*others, *names):
+        extra.remove()
+    axes.set_xlim(30.0 * np.floor(left / 30.0 - 0.2), 30.0 * np.ceil(right / 30.0 + 0.2))
+    axes.set_ylim(3.0 * np.floor(bottom / 3.0), 3.0 * np.ceil(top / 3.0))
+    axes.xaxis.set_major_locator(_degrees(axes.get_xlim()))
+    axes.axhline(0.0, **_LINE)
+    axes.axvline(-180.0, **_LINE)
+    fine_grid(axes)
+
+
+def bode_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
+    """Draw magnitude and phase of the loop, with its exact delay, against frequency.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One autopilot.
+    plant : Plant
+        One plant of any model.
+
+    Raises
+    ------
+    InputError
+        For a batch.
+
+    Notes
+    -----
+    A margin at zero frequency is marked on the left edge.
+    """
+    import matplotlib.pyplot as plt
+
+    samples = sampled("bode_chart", autopilot, plant)
+    _, axes = plt.subplots(2, 1, figsize=(8.6, 7.4), layout="constrained", sharex=True)
+    drawn = samples.data().plot(
+        plot_type="bode",
+        ax=axes[:, np.newaxis],
+        dB=True,
+        deg=True,
+        Hz=False,
+        wrap_phase=False,
+        initial_phase=float(samples.phase[0]),
+        grid=False,
+        show_legend=False,
+        **_CURVE,
+    )
+    lines = [line for panel in drawn.lines.flat for line in panel]
+    left = _frame_bode(axes, samples)
+    upper = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[1]))
+    lower = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[0]))
+    _hold_bode(axes, upper, lower)
+    axes[0].figure.suptitle(title("Bode diagram of the loop", samples))
+    lines += draw_marks(axes[0], upper)
+    handles, labels = axes[0].get_legend_handles_labels()
+    axes[0].figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    lines += draw_marks(axes[1], lower)
+    gains = [numbered(mark, mark in upper[:2]) for mark in upper]
+    phases = [numbered(mark, mark in lower[2:]) for mark in lower]
+    write_numbers((axes[0], gains), (axes[1], phases))
+    return control_plot(lines, axes[:, np.newaxis], samples.curves("bode"))
+
+
+def _frame_bode(axes: Any, samples: LoopSamples) -> float:
+    """Show a decade on both sides of what matters; return the left edge."""
+    decisive = decisive_frequencies(samples.margins)
+    known = np.concatenate([decisive[decisive > 0.0], corner_frequencies(samples.loop)])
+    known = known if known.size else samples.omega
+    left, right = 0.1 * known.min(), 10.0 * known.max()
+    loud = samples.omega[samples.decibels > -40.0]
+    if loud.size:
+        right = min(right, max(float(loud.max()), 2.0 * float(decisive.max(initial=0.0))))
+    axes[0].set_xlim(left, right)
+    seen = (samples.omega >= left) & (samples.omega <= right)
+    for panel, values, step in ((axes[0], samples.decibels, 5.0), (axes[1], samples.phase, 15.0)):
+        low, high = np.min(values[seen]), np.max(values[seen])
+        panel.set_ylim(step * np.floor(low / step - 0.3), step * np.ceil(high / step + 0.3))
+    low, high = axes[0].get_ylim()
+    axes[0].set_ylim(min(low, -10.0), np.clip(high, 10.0, _LOUDEST))
+    return float(left)
+
+
+def _hold_bode(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
+    """Labels, grid, the lines 0 dB and -180 deg, and each margin as a line to the one it has."""
+    low, high = axes[1].get_ylim()
+    axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
+    axes[1].yaxis.set_major_locator(_degrees(axes[1].get_ylim()))
+    axes[0].set(ylabel="magnitude of L  [dB]", xlabel="")
+    axes[1].set(ylabel="phase of L  [deg]", xlabel="frequency  [rad/s]")
+    for panel, level in ((axes[0], 0.0), (axes[1], -180.0)):
+        fine_grid(panel)
+        panel.axhline(level, **_LINE)
+    for panel, marks in ((axes[0], upper[:2]), (axes[1], lower[2:])):
+        for mark in marks:
+            half_turns = round((mark.y + 180.0) / 360.0) if np.isfinite(mark.y) else 0
+            level = 0.0 if panel is axes[0] else 360.0 * half_turns - 180.0
+            panel.plot([mark.x] * 2, [level, mark.y], color=mark.colour, lw=2.2, zorder=3)
+
+
+def _degrees(frame: tuple[float, float]) -> Any:
+    """Ticks at whole parts of a turn, ten or so of them."""
+    from matplotlib.ticker import MultipleLocator
+
+    span = abs(frame[1] - frame[0])
+    return MultipleLocator(
+        next(step for step in (15, 30, 45, 90, 180, 360, 1e9) if span < 12 * step)
+    )

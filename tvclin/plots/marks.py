@@ -1,0 +1,175 @@
+"""Points of interest in a figure: a mark, an entry of the legend, and a number beside it.
+
+The numbers are put where they hide neither a curve nor each other.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.plots.style import INK
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.path import Path
+    from matplotlib.text import Annotation
+    from matplotlib.transforms import Bbox
+
+FloatArray = NDArray[np.float64]
+
+_DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
+"""How far from its mark a number may stand, in points; the nearest clear place is taken."""
+_DIRECTIONS = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
+_OUTSIDE, _LABEL, _MARK, _CURVE = 100.0, 40.0, 20.0, 6.0
+_MARK_SIZE = 7.0
+
+
+@dataclass(frozen=True)
+class Mark:
+    """One point.
+
+    Attributes
+    ----------
+    x, y : float
+        Where it is.
+    text : str
+        What stands beside it; empty for a mark alone.
+    shape : str
+        Marker, as of matplotlib.
+    name : str
+        Entry of the legend; empty for none.
+    colour : str
+        Colour of the mark.
+    """
+
+    x: float
+    y: float
+    text: str = ""
+    shape: str = "o"
+    name: str = ""
+    colour: str = INK
+
+    def inside(self, axes: "Axes") -> bool:
+        """Whether it lies in the frame."""
+        (left, right), (low, high) = sorted(axes.get_xlim()), sorted(axes.get_ylim())
+        return bool(left <= self.x <= right and low <= self.y <= high)
+
+
+def numbered(mark: Mark, told: bool) -> Mark:
+    """Return the mark with its number, or without it."""
+    return mark if told else replace(mark, text="")
+
+
+def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
+    """Draw the marks without their numbers, and return their lines."""
+    lines: list[Any] = []
+    for mark in marks:
+        style: dict[str, Any] = {"mfc": "white", "mec": mark.colour, "mew": 1.8, "zorder": 6}
+        label = mark.name or "_mark"
+        lines += axes.plot(
+            mark.x, mark.y, mark.shape, ls="", ms=_MARK_SIZE, label=label, clip_on=False, **style
+        )
+        lines[-1].set_clip_on(not mark.inside(axes))
+    return lines
+
+
+def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
+    """Write the numbers beside the marks in the frame, clear of curves and of each other.
+
+    Parameters
+    ----------
+    *panels : tuple of matplotlib.axes.Axes and sequence of Mark
+        The panels of one figure, with their final frames, titles and legends, and the marks in
+        each of them.
+    """
+    seen = [(axes, [mark for mark in marks if mark.inside(axes)]) for axes, marks in panels]
+    notes = [[_write(axes, mark) if mark.text else None for mark in marks] for axes, marks in seen]
+    panels[0][0].figure.draw_without_rendering()  # type: ignore[union-attr]
+    for (axes, marks), written in zip(seen, notes, strict=True):
+        points = axes.transData.transform([(m.x, m.y) for m in marks] or np.zeros((0, 2)))
+        around = _Around(axes.get_window_extent(), list(_outlines(axes)), points, [])
+        for point, note in zip(points, written, strict=True):
+            if note is not None:
+                around.taken.append(_put(note, point, around))
+
+
+@dataclass(frozen=True, eq=False)
+class _Around:
+    """What a number must keep clear of, in pixels."""
+
+    frame: "Bbox"
+    curves: "list[tuple[Path, float]]"
+    points: FloatArray
+    taken: "list[Bbox]"
+
+
+def _write(axes: "Axes", mark: Mark) -> "Annotation":
+    note = axes.annotate(
+        mark.text,
+        (mark.x, mark.y),
+        xytext=(_DISTANCES[0], _DISTANCES[0]),
+        textcoords="offset points",
+        fontsize=9,
+        color=INK,
+        linespacing=1.1,
+        zorder=7,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+        arrowprops={"arrowstyle": "-", "color": "0.35", "lw": 0.8, "shrinkB": 4.0, "shrinkA": 0.0},
+    )
+    note.set_in_layout(False)
+    return note
+
+
+def _put(note: "Annotation", point: FloatArray, around: _Around) -> "Bbox":
+    """Put one number where it hides least, and return the place it takes, in pixels."""
+    from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
+
+    extent = Text.get_window_extent(note)  # of the text alone, without the line to the mark
+    size, scale = np.array([extent.width, extent.height]), note.figure.dpi / 72.0
+    found: list[Any] = []
+    for distance in _DISTANCES:
+        for direction in np.array(_DIRECTIONS):
+            offset = distance * direction / np.hypot(*direction) ** 0.5
+            corner = point + offset * scale + size * (direction - 1) / 2.0
+            place = Bbox.from_bounds(*(corner - 2.0), *(size + 4.0))
+            found.append(
+                (_cost(place, around) + 0.02 * distance, len(found), offset, direction, place)
+            )
+    _, _, offset, (right, up), place = min(found, key=lambda one: one[:2])
+    note.set_position(tuple(offset))
+    note.set_horizontalalignment(("center", "left", "right")[int(right)])
+    note.set_verticalalignment(("center", "bottom", "top")[int(up)])
+    return place
+
+
+def _cost(place: "Bbox", around: _Around) -> float:
+    frame = around.frame
+    out = place.x0 < frame.x0 or place.x1 > frame.x1 or place.y0 < frame.y0 or place.y1 > frame.y1
+    room = place.padded(_MARK_SIZE / 2.0)
+    return (
+        _OUTSIDE * out
+        + _LABEL * sum(bool(place.overlaps(other)) for other in around.taken)
+        + _MARK * sum(bool(room.contains(*point)) for point in around.points)
+        + sum(cost for path, cost in around.curves if path.intersects_bbox(place, filled=False))
+    )
+
+
+def _outlines(axes: "Axes") -> Iterator[tuple["Path", float]]:
+    """The curves and boxes of a panel in pixels, with what it costs to hide them."""
+    from matplotlib.path import Path
+
+    for line in axes.get_lines():
+        if line.get_linestyle() == "None" or line.get_zorder() < 1.0:
+            continue
+        points = np.ma.filled(np.ma.column_stack(line.get_data(orig=False)), np.nan)
+        points = line.get_transform().transform(points.astype(float))
+        points = points[np.all(np.isfinite(points), axis=-1)]
+        if len(points) > 1:
+            yield Path(points), _CURVE
+    for patch in axes.patches:
+        if patch.get_zorder() >= 1.0:
+            yield patch.get_transform().transform_path(patch.get_path()), _CURVE / 2.0

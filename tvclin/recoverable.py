@@ -1,0 +1,125 @@
+"""Which states a limited deflection can still bring back: the recoverable set.
+
+Each unstable mode of a plant has a coordinate z, a sum of its states scaled such that
+
+    z' = s (z - u - k alpha_w),    u = deflection/B,    |u| <= D = limit/B,
+
+s being the pole and k the strength of the wind in it. Without wind one mode is recoverable when
+|z| < D; two real modes are recoverable together when they lie between the two paths that end at
+rest with one switch of the full deflection. Outside, nothing helps any more.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import InputError, instance
+from tvclin.modes import unstable_modes
+from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+_MOST = 2
+
+
+@dataclass(frozen=True, eq=False)
+class UnstableCoordinates:
+    """The coordinates of the unstable modes of one plant, the fastest first.
+
+    Attributes
+    ----------
+    poles : ndarray
+        s [1/s], ``(N,)``, N being one or two.
+    rows : ndarray
+        z = rows @ states [rad], ``(N, n)``.
+    wind : ndarray
+        k, ``(N,)``: the report's K1 of each pole.
+    """
+
+    poles: FloatArray
+    rows: FloatArray
+    wind: FloatArray
+
+    @property
+    def ratio(self) -> float:
+        """The slow pole over the fast one; zero where there is only one."""
+        return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
+
+    def inside(self, z: FloatArray, reach: Any) -> Any:
+        """Return whether the coordinates ``(..., N)`` are recoverable with |u| < reach ``(...)``.
+
+        Strictly: on the edge the deflection holds the state and cannot bring it back.
+        """
+        first = np.abs(z[..., 0]) < reach
+        if self.poles.size == 1:
+            return first
+        low, high = self.slow_range(z[..., 0], reach)
+        return first & (low < z[..., 1]) & (z[..., 1] < high)
+
+    def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
+        """Return the ends of the slow coordinate that go with a fast one, |fast| <= reach."""
+        x = np.clip(fast / reach, -1.0, 1.0)
+        r = self.ratio
+        return (
+            reach * (1.0 - 2.0 * ((1.0 - x) / 2.0) ** r),
+            reach * (2.0 * ((1.0 + x) / 2.0) ** r - 1.0),
+        )
+
+    def fast_range(self, slow: Any, reach: Any) -> tuple[Any, Any]:
+        """Return the ends of the fast coordinate that go with a slow one: the same curve."""
+        if self.poles.size == 1:
+            return -reach, reach
+        x = np.clip(slow / reach, -1.0, 1.0)
+        power = 1.0 / self.ratio
+        return (
+            reach * (2.0 * ((1.0 + x) / 2.0) ** power - 1.0),
+            reach * (1.0 - 2.0 * ((1.0 - x) / 2.0) ** power),
+        )
+
+
+def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
+    """Return the coordinates of the unstable modes of a plant.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant with one or two real unstable poles.
+
+    Raises
+    ------
+    InputError
+        For a batch, a plant without an unstable pole, and one with more than two or a pair.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> from tvclin.recoverable import unstable_coordinates
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> unstable_coordinates(plant).rows  # attitude + rate/beta
+    array([[1., 2.]])
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    if plant.batch:
+        raise InputError(f"plant must be one plant; got a batch of shape {plant.batch}")
+    poles = unstable_modes(plant).poles
+    if not poles.size or np.iscomplexobj(poles) or poles.size > _MOST:
+        raise InputError(
+            "plant must have one or two real unstable poles, as the models fixed-path, drift and"
+            f" drift-exact of an unstable vehicle have; {plant.model} has {poles.size}"
+        )
+    A, inputs, _, _ = plant.matrices()
+    rows = [_left_vector(A, pole) for pole in poles]
+    scaled = np.array(
+        [
+            row * (-pole / plant.coefficients.B) / (row @ inputs[:, 0])
+            for row, pole in zip(rows, poles, strict=True)
+        ]
+    )
+    return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
+
+
+def _left_vector(A: FloatArray, pole: float) -> FloatArray:
+    """The row l with l A = pole l."""
+    return np.linalg.svd(A.T - pole * np.eye(len(A)))[2][-1]
