@@ -38,6 +38,10 @@ if TYPE_CHECKING:
     from tvclin.forecast_free import ForecastFreeLimit as ForecastFreeLimit
     from tvclin.forecast_free import forecast_free_limit as forecast_free_limit
     from tvclin.histories import History as History
+    from tvclin.law_trials import LawTrial as LawTrial
+    from tvclin.law_trials import law_trials as law_trials
+    from tvclin.law_trials import standard_laws as standard_laws
+    from tvclin.law_trials import standard_winds as standard_winds
     from tvclin.laws import DeadBandLaw as DeadBandLaw
     from tvclin.laws import Law as Law
     from tvclin.laws import RecoverableAttitudeLaw as RecoverableAttitudeLaw
@@ -113,6 +117,7 @@ _ROOMS = {
     "errors": ("InputError",),
     "forecast_free": ("ForecastFreeLimit", "forecast_free_limit"),
     "histories": ("History",),
+    "law_trials": ("LawTrial", "law_trials", "standard_laws", "standard_winds"),
     "laws": (
         "DeadBandLaw",
         "Law",

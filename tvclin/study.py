@@ -1,6 +1,7 @@
 """One vehicle, one wind: the whole answer as one value."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, one_of, positive, within
+from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.modes import Modes, unstable_modes
-from tvclin.optimum import single_pole_validity
+from tvclin.optimum import optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
@@ -56,6 +58,11 @@ class Study:
         Whether the limit is at or above the boundary of `model`.
     survivable_peak : float or None
         The largest peak [rad] of such a wind that the limit survives.
+    forecast_free : dict of str to ForecastFreeLimit
+        For the models of `boundaries` that have one, the least deflection of any law that does
+        not know when the wind will stop.
+    minima : dict of str to float
+        For the same models the least peak [rad] when the whole wind is known, appendix C.
     notes : tuple of str
         What the reader should know before believing the numbers; often nothing.
     """
@@ -73,6 +80,8 @@ class Study:
     limit: float | None
     sufficient: bool | None
     survivable_peak: float | None
+    forecast_free: dict[str, ForecastFreeLimit]
+    minima: dict[str, float]
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -160,6 +169,11 @@ class Study:
             if limit is None
             else is_sufficient(plant, history, limit, dead_band, switch),
             survivable_peak=None if limit is None else survivable_peak(*judged),
+            forecast_free=_where_defined(forecast_free_limit, plants, shown, history),
+            minima={
+                name: best.peak
+                for name, best in _where_defined(optimum_deflection, plants, shown, history).items()
+            },
             notes=tuple(_notes(plant, history, dead_band, switch)),
         )
 
@@ -168,6 +182,17 @@ class Study:
         """The deflection [rad] that the verdict's model and dead band ask for."""
         row = int(np.argmax(self.dead_bands == self.dead_band))
         return float(np.abs(self.boundaries[self.model].deflection[row]))
+
+
+def _where_defined(
+    function: Callable[..., Any], plants: dict[str, Plant], names: list[str], wind: Any
+) -> dict[str, Any]:
+    """What a function of plant and wind says of each model for which it is defined."""
+    found = {}
+    for name in names:
+        with suppress(InputError):
+            found[name] = function(plants[name], wind)
+    return found
 
 
 def _notes(plant: Plant, wind: Any, dead_band: float, switch: str) -> Iterator[str]:

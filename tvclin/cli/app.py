@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from tvclin.cli.autopilot import autopilot
 from tvclin.cli.boundary import boundary
+from tvclin.cli.laws import laws
 from tvclin.cli.margins import margins
 from tvclin.cli.optimum import optimum
 from tvclin.cli.poles import poles
@@ -55,6 +56,7 @@ for command in (
     respond,
     autopilot,
     margins,
+    laws,
     poles,
     reproduce,
     vehicles,

@@ -140,6 +140,7 @@ def _print_boundaries(result: "Study", shape: str) -> None:
             found = result.boundaries[name]
             row += [f"{found.limit[i]:.4f}", f"{abs(deg(found.deflection[i])):.4f}"]
         rows.append(row)
+    rows += _without_and_with_forecast(result, names)
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
     print_table(
         f"Boundary in a {shape} wind of {peak:.4g} deg and {duration:g} s"
@@ -155,8 +156,33 @@ def _print_boundaries(result: "Study", shape: str) -> None:
         largest = abs(deg(result.survivable_peak))
         said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
         typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}")
+    typer.echo(
+        "no forecast: what any law needs that does not know when the wind will stop (with drift a"
+        " lower bound); wind known: appendix C"
+    )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[str]]:
+    """The least of any law without a forecast, and of any control that knows the wind."""
+    import numpy as np
+
+    needs = {
+        "no forecast": {k: abs(one.deflection) for k, one in result.forecast_free.items()},
+        "wind known": result.minima,
+    }
+    rows = []
+    for label, deflections in needs.items():
+        row = [label]
+        for name in names:
+            if name in deflections and result.trim_deflection:
+                part = deflections[name] / result.trim_deflection
+                row += [f"{part:.4f}", f"{np.degrees(deflections[name]):.4f}"]
+            else:
+                row += ["-", "-"]
+        rows.append(row)
+    return rows
 
 
 def _poles(poles: Any) -> str:
@@ -197,6 +223,11 @@ def _document(result: "Study", shape: str) -> dict[str, Any]:
             }
             for name, found in result.boundaries.items()
         },
+        "forecast_free": {
+            name: {"limit": one.limit, "deflection_deg": abs(deg(one.deflection)), "kind": one.kind}
+            for name, one in result.forecast_free.items()
+        },
+        "minimum_deg": {name: deg(peak) for name, peak in result.minima.items()},
         "notes": result.notes,
         "verdict": {
             "model": result.model,

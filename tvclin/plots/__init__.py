@@ -9,6 +9,7 @@ from tvclin.plots.boundaries import DEAD_BANDS, boundary_chart, figure_2, figure
 from tvclin.plots.closed_loops import step_chart, wind_chart
 from tvclin.plots.comparison import comparison_chart
 from tvclin.plots.curves import Column, Curves, curves_of
+from tvclin.plots.laws import laws_chart
 from tvclin.plots.loops import bode_chart, nichols_chart
 from tvclin.plots.nyquist import nyquist_chart
 from tvclin.plots.poles import pole_map
@@ -45,6 +46,7 @@ __all__ = [
     "figure_7",
     "figure_8",
     "figure_9",
+    "laws_chart",
     "nichols_chart",
     "nyquist_chart",
     "pole_map",

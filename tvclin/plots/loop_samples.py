@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 ON_AXIS = 1e-9
 """Poles nearer to the imaginary axis than this part of the largest one are on it."""
-_POINTS = 3000
+_PER_DECADE = 400
 VERDICTS = {
     "ok": "stable closed loop",
     "unstable": "unstable closed loop",
@@ -233,7 +233,7 @@ def _frequencies(loop: Loop, margins: Margins) -> FloatArray:
     crossovers = margins.crossings.gain_frequencies[np.newaxis]
     found = frequencies(loop.take(np.array([0])), crossovers)[0]
     found = found[np.isfinite(found)]
-    found = found[np.isfinite(found)]
-    even = np.geomspace(found[0], found[-1], _POINTS)
+    decades = np.log10(found[-1] / found[0])
+    even = np.geomspace(found[0], found[-1], int(np.ceil(_PER_DECADE * decades)))
     marked = decisive_frequencies(margins)
     return np.unique(np.concatenate([found, even, marked[marked > 0.0]]))

@@ -1,0 +1,114 @@
+"""`tvclin laws`: what each control law needs in the standard winds, from trim to the minimum."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.inputs import peak_angle
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Vehicle,
+)
+
+if TYPE_CHECKING:
+    from tvclin.histories import History
+    from tvclin.law_trials import LawTrial
+    from tvclin.plant import Plant
+
+
+def laws(
+    vehicle: Vehicle = "configuration-i",
+    duration: Duration = 7.5,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
+    wind: Annotated[
+        list[str] | None,
+        typer.Option(help="Only this wind of the trials; may be given several times."),
+    ] = None,
+    cuts: Annotated[
+        int, typer.Option(help="Sudden stops that each wind is tried with as well.")
+    ] = 0,
+    sample_rate: Annotated[float, typer.Option(help="Samples of the law, in Hz.")] = 100.0,
+    model: Annotated[
+        str, typer.Option(help=f"Model with one or two real unstable poles: {MODELS_HELP}")
+    ] = "drift-exact",
+    plane: Plane = "pitch",
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Fly four laws in the standard winds and print the deflection limit that each needs.
+
+    It takes about a second for each law and wind, and a minute more for a figure.
+
+    Exit code 0: answered; 2: bad input.
+    """
+    from tvclin.cli.output import print_json
+    from tvclin.errors import one_of, positive, within
+    from tvclin.law_trials import law_trials, standard_laws, standard_winds
+    from tvclin.plant import Plant
+    from tvclin.vehicle_file import load_vehicle
+
+    loaded = load_vehicle(vehicle)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+    positive("--duration", duration, "s")
+    within("--cuts", cuts, 0, 1000)
+    plant = Plant.from_vehicle(loaded, model, plane)
+    chosen = standard_laws(plant, peak)
+    every = standard_winds(peak, duration)
+    winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
+    found: list[LawTrial] = []
+    for name, law in chosen.items():
+        typer.echo(f"flying: {name}", err=True)
+        found += law_trials(plant, {name: law}, winds, sample_rate=sample_rate, cuts=int(cuts))
+    if plot is not None:
+        from tvclin.plots import laws_chart, save_figure
+
+        save_figure(laws_chart(plant, chosen, peak), plot)
+    limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
+    if as_json:
+        head = {"vehicle": loaded.name, "model": model, "duration_s": duration}
+        print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
+    else:
+        _print(f"{loaded.name or vehicle}, {model}, {duration:g} s", found, limits, list(chosen))
+
+
+def _without_forecast(plant: "Plant", wind: "History") -> float | None:
+    from tvclin.errors import InputError
+    from tvclin.forecast_free import forecast_free_limit
+
+    try:
+        return forecast_free_limit(plant, wind).limit
+    except InputError:
+        return None
+
+
+def _print(
+    title: str, found: list["LawTrial"], limits: dict[str, float | None], names: list[str]
+) -> None:
+    from tvclin.cli.output import print_table
+
+    headings = ["wind", *names, "any law"]
+    table = {(one.wind, one.law): one for one in found}
+
+    def rows(show: Any) -> list[list[str]]:
+        return [[wind, *(show(table[wind, law]) for law in names), ""] for wind in limits]
+
+    needed = rows(lambda one: f"{one.limit:.3f}{'' if one.monotone else '*'}")
+    for row, limit in zip(needed, limits.values(), strict=True):
+        row[-1] = "-" if limit is None else f"{limit:.3f}"
+    print_table(f"{title}: deflection limit needed, over |B alpha_w,max|", headings, needed)
+    loads = rows(lambda one: f"{one.peak_angle_of_attack:.2f} / {one.peak_attitude:.2f}")
+    print_table(
+        "Largest angle of attack / attitude over the wind, with 1.2 times that limit",
+        headings[:-1],
+        [row[:-1] for row in loads],
+    )
+    typer.echo("any law: without a forecast none needs less; - where the wind changes its sign.")
+    if not all(one.monotone for one in found):
+        typer.echo("*: some lower limits survive as well; above this one every limit does.")

@@ -1,0 +1,198 @@
+"""Standard trials of laws: the same winds for all, and what each law needs in them.
+
+Every wind has the same peak and is measured by the duration of the triangle it belongs to.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import canonical_gains
+from tvclin.closed_loop import closed_loop_boundary, fly
+from tvclin.errors import number, positive
+from tvclin.histories import History
+from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
+from tvclin.plant import Plant
+from tvclin.winds import (
+    AsymmetricTriangularWind,
+    OneMinusCosineGust,
+    SampledWind,
+    TrapezoidalWind,
+    TriangularWind,
+)
+
+FloatArray = NDArray[np.float64]
+
+_SPARE = 1.2
+"""Loads are those at so many times the boundary, where every law is at its ease."""
+_POINTS = 801
+_HIGHEST = 4.0
+_RATE = 100.0
+_SUDDEN = 1e-6
+"""Duration of a jump, over that of the wind."""
+
+
+@dataclass(frozen=True)
+class LawTrial:
+    """One law in one wind.
+
+    Attributes
+    ----------
+    law, wind : str
+        Their names.
+    limit : float
+        Boundary: least deflection limit, over |B alpha_w,max|; infinite if none was found.
+    monotone : bool
+        Whether every limit above one that survives survives as well.
+    peak_angle_of_attack, peak_attitude : float
+        Largest sizes at 1.2 times the boundary, over the peak of the wind.
+    """
+
+    law: str
+    wind: str
+    limit: float
+    monotone: bool
+    peak_angle_of_attack: float
+    peak_attitude: float
+
+
+def standard_winds(peak: float, duration: float) -> dict[str, History]:
+    """Return the winds of the trials by name.
+
+    Parameters
+    ----------
+    peak : float
+        Largest wind angle of attack [rad] of each.
+    duration : float
+        Duration [s] of the triangle, and of each half of the double gusts.
+    """
+    tau = number("duration", duration, positive, "s")
+    triangle = TriangularWind(peak=peak, duration=tau)
+    back = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
+    rise = triangle.before(tau / 2)
+    return {
+        "triangle": triangle,
+        "sawtooth, stops dead": AsymmetricTriangularWind(
+            peak=peak, duration=tau, peak_time=tau * (1.0 - _SUDDEN)
+        ),
+        "sawtooth, jumps first": AsymmetricTriangularWind(
+            peak=peak, duration=tau, peak_time=tau * _SUDDEN
+        ),
+        "1 - cosine": OneMinusCosineGust(peak=peak, duration=tau),
+        "trapezoid": TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
+        "two gusts": triangle + triangle.shift(tau),
+        "opposite gusts": triangle - triangle.shift(tau),
+        "flip to 0.3": rise - 0.3 * back.shift(tau / 2),
+        "full reversal": rise - back.shift(tau / 2),
+    }
+
+
+def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
+    """Return the laws of the trials by name, designed on a plant and for a peak [rad]."""
+    gains = canonical_gains(plant.coefficients)
+    return {
+        "attitude and rate": SaturatedLaw(gains),
+        "trim": TrimLaw(plant),
+        "dead band 0.5": DeadBandLaw(plant),
+        "recoverable attitude": RecoverableAttitudeLaw(plant, design_peak=peak),
+    }
+
+
+def law_trials(
+    plant: Plant,
+    laws: Mapping[str, Law],
+    winds: Mapping[str, History],
+    *,
+    sample_rate: float = _RATE,
+    cuts: int = 0,
+    **hardware: Any,
+) -> tuple[LawTrial, ...]:
+    """Return what each law needs in each wind, winds within laws.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant that flies.
+    laws, winds : mapping of str to Law and to History
+        By name, as of `standard_laws` and `standard_winds`.
+    sample_rate : float
+        Samples of the law in a second [Hz].
+    cuts : int
+        Sudden stops that are tried as well, as of `closed_loop_boundary`.
+    **hardware
+        rate_limit and actuator, as of `closed_loop_boundary`.
+    """
+    return tuple(
+        _trial(plant, (law, laws[law]), (wind, winds[wind]), sample_rate, cuts, hardware)
+        for law in laws
+        for wind in winds
+    )
+
+
+def law_curve(
+    plant: Plant,
+    law: Law,
+    tau_beta: FloatArray,
+    peak: float,
+    *,
+    sample_rate: float = _RATE,
+) -> FloatArray:
+    """Return the boundary of a law in triangular winds, over tau times the fastest pole.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant that flies.
+    law : Law
+        The law.
+    tau_beta : ndarray
+        Duration of the wind times beta, ``(n,)``.
+    peak : float
+        Peak of the wind [rad].
+    sample_rate : float
+        Samples of the law in a second [Hz].
+    """
+    beta = float(plant.coefficients.beta)
+    winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
+    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST}
+    return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
+
+
+def _trial(
+    plant: Plant,
+    law: tuple[str, Law],
+    wind: tuple[str, History],
+    sample_rate: float,
+    cuts: int,
+    hardware: dict[str, Any],
+) -> LawTrial:
+    found = closed_loop_boundary(
+        plant,
+        law[1],
+        wind[1],
+        sample_rate=sample_rate,
+        cuts=cuts,
+        highest=_HIGHEST,
+        **hardware,
+    )
+    angle = attitude = np.nan
+    if np.isfinite(found.limit):
+        start, end = float(wind[1].onset), float(wind[1].end)
+        flown = fly(
+            plant,
+            law[1],
+            wind[1],
+            np.linspace(start, end + 0.5 * (end - start), _POINTS),
+            deflection_limit=_SPARE * found.deflection,
+            sample_rate=sample_rate,
+            **hardware,
+        )
+        peak = abs(float(wind[1].peak))
+        angle, attitude = (
+            float(np.abs(flown.outputs[name]).max()) / peak
+            for name in ("angle_of_attack", "attitude")
+        )
+    return LawTrial(law[0], wind[0], found.limit, found.monotone, angle, attitude)

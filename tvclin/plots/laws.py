@@ -1,0 +1,73 @@
+"""What laws need in triangular winds, beside the open-loop limits, over their duration."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.boundary import boundary_limit
+from tvclin.forecast_free import forecast_free_limit
+from tvclin.law_trials import law_curve
+from tvclin.laws import Law
+from tvclin.optimum import optimum_deflection
+from tvclin.plant import Plant
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
+from tvclin.winds import TriangularWind
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+FloatArray = NDArray[np.float64]
+
+TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
+_FREE, _KNOWN = "any law, no forecast", "wind known (C)"
+_OPEN: dict[str, Style] = {
+    "open loop K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
+    "open loop K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
+    _FREE: {"color": INK, "ls": "-", "lw": 2.4},
+    _KNOWN: {"color": INK, "ls": ":", "lw": 2.0},
+}
+
+
+def laws_chart(
+    plant: Plant, laws: Mapping[str, Law], peak: float, tau_beta: FloatArray = TAU_BETA
+) -> "ControlPlot":
+    """Draw the boundary of each law over tau*beta, with the limits that they are measured by.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant that flies.
+    laws : mapping of str to Law
+        By name, as of `standard_laws`.
+    peak : float
+        Peak of the triangular winds [rad].
+    tau_beta : ndarray
+        Durations times beta, rising, ``(n,)``.
+    """
+    beta = float(plant.coefficients.beta)
+    winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
+    trim = abs(float(plant.coefficients.B) * peak)
+    rows = {
+        "open loop K = 1": [abs(float(boundary_limit(plant, w).limit)) for w in winds],
+        "open loop K = 0.5": [abs(float(boundary_limit(plant, w, 0.5).limit)) for w in winds],
+        _FREE: [forecast_free_limit(plant, w).limit for w in winds],
+        _KNOWN: [optimum_deflection(plant, w).peak / trim for w in winds],
+    }
+    columns = [Column(name, np.array(row), "-", "") for name, row in rows.items()]
+    styles = dict(_OPEN)
+    looks = zip(laws.items(), (*COLOURS[:3], WARM), LINES, strict=False)
+    for (name, law), colour, line in looks:
+        columns.append(Column(name, law_curve(plant, law, tau_beta, peak), "-", ""))
+        styles[name] = {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
+    words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
+    curves = Curves("laws", words, "tau*beta", tau_beta, tuple(columns))
+    look = Look(
+        f"From trim to the minimum\n{words}",
+        "deflection limit over |B alpha_w,max|",
+        styles,
+        limits={"": (0.0, 2.0)},
+    )
+    return draw(curves, look)
