@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from tvclin.boundary import is_sufficient as is_sufficient
     from tvclin.boundary import survivable_peak as survivable_peak
     from tvclin.boundary import triangle_error as triangle_error
+    from tvclin.campaign import DispersedStudy as DispersedStudy
+    from tvclin.campaign import Dispersion as Dispersion
+    from tvclin.campaign import Dispersions as Dispersions
+    from tvclin.campaign import disperse_study as disperse_study
     from tvclin.closed_loop import ClosedLoopBoundary as ClosedLoopBoundary
     from tvclin.closed_loop import closed_loop_boundary as closed_loop_boundary
     from tvclin.closed_loop import fly as fly
@@ -110,6 +114,7 @@ _ROOMS = {
         "survivable_peak",
         "triangle_error",
     ),
+    "campaign": ("DispersedStudy", "Dispersion", "Dispersions", "disperse_study"),
     "closed_loop": ("ClosedLoopBoundary", "closed_loop_boundary", "fly"),
     "coefficients": ("Coefficients",),
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),

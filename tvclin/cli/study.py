@@ -18,6 +18,7 @@ from tvclin.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from tvclin.campaign import DispersedStudy
     from tvclin.study import Study
 
 
@@ -38,6 +39,11 @@ def study(
     switch: Annotated[
         str, typer.Option(help="What leaves the dead band: report (the wind) or literal (trim).")
     ] = "report",
+    disperse: Annotated[
+        bool, typer.Option("--disperse", help="Disperse vehicle and wind by assumed amounts too.")
+    ] = False,
+    cases: Annotated[int, typer.Option(help="Cases of --disperse.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Seed of --disperse.")] = 0,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -70,14 +76,22 @@ def study(
         plane=plane,
         switch=switch,
     )
+    dispersed = None
+    if disperse:
+        from tvclin.campaign import disperse_study
+
+        dispersed = disperse_study(result, cases=cases, seed=seed)
     if plot is not None:
         from tvclin.plots import save_figure, study_chart
 
         save_figure(study_chart(result), plot)
     if as_json:
-        print_json(_document(result, wind))
+        extra = {} if dispersed is None else {"dispersed": _dispersed_document(dispersed)}
+        print_json(_document(result, wind) | extra)
     else:
         _print(result, wind, vehicle)
+        if dispersed is not None:
+            _print_dispersed(dispersed)
     if result.sufficient is False:
         raise typer.Exit(1)
 
@@ -162,6 +176,49 @@ def _print_boundaries(result: "Study", shape: str) -> None:
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _print_dispersed(found: "DispersedStudy") -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_pairs
+
+    required, drivers = found.required, list(found.drivers.items())[:3]
+    percent, sure = f"{100 * required.probability:g} %", f"{100 * required.confidence:g} %"
+    covers = f"{np.degrees(required.upper):.4f} deg"
+    if np.isinf(required.upper):
+        covers = "too few cases to say: give more --cases"
+    pairs = [
+        ("dispersions", "assumed: " + ", ".join(found.dispersions.parameters)),
+        ("median", f"{np.degrees(np.nanmedian(found.deflection)):.4f} deg"),
+        (f"{percent} of the cases", f"{np.degrees(required.estimate):.4f} deg"),
+        (f"{percent} of flights, {sure} sure", covers),
+        ("driven by", ", ".join(f"{name} ({rank:+.2f})" for name, rank in drivers)),
+    ]
+    if found.success is not None:
+        s = found.success
+        enough = f"in {100 * s.estimate:.2f} % ({100 * s.lower:.2f} to {100 * s.upper:.2f} %)"
+        pairs.append(("the limit is enough", enough))
+    print_pairs(f"\nDispersed, {required.cases} cases, seed {found.seed}", pairs, columns=1)
+
+
+def _dispersed_document(found: "DispersedStudy") -> dict[str, Any]:
+    import numpy as np
+
+    required = found.required
+    return {
+        "cases": required.cases,
+        "seed": found.seed,
+        "probability": required.probability,
+        "confidence": required.confidence,
+        "median_deg": np.degrees(np.nanmedian(found.deflection)),
+        "estimate_deg": np.degrees(required.estimate),
+        "upper_deg": np.degrees(required.upper),
+        "lower_deg": np.degrees(required.lower),
+        "drivers": found.drivers,
+        "success": None if found.success is None else vars(found.success),
+        "dispersions": [vars(one) for one in found.dispersions.each],
+    }
 
 
 def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[str]]:

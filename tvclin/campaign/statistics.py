@@ -1,0 +1,183 @@
+"""What a sample proves: quantiles and probabilities with confidence, and what drives them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.campaign.draws import whole_number
+from tvclin.errors import InputError, finite, number, within
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantile:
+    """A quantile of a sample with its confidence bounds, by order statistics.
+
+    Attributes
+    ----------
+    probability, confidence : float
+        Of the quantile, and of each bound.
+    estimate : float
+        The sample quantile.
+    upper : float
+        With the confidence asked for, the quantile is no larger; infinite if the sample is too
+        small to say so.
+    lower : float
+        With the same confidence it is no smaller; minus infinite if that cannot be said.
+    cases : int
+        Size of the sample.
+    """
+
+    probability: float
+    confidence: float
+    estimate: float
+    upper: float
+    lower: float
+    cases: int
+
+    @property
+    def converged(self) -> bool:
+        """Whether both bounds lie within one percent of the estimate: more cases change little."""
+        return bool(self.upper - self.lower <= 0.01 * abs(self.estimate))
+
+
+@dataclass(frozen=True)
+class Success:
+    """A probability of success with its Clopper-Pearson interval.
+
+    Attributes
+    ----------
+    estimate, lower, upper : float
+        Successes over cases, and the ends of the interval.
+    confidence : float
+        Of the interval.
+    """
+
+    estimate: float
+    lower: float
+    upper: float
+    confidence: float
+
+
+def zero_failure_size(probability: float, consumer_risk: float = 0.1) -> int:
+    """Return how many cases without a failure prove a probability of success.
+
+    Parameters
+    ----------
+    probability : float
+        Of success, in (0, 1).
+    consumer_risk : float
+        The risk that a worse system passes, in (0, 1).
+
+    Notes
+    -----
+    n = ln(risk)/ln(probability), after Hanson and Beard, NASA/TP-2010-216447.
+
+    Examples
+    --------
+    >>> from tvclin.campaign import zero_failure_size
+    >>> [zero_failure_size(p) for p in (0.95, 0.99, 0.9973, 0.99865)]
+    [45, 230, 852, 1705]
+    """
+    p = _fraction("probability", probability)
+    return int(np.ceil(np.log(_fraction("consumer_risk", consumer_risk)) / np.log(p) - 1e-12))
+
+
+def quantile_bound(
+    values: ArrayLike, probability: float = 0.99865, confidence: float = 0.9
+) -> Quantile:
+    """Return a quantile of a sample and its one-sided bounds, whatever the distribution.
+
+    Parameters
+    ----------
+    values : array_like
+        The sample, ``(n,)``; infinite values are legal.
+    probability, confidence : float
+        Of the quantile, and of each bound, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        For an empty sample, NaN in it, and numbers outside (0, 1).
+
+    Notes
+    -----
+    The r-th smallest of n values is at least the p-quantile with the probability that a binomial
+    number of n and p is below r.
+    """
+    from scipy.stats import binom
+
+    sample = np.sort(np.asarray(values, dtype=float).ravel())
+    if not sample.size or np.any(np.isnan(sample)):
+        raise InputError("values must be a sample of one number or more, without NaN")
+    p, c = _fraction("probability", probability), _fraction("confidence", confidence)
+    n = sample.size
+    ranks = np.arange(1, n + 1)
+    below = binom.cdf(ranks - 1, n, p)  # that the rank-th value is at least the quantile
+    upper = np.flatnonzero(below >= c)
+    lower = np.flatnonzero(1.0 - binom.cdf(ranks - 1, n, p) >= c)
+    return Quantile(
+        p,
+        c,
+        float(np.quantile(sample, p, method="inverted_cdf")),
+        float(sample[upper[0]]) if upper.size else np.inf,
+        float(sample[lower[-1]]) if lower.size else -np.inf,
+        n,
+    )
+
+
+def success_probability(successes: int, cases: int, confidence: float = 0.9) -> Success:
+    """Return a probability of success and its two-sided Clopper-Pearson interval.
+
+    Parameters
+    ----------
+    successes, cases : int
+        How many of how many.
+    confidence : float
+        Of the interval, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        For numbers that are not whole, more successes than cases, and no cases.
+    """
+    from scipy.stats import binomtest
+
+    k, n = whole_number("successes", successes), whole_number("cases", cases)
+    if not 0 < n or k > n:
+        raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
+    c = _fraction("confidence", confidence)
+    interval = binomtest(k, n).proportion_ci(c, method="exact")
+    return Success(k / n, float(interval.low), float(interval.high), c)
+
+
+def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str, float]:
+    """Return the rank correlation of each input with the output, the strongest first.
+
+    Parameters
+    ----------
+    inputs : dict of str to ndarray
+        Dispersed values, ``(n,)`` each.
+    output : array_like
+        What they drive, ``(n,)``, finite.
+
+    Notes
+    -----
+    Spearman's coefficient: its square is about the part of the variance of the ranks that the
+    input explains alone, when inputs are independent.
+    """
+    from scipy.stats import spearmanr
+
+    result = finite("output", output)
+    found = {name: float(spearmanr(values, result).statistic) for name, values in inputs.items()}
+    return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
+
+
+def _fraction(name: str, value: float) -> float:
+    inside = number(name, value)
+    if not 0.0 < inside < 1.0:
+        within(name, value, 0.0, 1.0)
+        raise InputError(f"{name} must be above 0 and below 1; got {inside:.6g}")
+    return inside
