@@ -1,0 +1,206 @@
+"""Dispersed cases: their numbers, their distributions, and what a sample proves."""
+
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy import stats
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.campaign import (
+    DEFAULT_DISPERSIONS,
+    draw,
+    quantile_bound,
+    sensitivities,
+    success_probability,
+    zero_failure_size,
+)
+from tvclin.campaign.draws import METHODS
+from tvclin.cli.app import app
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    vehicle = tv.load_vehicle("configuration-i")
+    return tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.42))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_case_has_the_same_numbers_however_the_campaign_is_cut(method):
+    whole = draw(5, 0, 2500, 3, method=method, size=2500)
+    cuts = [0, 1, 7, 1023, 1024, 1025, 2047, 2500]
+    parts = [draw(5, a, b - a, 3, method=method, size=2500) for a, b in pairwise(cuts)]
+    np.testing.assert_array_equal(np.concatenate(parts), whole)
+    assert not np.array_equal(whole, draw(6, 0, 2500, 3, method=method, size=2500))
+    assert 0.0 < whole.min() < whole.max() < 1.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_numbers_are_uniform_and_independent(method):
+    numbers = draw(11, 0, 4096, 4, method=method, size=4096)
+    for column in numbers.T:
+        assert stats.kstest(column, "uniform").pvalue > 1e-3
+    correlation = np.corrcoef(numbers.T)
+    assert np.abs(correlation - np.eye(4)).max() < 4.0 / np.sqrt(4096)
+
+
+def test_a_latin_hypercube_has_one_case_in_each_layer():
+    numbers = draw(3, 0, 500, 2, method="latin", size=500)
+    for column in numbers.T:
+        np.testing.assert_array_equal(np.sort((column * 500).astype(int)), np.arange(500))
+
+
+def test_dispersions_have_the_moments_and_ends_that_they_say():
+    each = (
+        tv.Dispersion("thrust", "normal", 0.02),
+        tv.Dispersion("velocity", "uniform", 10.0, relative=False),
+        tv.Dispersion("weight", "truncated", 0.1),
+    )
+    nominal = {"thrust": 2e6, "velocity": 500.0, "weight": 1e6}
+    values = tv.Dispersions(each).apply(nominal, draw(1, 0, 40_000, 3)).values
+    assert np.std(values["thrust"]) / 2e6 == pytest.approx(0.02, rel=0.02)
+    assert stats.kstest(values["velocity"], stats.uniform(490.0, 20.0).cdf).pvalue > 1e-3
+    cut = stats.truncnorm(-3, 3, loc=1e6, scale=1e5)
+    assert stats.kstest(values["weight"], cut.cdf).pvalue > 1e-3
+    assert 0.7e6 <= values["weight"].min() < values["weight"].max() <= 1.3e6
+
+
+def test_correlated_dispersions_are_correlated():
+    each = (tv.Dispersion("thrust", "normal", 0.02), tv.Dispersion("weight", "normal", 0.05))
+    dispersions = tv.Dispersions(each, correlation=((1.0, -0.6), (-0.6, 1.0)))
+    values = dispersions.apply({"thrust": 1.0, "weight": 1.0}, draw(2, 0, 40_000, 2)).values
+    assert np.corrcoef(values["thrust"], values["weight"])[0, 1] == pytest.approx(-0.6, abs=0.02)
+
+
+def test_zero_failure_sizes_are_the_published_ones():
+    assert [zero_failure_size(p) for p in (0.95, 0.99, 0.9973, 0.99865)] == [45, 230, 852, 1705]
+    for p in (0.9, 0.999):
+        n = zero_failure_size(p)
+        assert p**n <= 0.1 < p ** (n - 1)
+
+
+def test_the_quantile_bound_is_missed_as_seldom_as_it_promises():
+    rng = np.random.default_rng(8)
+    samples = rng.exponential(size=(4000, 300))
+    true = -np.log(1 - 0.98)
+    found = [quantile_bound(sample, 0.98, 0.9) for sample in samples]
+    above = np.mean([one.upper >= true for one in found])
+    below = np.mean([one.lower <= true for one in found])
+    # Binomial steps make the bounds a little safer than asked for.
+    assert 0.9 - 0.02 < above < 0.97
+    assert 0.9 - 0.02 < below < 0.97
+
+
+def test_a_sample_too_small_has_no_upper_bound():
+    needed = zero_failure_size(0.99)
+    sample = np.arange(needed, dtype=float)
+    assert np.isinf(quantile_bound(sample[:-1], 0.99, 0.9).upper)
+    assert quantile_bound(sample, 0.99, 0.9).upper == sample[-1]
+
+
+def test_success_is_clopper_and_pearson():
+    found = success_probability(47, 50, 0.9)
+    assert found.estimate == 0.94
+    assert found.lower == pytest.approx(stats.beta.ppf(0.05, 47, 4), rel=1e-10)
+    assert found.upper == pytest.approx(stats.beta.ppf(0.95, 48, 3), rel=1e-10)
+    assert success_probability(230, 230, 0.8).lower == pytest.approx(0.1 ** (1 / 230), rel=1e-10)
+
+
+def test_sensitivities_find_what_drives():
+    rng = np.random.default_rng(4)
+    inputs = {name: rng.normal(size=5000) for name in ("weak", "none", "strong")}
+    found = sensitivities(inputs, np.exp(inputs["strong"]) - 0.3 * inputs["weak"])
+    assert list(found) == ["strong", "weak", "none"]
+    assert found["strong"] > 0.8
+    assert found["weak"] < -0.1
+    assert abs(found["none"]) < 0.05
+
+
+def test_dispersed_cases_are_those_of_single_studies(nominal):
+    found = tv.disperse_study(nominal, cases=50, seed=9)
+    for case in (0, 17, 49):
+        values = {name: float(column[case]) for name, column in found.values.items()}
+        duration = values.pop("wind_duration")
+        vehicle = nominal.vehicle.replace(**values)
+        alone = tv.Study.from_vehicle(vehicle, duration=duration, peak=np.radians(5))
+        assert found.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
+    assert set(found.status.tolist()) == {"ok"}
+
+
+def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
+    few, many = (tv.disperse_study(nominal, cases=n, seed=3) for n in (40, 1500))
+    np.testing.assert_array_equal(few.deflection, many.deflection[:40])
+    bound = stats.beta.ppf(0.05, *_counts(many, nominal.limit))
+    assert many.success.lower == pytest.approx(bound, rel=1e-9)
+    assert not np.array_equal(
+        few.deflection, tv.disperse_study(nominal, cases=40, seed=4).deflection
+    )
+
+
+def _counts(found, limit):
+    enough = int(np.sum(found.deflection <= limit))
+    return enough, found.deflection.size - enough + 1
+
+
+def test_one_bad_case_has_its_own_status(nominal):
+    wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
+    found = tv.disperse_study(nominal, wild, cases=400, seed=1)
+    bad = found.values["thrust"] <= 0.0
+    assert 0 < bad.sum() < 50
+    np.testing.assert_array_equal(found.status == "impossible vehicle", bad)
+    np.testing.assert_array_equal(np.isnan(found.deflection), bad)
+    assert found.required.cases == 400 - bad.sum()
+
+
+def test_the_command_line_says_the_same(nominal):
+    arguments = ["study", "--disperse", "--cases", "1800", "--seed", "2", "--limit-deg", "0.42"]
+    text = CliRunner().invoke(app, arguments).output
+    document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output)["dispersed"]
+    found = tv.disperse_study(nominal, cases=1800, seed=2)
+    assert document["upper_deg"] == pytest.approx(np.degrees(found.required.upper), rel=1e-12)
+    assert f"{document['upper_deg']:.4f} deg" in text
+    assert document["drivers"] == pytest.approx(found.drivers)
+    few = CliRunner().invoke(app, ["study", "--disperse", "--cases", "100"]).output
+    assert "too few cases to say" in few
+
+
+@pytest.mark.parametrize(
+    ("attempt", "message"),
+    [
+        (lambda: tv.Dispersion("thurst", "normal", 0.1), r"did you mean 'thrust'"),
+        (lambda: tv.Dispersion("thrust", "gauss", 0.1), "shape must be one of normal"),
+        (lambda: tv.Dispersion("thrust", "normal", -0.1), "spread must be positive"),
+        (lambda: tv.Dispersions((DEFAULT_DISPERSIONS.each[0],) * 2), "dispersed twice"),
+        (
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((1.0, 1.2), (1.2, 1.0))),
+            "must be positive definite",
+        ),
+        (
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((1.0,),)),
+            "symmetric matrix of 2 rows",
+        ),
+        (lambda: draw(0.5, 0, 1, 1), "seed must be an integer"),
+        (lambda: draw(0, 0, 1, 1, method="halton"), "method must be one of"),
+        (lambda: draw(0, 5, 10, 1, method="latin", size=12), "of 12 cases has no case 14"),
+        (lambda: zero_failure_size(1.0), "probability must be above 0 and below 1; got 1"),
+        (lambda: quantile_bound([]), "one number or more"),
+        (lambda: quantile_bound([1.0, np.nan]), "without NaN"),
+        (lambda: success_probability(3, 2), "at most cases"),
+        (lambda: success_probability(1.5, 2), "successes must be an integer"),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(attempt, message):
+    with pytest.raises(tv.InputError, match=message):
+        attempt()
+
+
+def test_bad_input_to_a_dispersed_study(nominal):
+    with pytest.raises(tv.InputError, match="cases must be one or more"):
+        tv.disperse_study(nominal, cases=0)
+    with pytest.raises(tv.InputError, match="seed must be an integer"):
+        tv.disperse_study(nominal, seed=-1)
+    result = CliRunner().invoke(app, ["study", "--disperse", "--seed", "-3"])
+    assert result.exit_code == 2
+    assert "Error: seed must be an integer" in result.stderr
