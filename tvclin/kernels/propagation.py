@@ -21,8 +21,12 @@ FloatArray = NDArray[np.float64]
 
 _EACH = 128
 """Steps of one size in the ladder of times; the size doubles from one lot to the next."""
-_FINE = 0.1
-"""The first step, over the fastest eigenvalue."""
+_FINE, _COARSE = 0.1, 0.4
+"""The first step, and the coarsest, over the fastest eigenvalue that is still alive."""
+_CLOSE = 0.03
+"""Summits among the samples that are lower by less than this may be the highest ones."""
+_DEAD = 40.0
+"""A mode is dead when it has fallen to e^-40."""
 _SMALL, _TERMS = 0.5, 14
 """0.5^15/15! is below 1e-16: the series of an exponent of that size ends after so many terms."""
 
@@ -71,24 +75,29 @@ class Motion:
     def largest(self, row: NDArray[Any], beyond: float) -> tuple[float, float]:
         """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
-        It is sought at the probe times, and beside the best of them where the exact derivative
-        is zero.
+        It is sought at the probe times, and beside the best of them, and those nearly as good,
+        where the exact derivative is zero.
         """
         from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
         times, states = self.probes(beyond)
         values = np.real(states @ row)
-        k = int(np.argmax(np.abs(values)))
+        sizes = np.abs(values)
+        k = int(np.argmax(sizes))
         value, time = float(values[k]), float(times[k])
-        slope = np.sign(value) * (row @ self.matrix)
+        beside = np.maximum(np.append(sizes[1:], 0.0), np.append(0.0, sizes[:-1]))
+        near = np.flatnonzero((sizes >= beside) & (sizes >= (1.0 - _CLOSE) * sizes[k]))
 
-        def rise(step: float, start: NDArray[Any]) -> float:
+        def rise(step: float, start: NDArray[Any], slope: NDArray[Any]) -> float:
             return float(np.real(slope @ exponentials(self.matrix, np.array([step]))[0] @ start))
 
-        for i in range(max(k - 2, 0), min(k + 2, times.size - 1)):  # knots are there twice
+        # Knots are there twice, so that a sample may be two places from its summit.
+        inside = np.unique(near[:, np.newaxis] + np.arange(-2, 2))
+        for i in inside[(inside >= 0) & (inside < times.size - 1)]:
             width, start = float(times[i + 1] - times[i]), states[i]
-            if width > 0.0 and rise(0.0, start) > 0.0 > rise(width, start):
-                step = float(brentq(rise, 0.0, width, args=(start,), xtol=1e-13 * width))
+            slope = np.sign(values[i] + values[i + 1]) * (row @ self.matrix)
+            if width > 0.0 and rise(0.0, start, slope) > 0.0 > rise(width, start, slope):
+                step = float(brentq(rise, 0.0, width, args=(start, slope), xtol=1e-13 * width))
                 top = exponentials(self.matrix, np.array([step]))[0] @ start
                 found = float(np.real(row @ top))
                 if abs(found) > abs(value):
@@ -158,22 +167,28 @@ def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
 
 
 def _ladder(matrix: NDArray[Any], longest: float) -> tuple[FloatArray, NDArray[Any]]:
-    """Times from zero up to `longest` and beyond, in steps that double, and e^(matrix t) there."""
-    fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    """Times from zero up to `longest` and beyond, in steps that grow, and e^(matrix t) there.
+
+    A step doubles when every mode that would be too fast for it has died out.
+    """
+    rates = np.linalg.eigvals(matrix)
+    fastest = float(np.abs(rates).max())
     step = min(_FINE / fastest if fastest else np.inf, longest / _EACH)
     factor, start = exponentials(matrix, np.array([step]))[0], np.eye(len(matrix))
     times: list[Any] = [np.zeros(1)]
     powers, now = [start[np.newaxis]], 0.0
     while now < longest:
         lot = start[np.newaxis] @ factor
-        single = factor
+        single, many = factor, factor
         while len(lot) < _EACH:
-            lot = np.concatenate([lot, factor @ lot])
-            factor = factor @ factor
+            lot = np.concatenate([lot, many @ lot])
+            many = many @ many
         times.append(now + step * np.arange(1, _EACH + 1))
         powers.append(lot)
         start, now = lot[-1], now + step * _EACH
-        factor, step = single @ single, 2.0 * step
+        alive = np.abs(rates[-np.real(rates) * now < _DEAD])
+        if 2.0 * step * alive.max(initial=0.0) <= _COARSE:
+            factor, step = single @ single, 2.0 * step
     return np.concatenate(times), np.concatenate(powers)
 
 
