@@ -199,16 +199,16 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
         assert least <= most * (1.0 + 1e-12)
 
 
-@pytest.mark.parametrize("reversal", [0.05, 0.15, 0.3])
-@pytest.mark.parametrize("seed", [0, 3, 5, 7])
+@pytest.mark.parametrize("reversal", [0.05, 0.15, 0.3, 1.0])
+@pytest.mark.parametrize("seed", [0, 3, 5, 7, 8])
 def test_a_reversal_is_reserved_for(seed, reversal):
-    """With z above y - R a reversal instead of a stop would be lost."""
+    """With z above y - R a reversal instead of a stop would be lost, and z begins at zero."""
     wind = random_wind(seed)
     found = limit_of(wind, reversal=reversal)
     plain = tv.forecast_free_limit(plant_of(), wind)
     largest = ahead(wind, plain.worst_stop)
-    assert reversal < largest
-    assert found == pytest.approx(max(plain.foresight, (largest + reversal) / 2.0), rel=1e-9)
+    expected = max(plain.foresight, (largest + reversal) / 2.0, reversal)
+    assert found == pytest.approx(expected, rel=1e-9)
     assert bisected(lambda y: viable(wind, y, reversal)) == pytest.approx(found, abs=1e-3)
 
 

@@ -166,7 +166,7 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
 
 
 def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
-    """Return the H-infinity norm from wind to deflection, by `control.system_norm`.
+    """Return the H-infinity norm from wind to deflection, by `control.system_norm`, to 1e-6.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
     import control
 
     closed = autopilot.close(plant)
-    return float(control.system_norm(closed["deflection", "wind"], p="inf", tol=1e-9))
+    return float(control.system_norm(closed["deflection", "wind"], p="inf"))
 
 
 def worst_duration(
@@ -219,6 +219,10 @@ def worst_duration(
     """
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    if plant.batch or autopilot.batch:
+        raise InputError("worst_duration is for one case; take those of a batch one by one")
     low, high = (
         number("shortest", shortest, positive, "s"),
         number("longest", longest, positive, "s"),

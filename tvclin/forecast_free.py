@@ -39,7 +39,7 @@ class ForecastFreeLimit:
     limit : float
         y*, over the trim deflection B alpha_w,max without drift.
     deflection : float
-        The same as a deflection [rad]; its sign opposes the wind.
+        The same as a deflection [rad], -limit B alpha_w,max.
     kind : str
         "exact", or for models with drift "bound of the fast mode": no law needs less.
     foresight : float
@@ -67,7 +67,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     reversal : float
         R, the discounted impulse of a wind of the other sign that may come at any instant instead
         of a stop, over the peak: p * integral of e^(-p r) |alpha_w(r)| dr, counted from the
-        reversal. Then y = max{W(onset), (sup W + R)/2}. One is a full reversal for ever.
+        reversal. Then y = max{W(onset), (sup W + R)/2, R}. One is a full reversal for ever.
 
     Raises
     ------
@@ -101,10 +101,10 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     _check_one_signed(wind(times) / peak)
     ahead, when = _largest_future(wind, times, pole, peak)
     foresight = pole * float(wind.future(pole, wind.onset)) / peak
-    limit = float(modes.wind[0]) * max(foresight, (ahead + R) / 2.0)
+    limit = abs(float(modes.wind[0])) * max(foresight, (ahead + R) / 2.0, R)
     kind = EXACT if plant.model == "fixed-path" else BOUND
     B = float(plant.coefficients.B)
-    scaled = float(modes.wind[0]) * foresight
+    scaled = abs(float(modes.wind[0])) * foresight
     return ForecastFreeLimit(limit, -limit * B * peak, kind, scaled, when)
 
 

@@ -31,8 +31,6 @@ _SPARE = 1.2
 _POINTS = 801
 _HIGHEST = 4.0
 _RATE = 100.0
-_SUDDEN = 1e-6
-"""Duration of a jump, over that of the wind."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,8 @@ class LawTrial:
     monotone : bool
         Whether every limit above one that survives survives as well.
     peak_angle_of_attack, peak_attitude : float
-        Largest sizes at 1.2 times the boundary, over the peak of the wind.
+        Largest of 801 samples of a flight at 1.2 times the boundary, over the peak of the wind;
+        NaN where there is no boundary.
     """
 
     law: str
@@ -75,12 +74,8 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
     rise = triangle.before(tau / 2)
     return {
         "triangle": triangle,
-        "sawtooth, stops dead": AsymmetricTriangularWind(
-            peak=peak, duration=tau, peak_time=tau * (1.0 - _SUDDEN)
-        ),
-        "sawtooth, jumps first": AsymmetricTriangularWind(
-            peak=peak, duration=tau, peak_time=tau * _SUDDEN
-        ),
+        "sawtooth, stops dead": AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
+        "sawtooth, jumps first": AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
         "1 - cosine": OneMinusCosineGust(peak=peak, duration=tau),
         "trapezoid": TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
         "two gusts": triangle + triangle.shift(tau),
@@ -140,7 +135,7 @@ def law_curve(
     *,
     sample_rate: float = _RATE,
 ) -> FloatArray:
-    """Return the boundary of a law in triangular winds, over tau times the fastest pole.
+    """Return the boundary of a law in triangular winds, over tau times beta.
 
     Parameters
     ----------

@@ -159,7 +159,11 @@ def _document(
         "wind_gain": found.wind_gain,
         "worst_duration": None
         if worst is None
-        else {"duration_s": worst.duration, "peak_deflection_deg": deg(worst.peak_deflection)},
+        else {
+            "duration_s": worst.duration,
+            "peak_deflection_deg": deg(worst.peak_deflection),
+            "at_the_end": worst.at_the_end,
+        },
         "criteria": {"name": asked.name, "met": criteria},
         "limit_deg": limit_deg,
         "within_limit": None if limit_deg is None else bool(within),
@@ -226,5 +230,6 @@ def _loads(document: dict[str, Any], worst: "WorstDuration | None") -> list[tupl
     pairs.append(("H-infinity, wind to deflection", f"{document['wind_gain']:.4g}"))
     if worst is not None:
         asks = np.degrees(worst.peak_deflection)
-        pairs.append(("worst duration", f"{worst.duration:.3g} s, {asks:.4g} deg"))
+        end = ", an end of what was tried" if worst.at_the_end else ""
+        pairs.append(("worst duration", f"{worst.duration:.3g} s, {asks:.4g} deg{end}"))
     return pairs

@@ -109,6 +109,9 @@ def _print(
         headings[:-1],
         [row[:-1] for row in loads],
     )
-    typer.echo("any law: without a forecast none needs less; - where the wind changes its sign.")
+    typer.echo(
+        "any law: none needs less that has no forecast and must also survive when the wind stops"
+        " for good at any instant (--cuts); - where the wind changes its sign."
+    )
     if not all(one.monotone for one in found):
         typer.echo("*: some lower limits survive as well; above this one every limit does.")

@@ -197,7 +197,10 @@ def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
             m.peak_complementary_sensitivity_frequency,
         ),
     ]
-    return [(name, [label, value, f"{at:.4g}"]) for name, label, value, at in lines]
+    return [
+        (name, [label, value, f"{at:.4g}" if at >= 0.0 else "-"])
+        for name, label, value, at in lines
+    ]
 
 
 def _judged(one: "Judgement | None") -> list[str]:

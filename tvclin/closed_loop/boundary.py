@@ -1,9 +1,10 @@
 """The least deflection limit with which a law survives a wind, decided without a horizon.
 
 After the wind a flight is lost for good when its state leaves the recoverable set of the unstable
-modes, and saved when it has settled well inside. Survival need not grow with the limit (a law
-that leans further may be further out when the wind turns), so limits are scanned before the edge
-is refined, and the edge is that above the highest limit that is lost.
+modes, and saved when it has settled well inside. That is the wind survived; it says nothing of a
+slow mode which the law itself does not hold (its margins do). Survival need not grow with the
+limit (a law that leans further may be further out when the wind turns), so limits are scanned
+before the edge is refined, and the edge is that above the highest limit that is lost.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.closed_loop.airframe import Nozzle, Steps, steps
-from tvclin.closed_loop.checks import check_flight, check_sample_rate
+from tvclin.closed_loop.checks import check_flight, check_rate_limit, check_sample_rate
 from tvclin.closed_loop.sampled import Sampler, at_rest
 from tvclin.errors import InputError, number, positive
 from tvclin.histories import History
@@ -126,7 +127,9 @@ def closed_loop_boundary(
     check_flight(plant, law, wind)
     modes = unstable_coordinates(plant)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
-    nozzle = Nozzle(actuator, float(rate_limit), length)
+    nozzle = Nozzle(actuator, check_rate_limit(rate_limit), length)
+    if isinstance(cuts, bool) or not isinstance(cuts, int) or cuts < 0:
+        raise InputError(f"cuts must be an integer, zero or positive; got {cuts!r}")
     low, high = number("lowest", lowest, positive), number("highest", highest, positive)
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")

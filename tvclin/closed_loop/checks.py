@@ -41,6 +41,12 @@ def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
     return rate
 
 
+def check_rate_limit(rate_limit: float) -> float:
+    """Return the rate limit [rad/s], positive or infinite."""
+    unlimited = isinstance(rate_limit, float) and rate_limit == np.inf
+    return np.inf if unlimited else number("rate_limit", rate_limit, positive, "rad/s")
+
+
 def check_actuator(actuator: Actuator | None) -> None:
     """Raise `InputError` unless there is no actuator, or one."""
     if actuator is None:

@@ -1,7 +1,8 @@
 """One flight of a law that is computed without pause: event-exact.
 
-Knots of the wind, the limit and the switches of the law are hit, not stepped over: between two of
-them everything is smooth, and scipy's DOP853 runs from each to the next.
+Knots of the wind, the limit and the switches of the law are hit, not stepped over: scipy's DOP853
+runs from each to the next. Corners that leave everything continuous (the rate limit and the stop
+of an actuator, the ends of a lean) are left to its error control.
 """
 
 from collections.abc import Callable
@@ -87,6 +88,11 @@ class ContinuousFlight:
                     events=self._events(mode),
                     args=(mode, gust),
                 )
+                if result.status < 0:
+                    raise InputError(
+                        "the flight is lost and grows without bounds; ask for times before"
+                        f" t = {result.t[-1]:.6g} s"
+                    )
                 found.append(Arc(now, result.sol, mode))
                 now, state = float(result.t[-1]), result.y[:, -1]
                 if result.status == 1:

@@ -7,7 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.closed_loop.airframe import Nozzle, gust_steps, steps
-from tvclin.closed_loop.checks import check_actuator, check_flight, check_sample_rate
+from tvclin.closed_loop.checks import (
+    check_actuator,
+    check_flight,
+    check_rate_limit,
+    check_sample_rate,
+)
 from tvclin.closed_loop.continuous import ContinuousFlight
 from tvclin.closed_loop.sampled import Sampler, at_rest
 from tvclin.errors import InputError, finite, number, positive
@@ -87,7 +92,7 @@ def fly(
     if times.ndim != 1 or not times.size:
         raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
     limit = number("deflection_limit", deflection_limit, positive, "rad")
-    most = np.inf if rate_limit == np.inf else number("rate_limit", rate_limit, positive, "rad/s")
+    most = check_rate_limit(rate_limit)
     start = min(float(wind.knots[0]), float(times.min()))
     if sample_rate is None:
         rows = _continuous(plant, law, wind, times, (limit, most), actuator, start)

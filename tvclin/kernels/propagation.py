@@ -25,6 +25,8 @@ _FINE, _COARSE = 0.1, 0.4
 """The first step, and the coarsest, over the fastest eigenvalue that is still alive."""
 _CLOSE = 0.03
 """Summits among the samples that are lower by less than this may be the highest ones."""
+_BEGUN = 1e-3
+"""Where a derivative that begins with zero is looked at, over the width of the step."""
 _DEAD = 40.0
 """A mode is dead when it has fallen to e^-40."""
 _SMALL, _TERMS = 0.5, 14
@@ -96,8 +98,9 @@ class Motion:
         for i in inside[(inside >= 0) & (inside < times.size - 1)]:
             width, start = float(times[i + 1] - times[i]), states[i]
             slope = np.sign(values[i] + values[i + 1]) * (row @ self.matrix)
-            if width > 0.0 and rise(0.0, start, slope) > 0.0 > rise(width, start, slope):
-                step = float(brentq(rise, 0.0, width, args=(start, slope), xtol=1e-13 * width))
+            low = 0.0 if rise(0.0, start, slope) > 0.0 else _BEGUN * width
+            if width > 0.0 and rise(low, start, slope) > 0.0 > rise(width, start, slope):
+                step = float(brentq(rise, low, width, args=(start, slope), xtol=1e-13 * width))
                 top = exponentials(self.matrix, np.array([step]))[0] @ start
                 found = float(np.real(row @ top))
                 if abs(found) > abs(value):

@@ -64,9 +64,9 @@ class TrimLaw(Law):
 class DeadBandLaw(TrimLaw):
     """The report's control as a feedback: trim inside the dead band, then the whole limit.
 
-    When the deflection that trim asks for reaches K times the limit, the whole limit is used
-    until that deflection has come back to zero: the work is done, and trim and attitude feedback
-    have the nozzle again. It switches on the deflection asked for, so with drift it meets the
+    When the deflection asked for reaches K times the limit, the whole limit is used until it has
+    fallen to 0.9 K of the limit: the work is done, and trim and attitude feedback have the nozzle
+    again. It switches on the deflection asked for, so with drift it meets the
     literal dead band, not that of (18).
 
     Parameters
@@ -77,7 +77,7 @@ class DeadBandLaw(TrimLaw):
         Gain of the feedback on z, over that of trim. One places the poles where the canonical
         gains do; with more, the attitude feedback undoes the lean that the dead band is for.
     dead_band : float
-        K, above zero and at most one; one is the `TrimLaw`.
+        K, from 0.01 to one.
 
     Raises
     ------

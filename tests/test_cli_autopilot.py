@@ -1,0 +1,111 @@
+"""`tvclin margins`, `autopilot` and `laws`: the numbers of the library, and clear refusals."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, list(arguments))
+
+
+def booster(model="drift"):
+    return tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
+
+
+def test_margins_equal_the_library():
+    result = run("margins", "--natural-frequency", "1", "--delay-ms", "40", "--json")
+    plant = booster()
+    rule = {"natural_frequency": 1.0, "damping": 0.7}
+    autopilot = tv.design_gains(plant.coefficients, **rule, actuator=tv.Actuator(), delay=0.04)
+    expected, document = autopilot.margins(plant), json.loads(result.output)
+    assert result.exit_code == 0
+    for name in ("aero_margin_dB", "gain_increase", "phase_margin_deg", "disk_margin"):
+        assert document["margins"][name] == pytest.approx(getattr(expected, name), rel=1e-12)
+    assert document["criteria"]["met"]
+    assert all(one["source"] for one in document["criteria"]["requirements"])
+
+
+def test_criteria_decide_the_exit_code():
+    gains = ("margins", "--natural-frequency", "1")
+    assert run(*gains).exit_code == 0
+    assert run(*gains, "--phase-deg", "80").exit_code == 1
+    assert run(*gains, "--delay-margin-ms", "2000").exit_code == 1
+    assert "NOT MET" in run("margins").output
+
+
+def test_an_unstable_loop_has_a_reason_and_no_margins():
+    result = run("margins", "--attitude-gain", "0.05", "--rate-gain", "0.3")
+    assert result.exit_code == 1
+    assert "NO MARGINS: the closed loop is unstable: 2 closed-loop poles" in result.output
+    assert "phase" not in result.output
+    other = run("autopilot", "--attitude-gain", "0.05", "--rate-gain", "0.3")
+    assert other.exit_code == 1
+    assert "NO NUMBERS" in other.output
+
+
+def test_a_warning_is_said_once():
+    result = run("margins", "--attitude-gain", "-0.05", "--rate-gain", "0.3")
+    assert result.stderr.count("Warning: attitude_gain = -0.05 is positive feedback") == 1
+
+
+def test_the_autopilot_is_compared_as_in_the_library():
+    document = json.loads(run("autopilot", "--natural-frequency", "1", "--json").output)
+    plant = booster()
+    rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": tv.Actuator()}
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    expected = tv.compare_with_trim(plant, tv.design_gains(plant.coefficients, **rule), wind)
+    peak = np.degrees(expected.peak_deflection)
+    assert document["peak_deflection_deg"] == pytest.approx(peak, rel=1e-12)
+    assert document["minimum_deg"] == pytest.approx(np.degrees(expected.minimum), rel=1e-12)
+    assert document["part_of_trim"] == pytest.approx(expected.relative, rel=1e-12)
+
+
+def test_a_limit_is_judged():
+    gains = ("autopilot", "--natural-frequency", "1", "--limit-deg")
+    assert run(*gains, "0.6").exit_code == 1
+    assert run(*gains, "0.7").exit_code == 0
+
+
+@pytest.mark.parametrize("chart", ["nichols", "bode", "nyquist", "root-locus"])
+def test_charts_are_written(chart, tmp_path):
+    file = tmp_path / "chart.png"
+    run("margins", "--natural-frequency", "1", "--chart", chart, "--plot", str(file))
+    assert file.read_bytes().startswith(b"\x89PNG")
+
+
+def test_laws_are_flown_in_the_winds_asked_for():
+    arguments = ("--wind", "triangle", "--model", "fixed-path", "--sample-rate", "40", "--json")
+    result = CliRunner().invoke(app, ["laws", "--duration", "4", *arguments])
+    document = json.loads(result.stdout)
+    limits = {one["law"]: one["limit"] for one in document["trials"]}
+    assert set(limits) == {"attitude and rate", "trim", "dead band 0.5", "recoverable attitude"}
+    assert min(limits.values()) >= document["no_forecast"]["triangle"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["margins", "--design", "guess"], "--design must be one of canonical, poles"),
+        (["margins", "--design", "poles"], "--design poles needs --natural-frequency"),
+        (["margins", "--rate-gain", "1"], "need --attitude-gain and --rate-gain, both"),
+        (["margins", "--attitude-gain", "1", "--design", "lqr"], "not both"),
+        (["margins", "--delay-ms", "-1"], "--delay-ms must be zero or positive"),
+        (["margins", "--criteria", "none"], "--criteria must be one of classic, aircraft"),
+        (["margins", "--chart", "smith"], "--chart must be one of nichols"),
+        (["margins", "--natural-frequency", "0"], "natural_frequency must be positive"),
+        (["autopilot", "--limit-deg", "0"], "--limit-deg must be positive"),
+        (["laws", "--wind", "storm"], "--wind must be one of triangle"),
+        (["laws", "--model", "drift-and-speed"], "one or two real unstable poles"),
+    ],
+)
+def test_bad_input_is_one_sentence(arguments, message):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
