@@ -1,127 +1,284 @@
-"""Boundaries of laws: the report's limits where trim is the law, and the table of the lean law."""
+"""Boundaries of laws: the report's limits, the table of the lean law, bounds, exact flights."""
 
 import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin import (
+    Coefficients,
+    InputError,
+    Plant,
+    RecoverableAttitudeLaw,
+    SampledWind,
+    TriangularWind,
+    TrimLaw,
+    WindEstimator,
+    closed_loop_boundary,
+    fly,
+)
+from tvclin.recoverable import unstable_coordinates
 
 PEAK = np.radians(5.0)
-HARDWARE = {
-    "actuator": tv.Actuator(natural_frequency=20.0, damping=0.7),
-    "rate_limit": np.radians(5.0),
-}
+NAME = "configuration-i"
+SERVO = tv.Actuator(natural_frequency=20.0, damping=0.7)
+EACH_MODEL = pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+TAUS = (2.0, 4.0, 8.0, 20.0)
+EACH_TAU = pytest.mark.parametrize("tau_beta", TAUS)
 
 
-def plant_of(model="fixed-path"):
-    return tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
+def plant_of(model="fixed-path", name=NAME):
+    return Plant.from_vehicle(tv.load_vehicle(name), model)
 
 
 def triangle(plant, tau_beta, peak=PEAK):
-    return tv.TriangularWind(peak=peak, duration=tau_beta / plant.coefficients.beta)
+    return TriangularWind(peak=peak, duration=tau_beta / plant.coefficients.beta)
 
 
-def limit(plant, law, tau_beta, **options):
-    options = {"sample_rate": 100.0} | options
-    return tv.closed_loop_boundary(plant, law, triangle(plant, tau_beta), **options).limit
+def lean(plant, reach=0.95, **options):
+    return RecoverableAttitudeLaw(plant, **{"reach": reach, "design_peak": PEAK} | options)
 
 
-@pytest.mark.parametrize("tau_beta", [2.0, 8.0])
+def found(plant, law, wind, **options):
+    """Return the limit at 50 Hz, which is plenty without hardware; `wind` may be tau beta."""
+    wind = triangle(plant, wind) if isinstance(wind, float) else wind
+    return closed_loop_boundary(plant, law, wind, **{"sample_rate": 50.0} | options).limit
+
+
+@EACH_TAU
 def test_trim_as_a_feedback_has_the_boundary_of_eq_12(tau_beta):
     plant = plant_of()
     expected = tv.boundary_limit(plant, triangle(plant, tau_beta)).limit
-    assert limit(plant, tv.TrimLaw(plant), tau_beta) == pytest.approx(expected, abs=0.002)
+    limit = found(plant, TrimLaw(plant), tau_beta, sample_rate=25.0)
+    assert limit == pytest.approx(expected, abs=0.002)
 
 
-def test_trim_that_holds_the_attitude_meets_the_literal_dead_band_with_drift():
+@EACH_TAU
+def test_trim_that_holds_the_attitude_meets_the_literal_dead_band_with_drift(tau_beta):
     plant = plant_of("drift-exact")
-    expected = tv.boundary_limit(plant, triangle(plant, 8.0), 1.0, "literal").limit
-    assert limit(plant, tv.TrimLaw(plant_of()), 8.0) == pytest.approx(expected, abs=0.002)
+    expected = tv.boundary_limit(plant, triangle(plant, tau_beta), 1.0, "literal").limit
+    limit = found(plant, TrimLaw(plant_of()), tau_beta, sample_rate=25.0)
+    assert limit == pytest.approx(expected, abs=0.002)
 
 
-def test_the_dead_band_law_comes_near_the_open_loop_limit_of_a_wind_that_goes_on():
+@pytest.mark.parametrize("tau_beta", [2.0, 4.0])
+def test_the_dead_band_law_comes_near_the_reports_limit_in_a_short_wind(tau_beta):
     plant = plant_of()
-    expected = tv.boundary_limit(plant, triangle(plant, 4.0), 0.5).limit
-    found = limit(plant, tv.DeadBandLaw(plant), 4.0)
-    assert expected <= found + 1e-3 < expected + 0.005
+    expected = tv.boundary_limit(plant, triangle(plant, tau_beta), 0.5).limit
+    assert expected <= found(plant, tv.DeadBandLaw(plant), tau_beta) <= expected + 0.004
+
+
+# Of another program, with steps of 5 ms; vehicle I, 5 degrees.
+TABLE = {
+    ("lean", "fixed-path"): (0.409, 0.394, 0.425, 0.478),
+    ("lean", "drift-exact"): (0.397, 0.389, 0.414, 0.466),
+    ("trim", "drift-exact"): (0.491, 0.666, 0.806, 0.909),
+}
 
 
 @pytest.mark.parametrize(
-    ("model", "tau_beta", "expected"),
-    [("fixed-path", 4.0, 0.394), ("fixed-path", 8.0, 0.425), ("drift-exact", 4.0, 0.389)],
+    ("law", "model", "tau_beta", "expected"),
+    [(*case, *pair) for case, row in TABLE.items() for pair in zip(TAUS, row, strict=True)],
 )
-def test_the_recoverable_attitude_law_needs_what_is_known(model, tau_beta, expected):
+def test_laws_without_hardware_need_what_the_table_says(law, model, tau_beta, expected):
     plant = plant_of(model)
-    law = tv.RecoverableAttitudeLaw(plant, reach=0.95, design_peak=PEAK)
-    found = limit(plant, law, tau_beta)
-    assert found == pytest.approx(expected, abs=0.005)
-    assert found >= tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
+    law = lean(plant) if law == "lean" else TrimLaw(plant)
+    assert found(plant, law, tau_beta) == pytest.approx(expected, abs=0.005)
 
 
-def test_hardware_costs_little():
+@pytest.mark.parametrize(("tau_beta", "expected"), [(4.0, 0.399), (20.0, 0.478)])
+def test_a_slow_nozzle_costs_little(tau_beta, expected):
     plant = plant_of("drift-exact")
-    law = tv.RecoverableAttitudeLaw(plant, reach=0.9, design_peak=PEAK)
-    assert limit(plant, law, 4.0, **HARDWARE) == pytest.approx(0.399, abs=0.02)
+    hardware = {"actuator": SERVO, "rate_limit": np.radians(5.0), "sample_rate": 50.0}
+    limit = found(plant, lean(plant, reach=0.9), tau_beta, **hardware)
+    assert limit == pytest.approx(expected, abs=0.02)
 
 
-def test_sudden_stops_cost_nothing_in_a_triangle():
+def test_a_noisy_estimator_costs_a_little_more():
+    plant = plant_of("drift-exact")
+    estimator = WindEstimator(bandwidth=10.0, rate_noise=np.radians(0.02), seed=1)
+    hardware = {"actuator": SERVO, "rate_limit": np.radians(10.0), "sample_rate": 200.0}
+    limit = found(plant, lean(plant, reach=0.8, estimator=estimator), 4.0, **hardware)
+    assert limit == pytest.approx(0.424, abs=0.02)
+
+
+@EACH_MODEL
+@pytest.mark.parametrize("tau_beta", [4.0, 8.0])
+def test_sudden_stops_cost_nothing_in_a_triangle(model, tau_beta):
+    plant = plant_of(model)
+    law = lean(plant, reach=0.9)
+    whole, stopped = (found(plant, law, tau_beta, sample_rate=10.0, cuts=n) for n in (0, 12))
+    assert whole <= stopped <= whole + 0.002
+
+
+def test_a_sudden_stop_is_the_wind_cut_dead():
+    """One cut in the middle counts like the two winds flown one by one."""
     plant = plant_of()
-    law = tv.RecoverableAttitudeLaw(plant, reach=0.9, design_peak=PEAK)
-    with_stops = limit(plant, law, 4.0, cuts=12)
-    assert with_stops == pytest.approx(limit(plant, law, 4.0), abs=0.002)
+    wind = SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))
+    law = RecoverableAttitudeLaw(plant, reach=1.0, gain=6.0)
+    alone = [found(plant, law, one) for one in (wind, wind.before(4.5))]
+    assert abs(alone[0] - alone[1]) > 0.01
+    assert found(plant, law, wind, cuts=1) == pytest.approx(max(alone), abs=1e-4)
 
 
-def test_the_edge_is_confirmed_by_flights_that_hit_every_event():
-    plant = plant_of()
-    wind = triangle(plant, 4.0)
-    law = tv.RecoverableAttitudeLaw(plant, design_peak=PEAK)
-    found = tv.closed_loop_boundary(plant, law, wind, sample_rate=200.0)
-    times = np.array([wind.duration + 20.0])
-    kept, lost = (
-        tv.fly(plant, law, wind, times, deflection_limit=part * found.deflection)
-        for part in (1.02, 0.98)
-    )
-    assert abs(kept.outputs["attitude"][0]) < 0.05 * PEAK
-    assert abs(lost.outputs["attitude"][0]) > PEAK
+@pytest.mark.parametrize(("model", "tau_beta"), [("fixed-path", 4.0), ("drift-exact", 8.0)])
+def test_configuration_ii_needs_little_more_than_the_least_too(model, tau_beta):
+    plant = plant_of(model, "configuration-ii")
+    least = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
+    assert least <= found(plant, lean(plant), tau_beta) <= least + 0.03
+
+
+TWO_HUMPS = SampledWind(
+    time=[0.0, 2.0, 5.0, 8.0, 14.0], angle=PEAK * np.array([0.0, 0.8, 0.2, 1.0, 0.0])
+)
+
+
+def test_no_law_needs_less_than_the_two_minima():
+    plant, wind = plant_of(), TWO_HUMPS
+    c = plant.coefficients
+    least = tv.forecast_free_limit(plant, wind).limit
+    assert tv.optimum_deflection(plant, wind).peak / (c.B * PEAK) <= least * (1.0 + 1e-9)
+    stiff = tv.design_gains(c, natural_frequency=4.0 * c.beta, damping=0.7)
+    laws = [TrimLaw(plant), tv.DeadBandLaw(plant), tv.SaturatedLaw(stiff), lean(plant)]
+    limits = [found(plant, law, wind) for law in laws]
+    assert least <= limits[-1] == min(limits) <= least + 0.03
+    drifting = plant_of("drift-exact")
+    bound = tv.forecast_free_limit(drifting, wind).limit
+    known = tv.optimum_deflection(drifting, wind).peak / (c.B * PEAK)
+    assert max(bound, known) <= found(drifting, lean(drifting), wind) <= bound + 0.03
+
+
+@EACH_MODEL
+@EACH_TAU
+def test_the_least_is_below_the_table_and_not_far_below(model, tau_beta):
+    """What the table says, against the minimum that is computed without any flight."""
+    plant = plant_of(model)
+    least = tv.forecast_free_limit(plant, triangle(plant, tau_beta)).limit
+    assert least <= TABLE["lean", model][TAUS.index(tau_beta)] <= least + 0.03
 
 
 def test_signs_and_peaks_do_not_matter():
-    plant = plant_of()
-    beta, expected = plant.coefficients.beta, []
-    for B, peak in ((0.1, 0.05), (-0.1, 0.05), (0.1, -0.1)):
-        other = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=beta, B=B))
-        law = tv.RecoverableAttitudeLaw(other, design_peak=peak)
-        wind = triangle(other, 4.0, peak)
-        expected.append(tv.closed_loop_boundary(other, law, wind, sample_rate=50.0).limit)
-    assert np.ptp(expected) < 1e-12
+    beta, limits = float(plant_of().coefficients.beta), []
+    for B, peak in ((0.1, 0.05), (-0.1, 0.05), (0.1, -0.05), (0.1, 0.15)):
+        plant = Plant.from_coefficients(Coefficients.from_beta(beta=beta, B=B))
+        law = lean(plant, design_peak=peak)
+        one = closed_loop_boundary(plant, law, triangle(plant, 4.0, peak), sample_rate=50.0)
+        assert one.deflection == pytest.approx(one.limit * abs(B * peak), rel=1e-12)
+        limits.append(one.limit)
+    np.testing.assert_allclose(limits, limits[0], rtol=1e-9)
 
 
-def test_a_reversal_makes_survival_fall_again_with_the_limit():
-    plant = plant_of()
-    wind = tv.standard_winds(PEAK, 4.0 / plant.coefficients.beta)["full reversal"]
-    law = tv.RecoverableAttitudeLaw(plant, design_peak=PEAK)
-    found = tv.closed_loop_boundary(plant, law, wind, sample_rate=50.0)
-    assert not found.monotone
-    assert found.limit > found.scan[~found.survives].max() - 1e-12
-
-
-def test_no_limit_in_the_range():
-    plant = plant_of()
-    found = tv.closed_loop_boundary(
-        plant, tv.TrimLaw(plant), triangle(plant, 4.0), sample_rate=50.0, highest=0.5
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
+    rng, plant = np.random.default_rng(seed), plant_of()
+    time, angle = np.cumsum(rng.uniform(0.5, 4.0, 6)), rng.uniform(0.1, 0.8, 6) * PEAK
+    angle[2] = 0.8 * PEAK
+    more = np.minimum(angle + rng.uniform(0.0, 0.3, 6) * PEAK, PEAK)
+    less, larger = (
+        closed_loop_boundary(plant, lean(plant), SampledWind(time=time, angle=a), sample_rate=50.0)
+        for a in (angle, more)
     )
-    assert np.isinf(found.limit)
-    assert found.status == "no limit in the range survives"
+    assert less.deflection <= larger.deflection * 1.001
+    assert less.deflection < 0.9 * PEAK * plant.coefficients.B
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("model", "kind", "tau_beta"),
     [
-        ({"sample_rate": 0.0}, "sample_rate must be positive"),
-        ({"sample_rate": 20.0, **HARDWARE}, "sample_rate must be at least 40 Hz"),
-        ({"lowest": 2.0, "highest": 1.0}, "highest must be above lowest"),
+        ("fixed-path", TrimLaw, 4.0),
+        ("fixed-path", lean, 4.0),
+        ("drift-exact", lean, 4.0),
+        ("drift-exact", lean, 12.0),
     ],
 )
-def test_bad_input_is_one_sentence(options, message):
+def test_the_edge_is_confirmed_by_flights_that_hit_every_event(model, kind, tau_beta):
+    plant = plant_of(model)
+    law, wind = kind(plant), triangle(plant, tau_beta)
+    edge = closed_loop_boundary(plant, law, wind, sample_rate=50.0)
+    modes, times = unstable_coordinates(plant), wind.duration + np.linspace(0.0, 25.0, 51)
+    for part in (0.99, 1.01):
+        limit = part * edge.deflection
+        flown = fly(plant, law, wind, times, deflection_limit=limit)
+        z, D = flown.outputs[: len(plant.states)].T @ modes.rows.T, limit / plant.coefficients.B
+        inside = modes.inside(z, np.full(times.size, D))
+        assert np.all(inside) == (part > 1.0)
+        if part > 1.0:
+            assert np.all(np.abs(z[-1]) < 0.3 * D)
+        else:  # once out it is out for ever
+            assert np.all(np.diff(inside.astype(int)) <= 0)
+            assert np.abs(z[-1, 0]) > 10.0 * D
+
+
+def test_where_survival_falls_again_the_limit_is_above_the_highest_that_is_lost():
+    """A wind that turns to its opposite: who leans as far as he can is caught on the wrong side."""
     plant = plant_of()
-    with pytest.raises(tv.InputError, match=message):
-        limit(plant, tv.TrimLaw(plant), 4.0, **options)
+    tau = 4.0 / plant.coefficients.beta
+    turning = SampledWind(
+        time=[0.0, tau / 2, tau / 2, tau], angle=PEAK * np.array([0.0, 1.0, -1.0, 0.0])
+    )
+    law = lean(plant, reach=0.9, design_peak=None)
+    edge = closed_loop_boundary(plant, law, turning, sample_rate=50.0)
+    assert not edge.monotone
+    assert edge.status == "ok"
+    lost = edge.scan[~edge.survives]
+    assert np.any(edge.survives & (edge.scan < lost.max()))
+    assert lost.max() < edge.limit < lost.max() + edge.scan[1] - edge.scan[0]
+    for part in (edge.scan[edge.survives][1], lost.max(), 1.0, 1.02 * edge.limit):
+        limit = part * plant.coefficients.B * PEAK
+        flown = fly(plant, law, turning, [tau + 15.0], deflection_limit=limit)
+        survives = np.abs(flown.outputs["attitude"][0]) < 0.1 * PEAK
+        assert survives == (part > edge.limit or part < 0.5)
+    capped = closed_loop_boundary(plant, lean(plant, reach=0.9), turning, sample_rate=50.0)
+    assert not capped.monotone
+    assert capped.limit < 0.6 * edge.limit
+
+
+def test_the_scan_and_the_ends_of_its_range():
+    plant = plant_of()
+    wind, law = triangle(plant, 4.0), TrimLaw(plant)
+    inner = closed_loop_boundary(plant, law, wind, sample_rate=50.0, lowest=0.3, highest=0.9)
+    assert (inner.scan[0], inner.scan[-1]) == (0.3, 0.9)
+    np.testing.assert_allclose(np.diff(inner.scan), 0.01)
+    np.testing.assert_array_equal(inner.survives, inner.scan >= inner.limit)
+    assert inner.monotone
+    low = closed_loop_boundary(plant, law, wind, sample_rate=50.0, highest=0.65)
+    assert (low.limit, low.deflection) == (np.inf, np.inf)
+    assert low.status == "no limit in the range survives"
+    assert not low.survives.any()
+    high = closed_loop_boundary(plant, law, wind, sample_rate=50.0, lowest=0.75)
+    assert high.limit == 0.75
+    assert high.deflection == pytest.approx(0.75 * plant.coefficients.B * PEAK)
+    assert high.status == "every limit in the range survives"
+
+
+MANY = Plant.from_coefficients(Coefficients(mu_alpha=[0.2, 0.3], mu_delta=2.6))
+STABLE = Plant.from_coefficients(Coefficients(mu_alpha=-0.2, mu_delta=2.6))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"sample_rate": 0.0}, "sample_rate must be positive"),
+        ({"sample_rate": 39.0, "actuator": SERVO}, "sample_rate must be at least 40 Hz"),
+        ({"actuator": 20.0}, "actuator must be an Actuator"),
+        ({"actuator": tv.Actuator(natural_frequency=[20.0, 30.0])}, r"one; got a batch of shape"),
+        ({"rate_limit": 0.0}, "rate_limit must be positive"),
+        ({"rate_limit": -0.1}, "rate_limit must be positive"),
+        ({"rate_limit": np.nan}, "rate_limit must be finite"),
+        ({"cuts": -1}, "cuts must be an integer, zero or positive"),
+        ({"cuts": 1.5}, "cuts must be an integer"),
+        ({"lowest": 0.0}, "lowest must be positive"),
+        ({"lowest": 2.0, "highest": 1.0}, "highest must be above lowest"),
+        ({"highest": np.inf}, "highest must be finite"),
+        ({"law": tv.Autopilot(attitude_gain=0.3, rate_gain=0.4)}, "law must be a Law"),
+        ({"plant": MANY}, r"got batches of shape \(2,\) and \(\)"),
+        ({"plant": STABLE}, "real unstable poles"),
+        ({"plant": plant_of("drift-and-speed")}, "real unstable poles"),
+        ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one plant in one wind"),
+        ({"wind": tv.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": 0.1}, "wind must be a History"),
+    ],
+)
+def test_what_cannot_be_asked(arguments, message):
+    usual = {"plant": plant_of(), "law": TrimLaw(plant_of()), "wind": triangle(plant_of(), 4.0)}
+    with pytest.raises(InputError, match=message):
+        closed_loop_boundary(**usual | arguments)
