@@ -1,0 +1,46 @@
+"""Threads for compiled kernels, which let each other run: one slice of the cases for each."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+
+import numpy as np
+
+_WORTH = 0.01
+"""A slice that takes fewer seconds is not worth a thread."""
+_ALIGN = 64
+"""Slices begin at multiples of so many cases."""
+VARIABLE = "TVCLIN_NUM_THREADS"
+"""Environment variable that bounds the number of threads."""
+
+
+def thread_count() -> int:
+    """Return how many threads may run: the processors of this process, or fewer by `VARIABLE`."""
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None
+    most = processors or os.cpu_count() or 1
+    asked = os.environ.get(VARIABLE, "")
+    return max(min(int(asked), most), 1) if asked.isdecimal() else most
+
+
+def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> None:
+    """Call `work(first, last)` for slices that make up the cases, side by side.
+
+    Parameters
+    ----------
+    work : callable
+        Does the cases from `first` up to `last`; it must release the interpreter's lock.
+    cases : int
+        How many cases there are.
+    seconds : float
+        About what all of them take in one thread.
+    """
+    blocks = -(-cases // _ALIGN)
+    slices = int(min(thread_count(), max(seconds / _WORTH, 1.0), max(blocks, 1)))
+    if slices == 1:
+        work(0, cases)
+        return
+    edges = np.minimum(np.linspace(0, blocks, slices + 1).round().astype(int) * _ALIGN, cases)
+    with ThreadPoolExecutor(slices) as pool:
+        for done in [pool.submit(work, int(a), int(b)) for a, b in pairwise(edges)]:
+            done.result()
