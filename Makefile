@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: study test lint docs clean help
+.PHONY: study test lint bench clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -17,6 +17,9 @@ lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and print the ratios
+	cd benchmarks && ../$(BIN)/pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean
 
 clean:  ## remove the environment and all caches
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist
@@ -39,4 +42,6 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group test --group lint
+	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow --editable ".[fast,campaign]" \
+	  || echo "an extra has no wheel for this platform; going on without it"
 	touch $@

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import InputError, finite, plain, positive, together, within
-from tvclin.kernels.moments import moments
+from tvclin.kernels import limits
 
 FloatArray = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     Returns
     -------
     float or ndarray
-        y_BR, to a relative 1e-13 or better. The dead band is left at a = y_BR K tau/2, which is
+        y_BR, to a relative 1e-15. The dead band is left at a = y_BR K tau/2, which is
         never later than tau/2.
 
     Raises
@@ -93,25 +93,13 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     The printed form is [1 - p y (1 - K)] e^(-p y K) = R. With c = K/(1 - K) its solution is
     y = [1 - W(c R e^c)/c]/(p (1 - K)), W being Lambert's function; its ends are
     y = (1 - e^(-p))^2/p for K = 0 and y = L/p for K = 1. W cancels where c is large, so it is
-    evaluated as y = (1 - e^(-s))/(p (1 - K)) with s + c (1 - e^(-s)) = L, which Newton's
-    iteration solves monotonically from s = L/(1 + c).
+    evaluated as y = (1 - e^(-s))/(p (1 - K)) with s + c (1 - e^(-s)) = L.
     """
     tau_beta = positive("tau_beta", tau_beta)
     K = within("dead_band", dead_band, 0.0, 1.0)
     together(tau_beta=tau_beta, dead_band=K)
     p, K = np.broadcast_arrays(tau_beta / 2.0, K)
-    L = _minus_log_R(p)
-    with np.errstate(divide="ignore"):
-        c = K / (1.0 - K)
-    partly = np.where(np.isinf(c), 0.0, c)
-    s = L / (1.0 + partly)
-    for _ in range(60):
-        step = (L - s + partly * np.expm1(-s)) / (1.0 + partly * np.exp(-s))
-        s = s + np.maximum(step, 0.0)
-        if np.all(step <= 2.0 * _EPS * s):
-            break
-    y = np.where(np.isinf(c), L, -np.expm1(-s) / np.where(np.isinf(c), 1.0, 1.0 - K)) / p
-    return plain(np.asarray(y))
+    return plain(limits.triangular(p, K))
 
 
 def triangular_limit_with_drift(
@@ -168,9 +156,6 @@ def solve_triangular_with_drift(
     With z = p y eq (18) reads
 
         K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0.
-
-    For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so there is
-    one root, below p/K and 1/(1 - K); Newton's iteration is kept between the ends.
     """
     arrays = {
         "tau_beta": positive("tau_beta", tau_beta),
@@ -184,7 +169,8 @@ def solve_triangular_with_drift(
     if np.any(beta + b1 <= 0.0) or np.any(beta + b2 <= 0.0):
         raise InputError("beta + b1 and beta + b2 must be positive; change b1 or b2")
     p = tau_beta / 2.0
-    z, converged = _newton(p, K, (b1 - b2) / (beta + b1), (beta + b2) / (beta + b1), b1 / beta)
+    kappa, K1, rho = (b1 - b2) / (beta + b1), (beta + b2) / (beta + b1), b1 / beta
+    z, converged = limits.triangular_with_drift(p, K, kappa, K1, rho)
     y = z / p
     never = K * y > 1.0 + 4.0 * _EPS
     status = np.select(
@@ -194,65 +180,3 @@ def solve_triangular_with_drift(
     return TriangularLimit(
         plain(y), plain(np.asarray(y * K / 2.0)), status if status.ndim else str(status)
     )
-
-
-def _newton(
-    p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
-) -> tuple[FloatArray, Any]:
-    L = _minus_log_R(p)
-    high = _above_the_root(p, K, kappa, K1, rho, L)
-    low = np.zeros_like(high)
-    z = np.minimum(K1 * p * np.asarray(triangular_limit(2.0 * p, K)), high)
-    converged = np.zeros(z.shape, dtype=bool)
-    for _ in range(100):
-        x = K * z
-        left = _left_side(z, K, kappa, K1, rho, L)
-        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * _psi_slope(rho * x))
-        low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
-        new = z - left / slope
-        new = np.where((new >= low) & (new <= high), new, (low + high) / 2.0)
-        new = np.where(left == 0.0, z, new)
-        converged = np.abs(new - z) <= 4.0 * _EPS * new
-        z = new
-        if np.all(converged):
-            break
-    return z, converged
-
-
-def _left_side(
-    z: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray, L: FloatArray
-) -> FloatArray:
-    x = K * z
-    return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
-
-
-def _above_the_root(
-    p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray, L: FloatArray
-) -> FloatArray:
-    """An end at which the left side is not positive; for b2 > b1 it may lie beyond p/K."""
-    with np.errstate(divide="ignore"):
-        high = np.minimum(p / K, 1.0 / (1.0 - K))
-    for _ in range(60):
-        below = _left_side(high, K, kappa, K1, rho, L) > 0.0
-        if not np.any(below):
-            break
-        high = np.where(below, 1.5 * high, high)
-    return high
-
-
-def _minus_log_R(p: FloatArray) -> FloatArray:
-    """L = -ln(2 e^(-p) - e^(-2p)), without cancellation at either end."""
-    with np.errstate(divide="ignore"):
-        short = -np.log1p(-(np.expm1(-p) ** 2))
-    return np.where(p < 1.0, short, p - np.log(2.0 - np.exp(-p)))
-
-
-def psi(x: FloatArray) -> FloatArray:
-    """(e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x)."""
-    m = moments(x, 1)
-    return np.asarray(m[..., 0] - m[..., 1])
-
-
-def _psi_slope(x: FloatArray) -> FloatArray:
-    """(1 - e^(-x))/x, the derivative of x^2 psi(x) over x."""
-    return np.asarray(moments(x, 0)[..., 0])

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.closed_forms import psi
 from tvclin.errors import InputError, finite, nonnegative, plain, positive, together, within
+from tvclin.kernels.limits import psi
 
 FloatArray = NDArray[np.float64]
 

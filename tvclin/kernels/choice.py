@@ -14,8 +14,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 
-_LOADING = 0.5
-"""Seconds it takes to load the compiler and a compiled kernel."""
+_WORTH = 0.1
+"""Seconds of work for which the compiler, which takes some tenths to load, is loaded."""
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
 
@@ -33,7 +33,7 @@ def compiled_twin(name: str, seconds: float) -> ModuleType | None:
     wanted = _pinned.get()
     path = f"tvclin.kernels.compiled.{name}"
     if wanted is None:
-        wanted = seconds > _LOADING or path in sys.modules
+        wanted = seconds > _WORTH or path in sys.modules
     return import_module(path) if wanted and available() else None
 
 

@@ -5,14 +5,22 @@ from typing import Any
 
 import numba
 
+_OPTIONS: Any = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+"""Other threads run beside; a division by zero is numpy's; a product and a sum round once."""
+
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function that needs nothing of Python, and lets other threads run.
+    """Compile a function that needs nothing of Python.
 
     The machine code is kept beside the source, or in the user's cache; where neither can be
     written it is compiled anew in each process.
     """
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        return numba.njit(cache=True, **_OPTIONS)(function)
     except RuntimeError:  # no place for a cache
-        return numba.njit(nogil=True, error_model="numpy")(function)
+        return numba.njit(**_OPTIONS)(function)
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function into those that call it, so that their loops run on several elements."""
+    return numba.njit(forceinline=True, **_OPTIONS)(function)

@@ -1,0 +1,184 @@
+"""Compiled kernels: the same numbers as numpy's, with a cache and without, in threads or not."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from tvclin import closed_forms
+from tvclin.kernels import choice, limits, threads
+
+EACH_TWIN = pytest.mark.parametrize("compiled", [False, True])
+CASES = 20_000
+
+
+@pytest.fixture
+def twin(compiled):
+    """Take one twin whatever the size."""
+    if compiled:
+        pytest.importorskip("numba")
+    with choice.pinned(compiled):
+        yield
+
+
+@pytest.fixture
+def cases():
+    """Return p and K over the whole range, the ends of K included."""
+    rng = np.random.default_rng(5)
+    p = np.exp(rng.uniform(np.log(5e-4), np.log(20.0), CASES))
+    K = np.where(rng.random(CASES) < 0.5, rng.random(CASES), 1.0 - 10.0 ** rng.uniform(-16, 0))
+    K[:100], K[100:200] = 0.0, 1.0
+    return p, K
+
+
+def exact_12(p, K):
+    """Solve s + c (1 - e^(-s)) = L to 50 digits."""
+    with mp.workdps(50):
+        p, K = mp.mpf(float(p)), mp.mpf(float(K))
+        L = -mp.log(2 * mp.exp(-p) - mp.exp(-2 * p))
+        if K == 1:
+            return L / p
+        c = K / (1 - K)
+        s = L / (1 + c)
+        for _ in range(60):
+            s -= (s - c * mp.expm1(-s) - L) / (1 + c * mp.exp(-s))
+        return -mp.expm1(-s) / (p * (1 - K))
+
+
+@EACH_TWIN
+@pytest.mark.usefixtures("twin")
+def test_the_boundary_is_exact_to_1e_15(cases):
+    p, K = (a[::97] for a in cases)
+    found = limits.triangular(p, K)
+    error = [float(abs(mp.mpf(y) / exact_12(*at) - 1)) for y, *at in zip(found, p, K, strict=True)]
+    assert max(error) <= 1e-15
+
+
+@EACH_TWIN
+@pytest.mark.usefixtures("twin")
+def test_the_boundary_of_a_very_long_wind_tends_to_its_limits():
+    p = np.array([1e3, 1e6])
+    # K = 1: y = L/p = 1 - ln 2/p;  K = 0: y = 1/p
+    np.testing.assert_allclose(limits.triangular(p, np.ones(2)), 1.0 - np.log(2.0) / p, rtol=1e-15)
+    np.testing.assert_allclose(limits.triangular(p, np.zeros(2)), 1.0 / p, rtol=1e-15)
+
+
+@EACH_TWIN
+@pytest.mark.usefixtures("twin")
+def test_with_drift_the_printed_equation_is_met(cases):
+    p, K = (a[:2000] for a in cases)
+    rng = np.random.default_rng(6)
+    beta, b1 = rng.uniform(0.1, 1.0, p.size), rng.uniform(-0.02, 0.1, p.size)
+    b2 = b1 - rng.uniform(0.0, 0.09, p.size)
+    found = closed_forms.solve_triangular_with_drift(2.0 * p, K, beta, b1, b2)
+    error = []
+    with mp.workdps(50):
+        for y, *at in list(zip(found.limit, p, K, beta, b1, b2, strict=True))[::53]:
+            p_, K_, beta_, b1_, b2_ = (mp.mpf(float(a)) for a in at)
+            K1, kappa, rho = (beta_ + b2_) / (beta_ + b1_), (b1_ - b2_) / (beta_ + b1_), b1_ / beta_
+            L = -mp.log(2 * mp.exp(-p_) - mp.exp(-2 * p_))
+
+            def left(z, K_=K_, K1=K1, kappa=kappa, rho=rho, L=L):
+                x = K_ * z
+                curve = (mp.exp(-rho * x) - 1 + rho * x) / rho**2
+                return -K1 * mp.expm1(x - L) - (1 - K_) * z - kappa * (x + curve)
+
+            root = mp.findroot(left, mp.mpf(float(y)) * p_)
+            error.append(float(abs(mp.mpf(float(y)) * p_ / root - 1)))
+    assert len(error) > 30
+    assert max(error) <= 1e-13
+
+
+def test_the_twins_agree_everywhere(cases):
+    pytest.importorskip("numba")
+    p, K = cases
+    with choice.pinned(False):
+        slow = limits.triangular(p, K)
+    with choice.pinned(True):
+        fast = limits.triangular(p, K)
+    np.testing.assert_allclose(fast, slow, rtol=2e-15)
+
+
+def test_a_case_does_not_depend_on_its_batch(cases):
+    pytest.importorskip("numba")
+    p, K = cases
+    with choice.pinned(True):
+        whole = limits.triangular(p, K)
+        for first, last in ((0, 1), (3, 20), (77, 1000), (CASES - 5, CASES)):
+            part = limits.triangular(p[first:last], K[first:last])
+            np.testing.assert_array_equal(part, whole[first:last])
+
+
+def test_one_thread_or_several_the_numbers_are_the_same(cases, monkeypatch):
+    pytest.importorskip("numba")
+    p, K = cases
+    found = []
+    monkeypatch.setattr(limits, "_COMPILED_SECONDS", 1.0)
+    for count in (1, 2):
+        monkeypatch.setattr(threads, "thread_count", lambda count=count: count)
+        with choice.pinned(True):
+            found.append(limits.triangular(p, K))
+    np.testing.assert_array_equal(found[0], found[1])
+
+
+def test_slices_make_up_the_cases(monkeypatch):
+    monkeypatch.setattr(threads, "thread_count", lambda: 3)
+    done = []
+    threads.in_slices(lambda first, last: done.append((first, last)), 1000, 10.0)
+    assert sorted(done) == [(0, 320), (320, 704), (704, 1000)]
+    done.clear()
+    threads.in_slices(lambda first, last: done.append((first, last)), 1000, 0.001)
+    assert done == [(0, 1000)]
+
+
+def test_the_number_of_threads_can_be_bounded(monkeypatch):
+    monkeypatch.setenv(threads.VARIABLE, "1")
+    assert threads.thread_count() == 1
+    monkeypatch.setenv(threads.VARIABLE, "100000")
+    most = threads.thread_count()
+    monkeypatch.setenv(threads.VARIABLE, "nonsense")
+    assert threads.thread_count() == most
+
+
+def test_without_a_compiler_numpy_runs(monkeypatch):
+    monkeypatch.setattr(choice, "available", lambda: False)
+    with choice.pinned(True):
+        assert choice.compiled_twin("limits", 1e9) is None
+
+
+def test_little_work_does_not_load_the_compiler():
+    code = (
+        "import sys, numpy as np\n"
+        "from tvclin.closed_forms import triangular_limit\n"
+        "triangular_limit(np.ones(100), 0.5)\n"
+        "sys.exit('numba' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_where_no_cache_can_be_written_kernels_work_all_the_same(tmp_path):
+    pytest.importorskip("numba")
+    code = (
+        "import numba.core.caching as caching\n"
+        "caching.CacheImpl._locator_classes = []\n"
+        "import numpy as np\n"
+        "from tvclin.kernels import limits\n"
+        "from tvclin.kernels.choice import pinned\n"
+        "with pinned(True): print(float(limits.triangular(np.array([1.0]), np.array([0.5]))[0]))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    with choice.pinned(False):
+        expected = limits.triangular(np.array([1.0]), np.array([0.5]))[0]
+    assert abs(float(done.stdout) - expected) <= 1e-15
+
+
+def test_compiled_kernels_are_reached_through_their_rooms_alone():
+    package = Path(choice.__file__).parents[1]
+    for path in package.rglob("*.py"):
+        if "compiled" not in path.parts:
+            assert "kernels.compiled import" not in path.read_text(encoding="utf-8"), path
