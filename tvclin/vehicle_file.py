@@ -7,7 +7,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from tvclin.errors import InputError, finite, one_of
+from tvclin.errors import InputError, number, one_of
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
@@ -30,11 +30,8 @@ _AERODYNAMICS = {
 _OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
 
 _QUANTITIES = _REQUIRED | _FORCES | _AERODYNAMICS | _OPTIONAL
-_KEYS = {
-    (f"{name}_{suffix}" if suffix else name): (name, factor)
-    for name, dimension in _QUANTITIES.items()
-    for suffix, factor in UNITS[dimension].items()
-}
+HEADINGS = ("vehicle", "flight")
+"""Tables of a vehicle file; what stands under [flight] is for `flight.FlightCondition`."""
 
 
 def list_vehicles() -> list[str]:
@@ -65,34 +62,47 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     >>> tv.load_vehicle("configuration-i").weight
     1480000.0
     """
+    return parse_vehicle(*vehicle_text(source))
+
+
+def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
+    """Return the text of a vehicle file and what to call it; as `load_vehicle`."""
     text = fspath(source) if isinstance(source, str | PathLike) else None
     if not isinstance(text, str) or not text or "\0" in text:
         raise InputError(f"vehicle must be a name or a path; got {source!r}")
     if text in list_vehicles():
         resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
-        return parse_vehicle(resource.read_text(encoding="utf-8"), text)
+        return resource.read_text(encoding="utf-8"), text
     path = Path(text)
     looks_like_a_path = isinstance(source, PathLike) or path.suffix == ".toml" or path.name != text
     if not looks_like_a_path and not path.exists():
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
-    return parse_vehicle(_read(path), text)
+    return _read(path), text
 
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
+    table = table_of(text, source, "vehicle")
+    try:
+        return _build(table)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+
+
+def table_of(text: str, source: str, heading: str) -> dict[str, Any]:
+    """Return one table of a vehicle file, empty where [flight] is not there."""
     try:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{source} is not valid TOML: {error}") from None
-    table = document.get("vehicle")
-    if not isinstance(table, dict):
+    if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
-    for heading in document.keys() - {"vehicle"}:
-        raise InputError(f"{source}: unknown heading or key {heading!r} outside [vehicle]")
-    try:
-        return _build(dict(table))
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
+    for key in document.keys() - set(HEADINGS):
+        raise InputError(f"{source}: unknown heading or key {key!r} outside [vehicle]")
+    table = document.get(heading, {})
+    if not isinstance(table, dict):
+        raise InputError(f"{source}: {heading} must be a table [{heading}]; got {table!r}")
+    return dict(table)
 
 
 def template() -> str:
@@ -118,19 +128,48 @@ def _read(path: Path) -> str:
     return text
 
 
+def quantities(
+    table: dict[str, Any], known: dict[str, str], heading: str, others: tuple[str, ...] = ()
+) -> dict[str, float]:
+    """Return the numbers of a table in SI units, by name without the unit.
+
+    Parameters
+    ----------
+    table : dict
+        Keys with their units, and numbers.
+    known : dict of str to str
+        The names, and of what dimension of `units.UNITS` each is.
+    heading : str
+        Name of the table, for messages.
+    others : tuple of str
+        Further keys that are legal there, for messages.
+
+    Raises
+    ------
+    InputError
+        For an unknown key or unit, a quantity given twice, and a value that is no number.
+    """
+    keys = {
+        (f"{name}_{suffix}" if suffix else name): (name, factor)
+        for name, dimension in known.items()
+        for suffix, factor in UNITS[dimension].items()
+    }
+    values: dict[str, float] = {}
+    given: dict[str, str] = {}
+    for key, value in table.items():
+        if key not in keys:
+            raise InputError(_unknown(key, known, [*others, *keys], heading))
+        quantity, factor = keys[key]
+        if quantity in given:
+            raise InputError(f"{quantity} is given twice, as {given[quantity]} and {key}; keep one")
+        given[quantity] = key
+        values[quantity] = number(key, value) * factor
+    return values
+
+
 def _build(table: dict[str, Any]) -> Vehicle:
     name = table.pop("name", "")
-    values: dict[str, Any] = {}
-    keys: dict[str, str] = {}
-    for key, value in table.items():
-        quantity, factor = _quantity(key)
-        if quantity in keys:
-            raise InputError(f"{quantity} is given twice, as {keys[quantity]} and {key}; keep one")
-        keys[quantity] = key
-        number = finite(key, value)
-        if number.ndim:
-            raise InputError(f"{key} must be one number; got {value!r}")
-        values[quantity] = float(number) * factor
+    values: dict[str, Any] = quantities(table, _QUANTITIES, "vehicle", ("name",))
     aerodynamic = values.keys() & _AERODYNAMICS
     needed = _REQUIRED | (_AERODYNAMICS if aerodynamic else _FORCES)
     for quantity, dimension in needed.items():
@@ -140,15 +179,13 @@ def _build(table: dict[str, Any]) -> Vehicle:
     return build(name=name, **values)
 
 
-def _quantity(key: str) -> tuple[str, float]:
-    if key in _KEYS:
-        return _KEYS[key]
-    for quantity, dimension in sorted(_QUANTITIES.items(), key=lambda item: -len(item[0])):
+def _unknown(key: str, known: dict[str, str], keys: list[str], heading: str) -> str:
+    for quantity, dimension in sorted(known.items(), key=lambda item: -len(item[0])):
         if key == quantity or key.startswith(f"{quantity}_"):
-            raise InputError(f"{key} has no known unit; write {_spellings(quantity, dimension)}")
-    near = get_close_matches(key, ["name", *_KEYS], n=2, cutoff=0.5)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(_QUANTITIES)}"
-    raise InputError(f"unknown key {key!r} in [vehicle]; {hint}")
+            return f"{key} has no known unit; write {_spellings(quantity, dimension)}"
+    near = get_close_matches(key, keys, n=2, cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
+    return f"unknown key {key!r} in [{heading}]; {hint}"
 
 
 def _spellings(quantity: str, dimension: str) -> str:
