@@ -304,6 +304,13 @@ def test_a_slow_estimator_is_called_so():
         LeanLaw(plant, estimator=WindEstimator(bandwidth=0.54))
 
 
+@pytest.mark.parametrize("kind", [int, np.int64, np.uint8])
+def test_any_whole_number_is_a_seed(kind):
+    estimator = WindEstimator(bandwidth=5.0, rate_noise=1e-3, seed=kind(3))
+    assert estimator.seed == 3
+    assert type(estimator.seed) is int
+
+
 def made(kind, **arguments):
     return lambda: kind(plant_of(), **arguments)
 
@@ -327,7 +334,10 @@ def saturated(**arguments):
         (made(DeadBandLaw, dead_band=1.01), "dead_band must be between 0.01 and 1"),
         (lambda: WindEstimator(bandwidth=0.0), "bandwidth must be positive"),
         (lambda: WindEstimator(bandwidth=5.0, rate_noise=-1.0), "rate_noise must be zero or"),
-        (lambda: WindEstimator(bandwidth=5.0, seed=-1), "seed must be zero or a positive integer"),
+        (
+            lambda: WindEstimator(bandwidth=5.0, seed=-1),
+            "seed must be an integer, zero or",
+        ),
         (lambda: WindEstimator(bandwidth=5.0, seed=1.5), "seed must be"),
         (lambda: WindEstimator(bandwidth=5.0, seed=True), "seed must be"),
         (lambda: SaturatedLaw(plant_of()), "autopilot must be an Autopilot"),

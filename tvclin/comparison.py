@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
 from tvclin.boundary import boundary_limit
-from tvclin.errors import InputError, instance, number, positive
+from tvclin.errors import InputError, ending, instance, number, positive
 from tvclin.histories import History
 from tvclin.margins import Margins
 from tvclin.optimum import optimum_deflection
@@ -141,8 +141,7 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
     instance("wind", wind, History, "such as TriangularWind")
     if plant.batch or autopilot.batch or wind.batch:
         raise InputError("compare_with_trim is for one case; take those of a batch one by one")
-    if not np.isfinite(wind.end):
-        raise InputError("wind must end, and be other than zero")
+    ending("wind", wind.end)
     margins = autopilot.margins(plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
     peaks = _peaks(plant, autopilot, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)

@@ -88,6 +88,19 @@ def number(
     return float(array)
 
 
+def whole_number(name: str, value: object) -> int:
+    """Return a whole number, zero or positive, numpy's too; `InputError` otherwise."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+        raise InputError(f"{name} must be an integer, zero or positive; got {_shown(value)}")
+    return int(value)
+
+
+def ending(name: str, end: ArrayLike) -> None:
+    """Raise `InputError` unless a history that is zero from `end` [s] on ends, having begun."""
+    if not np.all(np.isfinite(end)):
+        raise InputError(f"{name} must end, and be other than zero")
+
+
 def plain(array: NDArray[np.float64] | np.float64) -> float | NDArray[np.float64]:
     """Return a Python float for an array of shape ``()``, and any other array as it is."""
     return float(array) if array.ndim == 0 else array

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, instance, nonnegative, number
+from tvclin.errors import InputError, ending, instance, nonnegative, number
 from tvclin.histories import History
 from tvclin.kernels.crossings import roots_between
 from tvclin.plant import Plant
@@ -45,7 +45,8 @@ class ForecastFreeLimit:
     foresight : float
         W(onset) over the peak: what is needed when the whole wind is known.
     worst_stop : float
-        The instant [s] at which sup W is reached: a wind that stops there asks the most.
+        The instant [s] from which most is still to come: W is largest there, and a law must lean
+        by W - y* at least. What a stop then leaves to be done is another matter.
     """
 
     limit: float
@@ -94,8 +95,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     R = number("reversal", reversal, nonnegative)
     if wind.batch:
         raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
-    if not np.isfinite(wind.end):
-        raise InputError("wind must end, and be other than zero")
+    ending("wind", wind.end)
     peak, pole = float(wind.peak), float(modes.poles[0])
     times = wind.probe_times(16)
     _check_one_signed(wind(times) / peak)

@@ -5,12 +5,10 @@ counter-based generator, one key for each block of cases; those of a Sobol seque
 anyway; a Latin hypercube is laid over the whole campaign, and so needs its size.
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, one_of
+from tvclin.errors import InputError, one_of, whole_number
 
 FloatArray = NDArray[np.float64]
 
@@ -61,13 +59,6 @@ def draw(
         seed, first, count, dimension, size
     )
     return np.clip(numbers, _INSIDE, 1.0 - 2.0**-53)
-
-
-def whole_number(name: str, value: Any) -> int:
-    """Return a whole number that is zero or positive; `InputError` otherwise."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise InputError(f"{name} must be an integer, zero or positive; got {value!r}")
-    return int(value)
 
 
 def _plain(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tvclin.boundary import boundary_limit
 from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
-from tvclin.campaign.draws import draw, whole_number
+from tvclin.campaign.draws import draw
 from tvclin.campaign.statistics import (
     Quantile,
     Success,
@@ -16,7 +16,7 @@ from tvclin.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.errors import InputError
+from tvclin.errors import InputError, whole_number
 from tvclin.plant import Plant
 from tvclin.study import SHAPES, Study
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.campaign.draws import whole_number
-from tvclin.errors import InputError, finite, number, within
+from tvclin.errors import InputError, finite, number, whole_number, within
 
 FloatArray = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tvclin.autopilot import Actuator
-from tvclin.errors import InputError, instance, number, positive
+from tvclin.errors import InputError, ending, instance, number, positive
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -22,8 +22,7 @@ def check_flight(plant: Plant, law: Law, wind: History) -> None:
             f"a flight is of one plant in one wind; got batches of shape {plant.batch} and"
             f" {wind.batch}"
         )
-    if not np.isfinite(wind.end):
-        raise InputError("wind must end, and be other than zero")
+    ending("wind", wind.end)
 
 
 def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, nonnegative, nonzero, number, positive
+from tvclin.errors import nonnegative, nonzero, number, positive, whole_number
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -48,8 +48,7 @@ class WindEstimator:
         )
         noise = number("rate_noise", self.rate_noise, nonnegative, "rad/s")
         object.__setattr__(self, "rate_noise", noise)
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise InputError(f"seed must be zero or a positive integer; got {self.seed!r}")
+        object.__setattr__(self, "seed", whole_number("seed", self.seed))
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
         """Return F and G of the observer's states q^ and d^, for the plant it believes in."""
