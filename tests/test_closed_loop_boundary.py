@@ -167,6 +167,15 @@ def test_signs_and_peaks_do_not_matter():
     np.testing.assert_allclose(limits, limits[0], rtol=1e-9)
 
 
+def test_in_the_yaw_plane_the_speed_changes_nothing():
+    booster = tv.load_vehicle(NAME)
+    limits = []
+    for model in ("drift-exact", "drift-and-speed"):
+        plant = Plant.from_vehicle(booster, model, "yaw")
+        limits.append(found(plant, lean(plant), 4.0, sample_rate=20.0))
+    assert limits[0] == pytest.approx(limits[1], rel=1e-6)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
     rng, plant = np.random.default_rng(seed), plant_of()

@@ -361,3 +361,19 @@ def test_laws_need_one_plant_with_a_real_unstable_pole(kind):
     many = plant_of(coefficients=COEFFICIENTS.replace(mu_delta=[2.0, 3.0]))
     with pytest.raises(InputError, match="one plant; got a batch"):
         kind(many)
+
+
+@pytest.mark.parametrize("kind", [TrimLaw, DeadBandLaw, LeanLaw])
+def test_a_speed_that_moves_nothing_need_not_be_seen(kind):
+    """In the yaw plane gravity does not tie the speed to the path, so the demand is the same."""
+    booster = tv.load_vehicle("configuration-i")
+    with_speed, without = (
+        kind(Plant.from_vehicle(booster, model, "yaw"))
+        for model in ("drift-and-speed", "drift-exact")
+    )
+    seen, _ = random_seen(np.random.default_rng(11), "drift-exact", (40,))
+    found, expected = (law.demand(seen, NONE, 0.005) for law in (with_speed, without))
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-15)
+    descending = plant_of("drift-and-speed", COEFFICIENTS.replace(C2=-0.0036))
+    with pytest.raises(InputError, match="not shown the speed.*design the law on .drift-exact"):
+        kind(descending)

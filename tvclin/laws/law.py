@@ -5,12 +5,20 @@ holds no memory itself: states are handed to it, so that one law flies a thousan
 """
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.errors import InputError
+from tvclin.plant import Plant
+from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
+
 FloatArray = NDArray[np.float64]
+
+_SHOWN = 3
+"""States of the plant that a law is shown."""
 
 
 class Seen(NamedTuple):
@@ -60,3 +68,28 @@ class Law(ABC):
         limit : float or ndarray
             The deflection limit [rad], which a law may know, ``(...)``.
         """
+
+
+def seen_coordinates(plant: Plant) -> UnstableCoordinates:
+    """Return the coordinates of the unstable modes in what a law is shown.
+
+    `Seen` has the attitude, its rate and the flight path angle, which are the first states of
+    every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
+
+    Raises
+    ------
+    InputError
+        As `unstable_coordinates`, and for a plant whose unstable modes move its speed.
+    """
+    modes = unstable_coordinates(plant)
+    if np.any(modes.rows[:, _SHOWN:]):
+        raise InputError(
+            f'a law is not shown the speed, which model "{plant.model}" needs; design the law on'
+            ' "drift-exact"'
+        )
+    return replace(modes, rows=modes.rows[:, :_SHOWN])
+
+
+def coordinate(row: FloatArray, attitude: Any, rate: Any, path: Any) -> Any:
+    """Return the coordinate [rad] of one mode, its row being one of `seen_coordinates`."""
+    return sum(c * m for c, m in zip(row, (attitude, rate, path), strict=False))

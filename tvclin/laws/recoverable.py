@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from tvclin.errors import finite, instance, nonnegative, number, positive, within
 from tvclin.laws.estimator import WindEstimator
-from tvclin.laws.law import Law, Seen
+from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
 from tvclin.plant import Plant
-from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.recoverable import UnstableCoordinates
 
 FloatArray = NDArray[np.float64]
 
@@ -59,7 +59,8 @@ class RecoverableAttitudeLaw(Law):
     Raises
     ------
     InputError
-        For a plant without a real unstable pole, a batch, and numbers out of range.
+        For a plant without a real unstable pole, one whose unstable modes move its speed, a
+        batch, and numbers out of range.
 
     Warns
     -----
@@ -75,7 +76,7 @@ class RecoverableAttitudeLaw(Law):
     estimator: WindEstimator | None = None
 
     def __post_init__(self) -> None:
-        modes = unstable_coordinates(self.plant)
+        modes = seen_coordinates(self.plant)
         object.__setattr__(self, "reach", float(within("reach", self.reach, 1e-3, 1.0)))
         object.__setattr__(self, "gain", number("gain", self.gain, positive))
         object.__setattr__(self, "dead_band", number("dead_band", self.dead_band, nonnegative))
@@ -111,8 +112,7 @@ class RecoverableAttitudeLaw(Law):
             rate, wind = states
         wind = wind - seen.flight_path_angle
         wind = np.sign(wind) * np.maximum(np.abs(wind) - self.dead_band, 0.0)
-        measured = (seen.attitude, rate, seen.flight_path_angle)[: modes.rows.shape[1]]
-        z = [sum(c * m for c, m in zip(row, measured, strict=True)) for row in modes.rows]
+        z = [coordinate(row, seen.attitude, rate, seen.flight_path_angle) for row in modes.rows]
         felt = modes.wind[0] * wind
         lean = self._lean(z, felt, np.abs(wind), limit / abs(B))
         return B * (z[0] - felt + self.gain * (z[0] - lean))
@@ -136,4 +136,4 @@ class RecoverableAttitudeLaw(Law):
 
     @cached_property
     def _modes(self) -> UnstableCoordinates:
-        return unstable_coordinates(self.plant)
+        return seen_coordinates(self.plant)

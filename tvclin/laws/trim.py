@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import nonnegative, number, within
-from tvclin.laws.law import Law, Seen
+from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
 from tvclin.plant import Plant
-from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.recoverable import UnstableCoordinates
 
 FloatArray = NDArray[np.float64]
 
@@ -44,20 +44,19 @@ class TrimLaw(Law):
     gain: float = 10.0
 
     def __post_init__(self) -> None:
-        unstable_coordinates(self.plant)
+        seen_coordinates(self.plant)
         object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
 
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return the trim deflection and the attitude feedback [rad]."""
         del states, limit
         row = self._modes.rows[0]
-        measured = (seen.attitude, seen.attitude_rate, seen.flight_path_angle)[: row.size]
-        error = sum(c * m for c, m in zip(row, measured, strict=True))
+        error = coordinate(row, seen.attitude, seen.attitude_rate, seen.flight_path_angle)
         return float(self.plant.coefficients.B) * (seen.angle_of_attack + self.gain * error)
 
     @cached_property
     def _modes(self) -> UnstableCoordinates:
-        return unstable_coordinates(self.plant)
+        return seen_coordinates(self.plant)
 
 
 @dataclass(frozen=True)
