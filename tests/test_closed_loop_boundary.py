@@ -147,6 +147,24 @@ def test_no_law_needs_less_than_the_two_minima():
     assert max(bound, known) <= found(drifting, lean(drifting), wind) <= bound + 0.03
 
 
+@pytest.mark.parametrize(
+    ("tau_beta", "B", "peak"), [(8.0, 0.8, 1.0), (8.0, 1.0, 0.8), (20.0, 0.9, 1.0)]
+)
+def test_a_nozzle_or_a_wind_taken_for_better_than_it_is_costs_little(tau_beta, B, peak):
+    """B believed too low is a limit believed too high; without reserve nearly trim is needed."""
+    plant = plant_of()
+    c = plant.coefficients
+    weak = Plant.from_coefficients(c.replace(mu_delta=c.mu_delta / B))
+    options = {"reach": 0.9, "design_peak": peak * PEAK}
+    trim = tv.boundary_limit(plant, triangle(plant, tau_beta)).limit
+    with_reserve, without = (
+        found(plant, lean(weak, trust=trust, **options), tau_beta, sample_rate=25.0, cuts=6)
+        for trust in (0.8, 1.0)
+    )
+    assert with_reserve < 0.65 * trim
+    assert without > 0.95 * trim
+
+
 @EACH_MODEL
 @EACH_TAU
 def test_the_least_is_below_the_table_and_not_far_below(model, tau_beta):

@@ -60,7 +60,7 @@ def by_hand(model, coefficients, seen, wind, limit, law):
     reach = law.reach * D
     L = reach
     if law.design_peak is not None:
-        L = min(L, max(0.0, k1[0] * max(abs(law.design_peak), 1.1 * abs(wind)) - D))
+        L = min(L, max(0.0, k1[0] * max(abs(law.design_peak), 1.1 * abs(wind)) - law.trust * D))
     slow = 3.0 * z[1] if len(z) == 2 else 0.0
     Z = felt + slow
     Z = max(-L + min(slow, 0.0), min(Z, L + max(slow, 0.0)))
@@ -130,6 +130,7 @@ OPTIONS = {
     "as it comes": {},
     "short reach": {"reach": 0.6, "gain": 3.0},
     "a design peak": {"design_peak": 0.06},
+    "full trust": {"design_peak": 0.06, "trust": 1.0},
     "a low design peak": {"design_peak": -0.01, "reach": 1.0},
     "a dead band": {"dead_band": 0.02, "design_peak": 0.1},
 }
@@ -172,10 +173,11 @@ def test_it_never_leans_beyond_its_reach(model, reach):
         assert np.any(np.abs(Z) > 0.999 * reach * D)
 
 
-def test_it_leans_no_further_than_the_design_wind_asks():
-    law = LeanLaw(plant_of(), design_peak=0.05)
+@pytest.mark.parametrize("trust", [1.0, 0.8, 0.4])
+def test_it_leans_no_further_than_the_design_wind_asks(trust):
+    law = LeanLaw(plant_of(), design_peak=0.05, trust=trust)
     Z, felt, wind, D = leans(law, "fixed-path")
-    asked = np.maximum(np.maximum(0.05, 1.1 * np.abs(wind)) - D, 0.0)
+    asked = np.maximum(np.maximum(0.05, 1.1 * np.abs(wind)) - trust * D, 0.0)
     most = np.maximum(asked, np.abs(felt) - 0.9 * D)  # less would lose the fast mode
     assert np.all(np.abs(Z) <= most + 1e-12)
     assert np.all(Z * wind >= -1e-15)
@@ -324,6 +326,7 @@ def saturated(**arguments):
     [
         (made(LeanLaw, reach=0.0), "reach must be between 0.001 and 1"),
         (made(LeanLaw, reach=1.1), "reach must be between"),
+        (made(LeanLaw, trust=0.0), "trust must be between 0.001 and 1"),
         (made(LeanLaw, gain=0.0), "gain must be positive"),
         (made(LeanLaw, design_peak=np.inf), "design_peak must be finite"),
         (made(LeanLaw, design_peak=[0.1, 0.2]), "design_peak must be one number"),

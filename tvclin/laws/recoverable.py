@@ -31,9 +31,9 @@ class RecoverableAttitudeLaw(Law):
 
     With the coordinate z of the unstable mode (see `recoverable`), the felt wind w and D =
     limit/B it follows a lean Z: as far as the wind, never further than the recoverable set with
-    its `reach`, nor than the design wind asks,
+    its `reach`, nor than the design wind asks of the part `trust` of the limit,
 
-        u = z - k w + gain (z - Z),     |Z| <= min(reach D, k max(A, 1.1 |w|) - D),
+        u = z - k w + gain (z - Z),     |Z| <= min(reach D, k max(A, 1.1 |w|) - trust D),
 
     A being the design peak. Full deflection into the wind, holding, following it down, and
     attitude feedback at rest are one formula. With drift an outer loop on the slow coordinate
@@ -51,6 +51,10 @@ class RecoverableAttitudeLaw(Law):
     design_peak : float, optional
         A, the largest wind angle [rad] to be met; without one it leans as far as `reach` allows.
         Better too high than too low.
+    trust : float
+        Part of the limit that the design wind is set against, in (0, 1]. One leans no further
+        than is needed if limit, B and design peak are exactly as believed; less is a reserve for
+        what is believed wrongly, and costs where the wind turns round.
     dead_band : float
         A felt wind below this angle [rad] counts as none; it spares the nozzle from noise.
     estimator : WindEstimator, optional
@@ -72,12 +76,14 @@ class RecoverableAttitudeLaw(Law):
     reach: float = 0.9
     gain: float = 10.0
     design_peak: float | None = None
+    trust: float = 0.8
     dead_band: float = 0.0
     estimator: WindEstimator | None = None
 
     def __post_init__(self) -> None:
         modes = seen_coordinates(self.plant)
         object.__setattr__(self, "reach", float(within("reach", self.reach, 1e-3, 1.0)))
+        object.__setattr__(self, "trust", float(within("trust", self.trust, 1e-3, 1.0)))
         object.__setattr__(self, "gain", number("gain", self.gain, positive))
         object.__setattr__(self, "dead_band", number("dead_band", self.dead_band, nonnegative))
         if self.design_peak is not None:
@@ -122,7 +128,8 @@ class RecoverableAttitudeLaw(Law):
         modes, reach = self._modes, self.reach * D
         most = reach
         if self.design_peak is not None:
-            asked = modes.wind[0] * np.maximum(self.design_peak, _HEADROOM * wind) - D
+            largest = np.maximum(self.design_peak, _HEADROOM * wind)
+            asked = modes.wind[0] * largest - self.trust * D
             most = np.minimum(reach, np.maximum(asked, 0.0))
         slow = _SLOW * z[1] if len(z) > 1 else 0.0
         lean = np.minimum(most + np.maximum(slow, 0.0), felt + slow)
