@@ -1,7 +1,10 @@
 """Boundaries of laws: the report's limits, the table of the lean law, bounds, exact flights."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.signal import cont2discrete
 
 import tvclin as tv
 from tvclin import (
@@ -16,10 +19,14 @@ from tvclin import (
     closed_loop_boundary,
     fly,
 )
+from tvclin.closed_loop.airframe import Nozzle, steps
+from tvclin.closed_loop.survival import LOST, SAVED, Trial
+from tvclin.laws import Seen
 from tvclin.recoverable import unstable_coordinates
 
 PEAK = np.radians(5.0)
 NAME = "configuration-i"
+NONE = np.zeros((0,))
 SERVO = tv.Actuator(natural_frequency=20.0, damping=0.7)
 EACH_MODEL = pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 TAUS = (2.0, 4.0, 8.0, 20.0)
@@ -275,6 +282,97 @@ def test_the_scan_and_the_ends_of_its_range():
     assert high.limit == 0.75
     assert high.deflection == pytest.approx(0.75 * plant.coefficients.B * PEAK)
     assert high.status == "every limit in the range survives"
+
+
+@pytest.mark.parametrize("design", ["fixed-path", "drift", "drift-exact"])
+@pytest.mark.parametrize("kind", [TrimLaw, tv.DeadBandLaw])
+def test_a_mode_that_the_law_lets_creep_away_is_told(design, kind):
+    """The step of the sampled loop from scipy: the command is held from sample to sample."""
+    plant, law, rate = plant_of("drift-exact"), kind(plant_of(design)), 20.0
+    edge = closed_loop_boundary(plant, law, triangle(plant, 4.0), sample_rate=rate)
+    A, inputs, _, _ = plant.matrices()
+    free, held, *_ = cont2discrete((A, inputs[:, :1], np.eye(3), np.zeros((3, 1))), 1.0 / rate)
+    row = [float(law.demand(Seen(*x, x[0] - x[2], 0.0), NONE, 1.0)) for x in np.eye(3)]
+    radius = np.abs(np.linalg.eigvals(free + held @ [row])).max()
+    assert edge.growth == pytest.approx(rate * np.log(radius), abs=1e-8)
+    assert (edge.growth > 0.0) == (design != "fixed-path")
+    creeps = f"near rest the law lets a mode of {edge.growth:+.3g} 1/s creep away"
+    assert edge.status == (creeps if edge.growth > 0.0 else "ok")
+    assert np.isfinite(edge.limit)
+    times = np.array([100.0, 200.0])
+    flown = fly(plant, law, triangle(plant, 4.0), times, deflection_limit=0.01, sample_rate=rate)
+    grown = np.log(np.divide(*np.abs(flown.outputs[0, ::-1]))) / 100.0
+    assert grown == pytest.approx(edge.growth, rel=0.02)
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+def test_with_a_nozzle_the_growth_is_that_of_the_linear_loop(model):
+    """And a rate that is too slow for the gains is told as well."""
+    plant = plant_of(model)
+    gains = tv.design_gains(plant.coefficients, natural_frequency=1.5, damping=0.7)
+    poles = replace(gains, actuator=SERVO).close(plant).poles()
+    law, wind = tv.SaturatedLaw(gains), triangle(plant, 4.0)
+    options = {"actuator": SERVO, "sample_rate": 800.0, "lowest": 1.5}
+    edge = closed_loop_boundary(plant, law, wind, **options)
+    assert edge.growth == pytest.approx(poles.real.max(), rel=0.01, abs=1e-5)
+    assert edge.status == "every limit in the range survives"
+    shaken = closed_loop_boundary(plant, TrimLaw(plant_of(), gain=500.0), wind, sample_rate=10.0)
+    assert shaken.growth > 1.0
+    assert "near rest the law lets a mode of" in shaken.status
+
+
+def test_noise_is_no_growth():
+    plant = plant_of()
+    law, noisy = (
+        lean(plant, estimator=WindEstimator(bandwidth=5.0, rate_noise=noise, seed=1))
+        for noise in (0.0, 1e-3)
+    )
+    wind, options = triangle(plant, 4.0), {"sample_rate": 50.0, "lowest": 1.5}
+    found = [closed_loop_boundary(plant, one, wind, **options).growth for one in (law, noisy)]
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+    assert found[0] < -0.1
+
+
+class Halfway(tv.Law):
+    """In still air it rests at half of what can be brought back, neither lost nor saved."""
+
+    def demand(self, seen, states, limit):
+        c = plant_of().coefficients
+        z = seen.attitude + seen.attitude_rate / c.beta
+        lean = np.sign(z) * 0.5 * limit / c.B
+        return c.B * (seen.angle_of_attack + 10.0 * (z - lean))
+
+
+def test_what_is_neither_lost_nor_saved_is_called_undecided():
+    plant = plant_of()
+    edge = closed_loop_boundary(plant, Halfway(), triangle(plant, 4.0), sample_rate=10.0)
+    assert edge.limit == np.inf
+    said = "no limit in the range survives: just below the limit a flight is neither lost nor saved"
+    assert edge.status.startswith(said)
+
+
+def test_a_very_slow_pole_costs_no_memory():
+    limits = []
+    for C2 in (1e-5, 1e-10):
+        c = plant_of().coefficients.replace(C2=C2)
+        plant = Plant.from_coefficients(c, "drift-exact")
+        edge = closed_loop_boundary(plant, lean(plant), triangle(plant, 4.0), sample_rate=20.0)
+        limits.append(edge.limit)
+    assert unstable_coordinates(plant).poles[1] < 1e-9
+    assert limits[0] == pytest.approx(limits[1], abs=1e-3)
+
+
+def test_lost_flights_are_not_flown_on():
+    """Over two long winds a lost flight would leave the range of numbers: e^1000."""
+    plant, h = plant_of(), 0.25
+    wind, scale = triangle(plant, 500.0), plant.coefficients.B * PEAK
+    once = steps(plant, wind, 0.0, float(wind.end), h)
+    gusts, felt = np.tile(once.gusts, (2, 1)), np.append(np.tile(once.wind[:-1], 2), 0.0)
+    twice = replace(once, times=h * np.arange(felt.size), gusts=gusts, wind=felt)
+    nozzle, modes = Nozzle(None, np.inf, h), unstable_coordinates(plant)
+    trial = Trial(TrimLaw(plant), nozzle, twice, modes, plant.coefficients.B, PEAK)
+    found = trial.verdicts(scale * np.array([0.02, 0.5, 0.95, 1.02]))
+    np.testing.assert_array_equal(found, [LOST, LOST, LOST, SAVED])
 
 
 MANY = Plant.from_coefficients(Coefficients(mu_alpha=[0.2, 0.3], mu_delta=2.6))

@@ -1,10 +1,9 @@
 """The least deflection limit with which a law survives a wind, decided without a horizon.
 
-After the wind a flight is lost for good when its state leaves the recoverable set of the unstable
-modes, and saved when it has settled well inside. That is the wind survived; it says nothing of a
-slow mode which the law itself does not hold (its margins do). Survival need not grow with the
-limit (a law that leans further may be further out when the wind turns), so limits are scanned
-before the edge is refined, and the edge is that above the highest limit that is lost.
+Survival need not grow with the limit (a law that leans further may be further out when the wind
+turns), so limits are scanned before the edge is refined, and the edge is that above the highest
+limit that does not survive. To survive is to be brought back from the wind (see `survival`); a
+slow mode which the law then lets creep away is told apart from it.
 """
 
 from dataclasses import dataclass
@@ -13,30 +12,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
-from tvclin.closed_loop.airframe import Nozzle, Steps, steps
+from tvclin.closed_loop.airframe import Nozzle, steps
 from tvclin.closed_loop.checks import check_flight, check_rate_limit, check_sample_rate
-from tvclin.closed_loop.sampled import Sampler, at_rest
-from tvclin.errors import InputError, number, positive
+from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
+from tvclin.errors import InputError, number, positive, whole_number
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
-from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.recoverable import unstable_coordinates
 
 FloatArray = NDArray[np.float64]
 
 OK = "ok"
 NEVER = "no limit in the range survives"
 ALWAYS = "every limit in the range survives"
+OPEN = "just below the limit a flight is neither lost nor saved for long after the wind"
 _SCAN = 61
 _ROUNDS = 2
-_SETTLED = 0.3
-"""Saved: every coordinate is below this part of the reach for a while."""
-_CALM = 5.0
-"""So long, over the fastest pole."""
-_PATIENCE = 60.0
-"""A flight that is neither lost nor saved by so long after the wind, over the slowest pole."""
-_EVERY = 8
-"""Steps between two looks."""
+_CREEPS = 1e-5
+"""A mode that grows more slowly, over the fastest pole of the plant, is held within rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +48,19 @@ class ClosedLoopBoundary:
         The limits that were tried, rising, over |B alpha_w,max|.
     survives : ndarray of bool
         Which of them survive.
+    growth : float
+        How fast the worst mode of the loop grows [1/s] in still air, far below the limit: law,
+        actuator and samples together. Negative where everything comes to rest again.
     status : str
-        "ok", or in words why the limit is an end of the range.
+        "ok", or in words why the limit is an end of the range, that flights just below it stay
+        undecided, and that the law by itself lets a mode grow.
     """
 
     limit: float
     deflection: float
     scan: FloatArray
     survives: NDArray[np.bool_]
+    growth: float
     status: str
 
     @property
@@ -128,77 +127,69 @@ def closed_loop_boundary(
     modes = unstable_coordinates(plant)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
     nozzle = Nozzle(actuator, check_rate_limit(rate_limit), length)
-    if isinstance(cuts, bool) or not isinstance(cuts, int) or cuts < 0:
-        raise InputError(f"cuts must be an integer, zero or positive; got {cuts!r}")
+    stops = whole_number("cuts", cuts)
     low, high = number("lowest", lowest, positive), number("highest", highest, positive)
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
-    scale = abs(float(plant.coefficients.B * wind.peak))
+    B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))
     start, end = float(wind.onset), float(wind.end)
-    winds = [wind, *(wind.before(t) for t in np.linspace(start, end, cuts + 2)[1:-1])]
-    every = [steps(plant, one, start, float(one.end), length) for one in winds]
+    winds = [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
+    trials = [
+        Trial(law, nozzle, steps(plant, one, start, float(one.end), length), modes, B, gust)
+        for one in winds
+    ]
+    edge = _edge(trials, np.linspace(low, high, _SCAN), B * gust)
+    at = edge.limit if np.isfinite(edge.limit) else high
+    growth = trials[0].growth(at * B * gust)
+    words = [] if edge.status == OK else [edge.status]
+    if growth > _CREEPS * modes.poles[0]:
+        words.append(f"near rest the law lets a mode of {growth:+.3g} 1/s creep away")
+    return ClosedLoopBoundary(
+        edge.limit,
+        edge.limit * B * gust,
+        edge.scan,
+        edge.verdicts == SAVED,
+        growth,
+        "; ".join(words) or OK,
+    )
 
-    def survive(limits: FloatArray) -> NDArray[np.bool_]:
-        alive = np.ones(limits.size, dtype=bool)
-        for one in every:
-            sampler = Sampler(law, one, nozzle)
-            alive[alive] = _survivors(sampler, modes, plant, limits[alive] * scale)
-        return alive
 
-    scan = np.linspace(low, high, _SCAN)
-    alive = survive(scan)
-    if not alive[-1]:
-        return ClosedLoopBoundary(np.inf, np.inf, scan, alive, NEVER)
-    if np.all(alive):
-        return ClosedLoopBoundary(low, low * scale, scan, alive, ALWAYS)
-    edge = int(np.flatnonzero(~alive)[-1])
-    lost, saved = float(scan[edge]), float(scan[edge + 1])
+@dataclass(frozen=True, eq=False)
+class _Edge:
+    """What a scan found: the limit, the limits tried, their verdicts, and what is to be said."""
+
+    limit: float
+    scan: FloatArray
+    verdicts: NDArray[np.int_]
+    status: str
+
+
+def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
+    """The edge above the highest limit that does not survive, over the scale [rad]."""
+    verdicts = _verdicts(trials, scan * scale)
+    below = np.flatnonzero(verdicts != SAVED)
+    if not below.size:
+        return _Edge(float(scan[0]), scan, verdicts, ALWAYS)
+    last = int(below[-1])
+    status = OPEN if verdicts[last] == UNDECIDED else OK
+    if last == scan.size - 1:
+        return _Edge(np.inf, scan, verdicts, NEVER if status == OK else f"{NEVER}: {OPEN}")
+    low, high = float(scan[last]), float(scan[last + 1])
     for _ in range(_ROUNDS):
-        finer = np.linspace(lost, saved, _SCAN)[1:-1]
-        found = survive(finer)
-        last = int(np.flatnonzero(~found)[-1]) if not np.all(found) else -1
-        lost, saved = (
-            float(finer[last]) if last >= 0 else lost,
-            float(finer[last + 1]) if last + 1 < finer.size else saved,
-        )
-    return ClosedLoopBoundary(saved, saved * scale, scan, alive, OK)
+        finer = np.linspace(low, high, _SCAN)
+        found = _verdicts(trials, finer[1:-1] * scale)
+        below = np.flatnonzero(found != SAVED)
+        last = int(below[-1]) if below.size else -1
+        if last >= 0:
+            status = OPEN if found[last] == UNDECIDED else OK
+        low, high = float(finer[last + 1]), float(finer[last + 2])
+    return _Edge(high, scan, verdicts, status)
 
 
-def _survivors(
-    sampler: Sampler, modes: UnstableCoordinates, plant: Plant, limit: FloatArray
-) -> NDArray[np.bool_]:
-    """Which limits survive: flown through the wind, then until each is lost or saved."""
-    alive = np.zeros(limit.size, dtype=bool)
-    if not limit.size:
-        return alive
-    reach = abs(float(plant.coefficients.B))
-    count = sampler.steps.gusts.shape[0]
-    flights = at_rest(sampler.law, sampler.steps, sampler.nozzle, limit)
-    flights = sampler.flown(flights, 0, count)
-    length = sampler.nozzle.length
-    calm = int(np.ceil(_CALM / modes.poles[0] / length))
-    patience = int(np.ceil(_PATIENCE / modes.poles[-1] / length))
-    after = Sampler(sampler.law, _without_wind(sampler.steps, patience), sampler.nozzle, still=True)
-    where, quiet, done = np.arange(limit.size), np.zeros(limit.size, dtype=int), 0
-    while where.size and done < patience:
-        flights = after.flown(flights, done, done + _EVERY)
-        done += _EVERY
-        z = (modes.rows @ flights.airframe).T
-        D = flights.limit / reach
-        inside = modes.inside(z, D)
-        settled = np.all(np.abs(z) < _SETTLED * D[:, np.newaxis], axis=-1)
-        quiet = np.where(settled, quiet + _EVERY, 0)
-        saved = inside & (quiet >= calm)
-        alive[where[saved]] = True
-        open_still = inside & ~saved
-        where, quiet, flights = where[open_still], quiet[open_still], flights.take(open_still)
-    return alive
-
-
-def _without_wind(given: Steps, count: int) -> Steps:
-    """The same plant in still air."""
-    n = given.first.size
-    times = given.times[-1] + np.arange(count + _EVERY + 1) * (given.times[1] - given.times[0])
-    still = np.zeros(times.size)
-    gusts = np.zeros((times.size - 1, n))
-    return Steps(times, given.free, given.first, given.last, gusts, still)
+def _verdicts(trials: list[Trial], limits: FloatArray) -> NDArray[np.int_]:
+    """The verdict over all winds for each limit [rad]: the first that is not survived counts."""
+    found = np.full(limits.size, SAVED)
+    for trial in trials:
+        alive = found == SAVED
+        found[alive] = trial.verdicts(limits[alive])
+    return found
