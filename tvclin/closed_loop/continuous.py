@@ -1,8 +1,9 @@
 """One flight of a law that is computed without pause: event-exact.
 
 Knots of the wind, the limit and the switches of the law are hit, not stepped over: scipy's DOP853
-runs from each to the next. Corners that leave everything continuous (the rate limit and the stop
-of an actuator, the ends of a lean) are left to its error control.
+runs from each to the next, and what it did between two steps is looked at afterwards, so that a
+limit which is touched for a moment is hit as well. Corners that leave everything continuous (the
+rate limit and the stop of an actuator, the ends of a lean) are left to its error control.
 """
 
 from collections.abc import Callable
@@ -27,6 +28,12 @@ _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver; the second over the peak of the wind."""
 _MOST = 5000
 """Switches of the law in one flight."""
+_LOOKS = 8
+"""Looks between two steps of the solver for a mode that ends and returns there."""
+_NEAR = 0.05
+"""A look so near the end of the mode, over the limit, may stand beside a touch."""
+_HAIR = 1e-12
+"""A law lets go so little late, over the limit: as it engages it must not be at its end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +73,7 @@ class ContinuousFlight:
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
         state, mode = np.zeros(self._size), 0.0
+        self._check_law(state)
         found: list[Arc] = []
         atol = _ATOL * (abs(float(self.wind.peak)) or 1.0)
         for first, last in pairwise(edges):
@@ -94,9 +102,14 @@ class ContinuousFlight:
                         f" t = {result.t[-1]:.6g} s"
                     )
                 found.append(Arc(now, result.sol, mode))
+                touched = self._touched(result, mode, gust)
+                if touched is not None:
+                    now, mode = touched
+                    state = result.sol(now)
+                    continue
                 now, state = float(result.t[-1]), result.y[:, -1]
                 if result.status == 1:
-                    mode = self._after(mode, result)
+                    mode = self._after(mode, 1.0 if result.t_events[0].size else -1.0)
         return found
 
     def shown(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
@@ -127,7 +140,18 @@ class ContinuousFlight:
 
     def _seen(self, states: FloatArray, wind: Any) -> Seen:
         path = states[2] if self._order > 2 else 0.0 * states[0]
-        return Seen(states[0], states[1], path, states[0] - path - wind, 0.0)
+        shown = np.nan if self.actuator is None else self._nozzle(states)
+        return Seen(states[0], states[1], path, states[0] - path - wind, shown)
+
+    def _nozzle(self, states: FloatArray) -> Any:
+        return np.clip(states[self._order], -self.limit, self.limit)
+
+    def _check_law(self, rest: FloatArray) -> None:
+        """Without an actuator the deflection follows from the demand, and not the other way."""
+        if np.isnan(self._demand(rest, self._seen(rest, 0.0))):
+            raise InputError(
+                "a law that looks at the deflection needs an actuator or a sample_rate"
+            )
 
     def _demand(self, states: FloatArray, seen: Seen) -> Any:
         memory = states[self._order + self._servo :]
@@ -135,8 +159,9 @@ class ContinuousFlight:
 
     def _deflection(self, states: FloatArray, seen: Seen, mode: float) -> Any:
         if self.actuator is not None:
-            return np.clip(states[self._order], -self.limit, self.limit)
-        return mode * self.limit + 0.0 * seen.attitude if mode else self._demand(states, seen)
+            return self._nozzle(states)
+        demand = mode * self.limit if mode else self._demand(states, seen)
+        return np.clip(demand, -self.limit, self.limit)
 
     def _rates(self, t: float, states: FloatArray, mode: float, gust: Any) -> FloatArray:
         order = self._order
@@ -148,7 +173,7 @@ class ContinuousFlight:
         rates = np.zeros(states.size)
         if self.actuator is not None:
             servo = states[order : order + self._servo]
-            deflection = min(max(float(servo[0]), -self.limit), self.limit)
+            deflection = float(seen.deflection)
             rates[order : order + self._servo] = self._servo_rates(servo, command)
         A, B = self._matrices
         rates[:order] = A @ states[:order] + B[:, 0] * deflection + B[:, 1] * wind
@@ -182,42 +207,76 @@ class ContinuousFlight:
         found = switched(self.law, np.asarray(demand), np.asarray(mode), np.asarray(self.limit))
         return float(found)
 
-    def _events(self, mode: float) -> list[Any]:
-        """What falls or rises through zero where the mode ends."""
-        edge = (self.law.release if mode else self.law.engage) * self.limit
-        sides = (mode,) if mode else (1.0, -1.0)
-        events = []
-        for side in sides:
+    def _past(self, states: FloatArray, wind: Any, mode: float, side: float) -> Any:
+        """How far the demand is past the end of the mode [rad]; the mode ends as this rises."""
+        demand = side * self._demand(states, self._seen(states, wind))
+        if mode:
+            return (self.law.release - _HAIR) * self.limit - demand
+        return demand - self.law.engage * self.limit
 
-            def crossed(
+    def _events(self, mode: float) -> list[Any]:
+        """What rises through zero where the mode ends."""
+        events = []
+        for side in _sides(mode):
+
+            def past(
                 t: float, states: FloatArray, mode: float, gust: Any, side: float = side
             ) -> float:
-                demand = self._demand(states, self._seen(states, gust(t)))
-                return float(side * demand - edge)
+                return float(self._past(states, gust(t), mode, side))
 
-            crossed.terminal = True  # type: ignore[attr-defined]
-            crossed.direction = -1.0 if mode else 1.0  # type: ignore[attr-defined]
-            events.append(crossed)
+            past.terminal = True  # type: ignore[attr-defined]
+            past.direction = 1.0  # type: ignore[attr-defined]
+            events.append(past)
         return events
 
-    def _after(self, mode: float, result: Any) -> float:
-        if mode:
-            return 0.0
-        return 1.0 if result.t_events[0].size else -1.0
+    def _touched(self, result: Any, mode: float, gust: Any) -> tuple[float, float] | None:
+        """When the mode first ends between two steps that do not show it, and the next mode."""
+        from scipy.optimize import brentq, minimize_scalar
+
+        parts = np.diff(result.t)[:, np.newaxis] * np.arange(_LOOKS) / _LOOKS
+        times = np.append((result.t[:-1, np.newaxis] + parts).ravel(), result.t[-1])
+        found = []
+        for side in _sides(mode):
+
+            def short(t: Any, side: float = side) -> Any:
+                return -self._past(result.sol(t), gust(t), mode, side)
+
+            left = short(times)
+            least = (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
+            for k in 1 + np.flatnonzero(least & (left[1:-1] < _NEAR * self.limit)):
+                around = (times[k - 1], times[k + 1])
+                best = minimize_scalar(short, bounds=around, options={"xatol": 1e-9})
+                before = np.flatnonzero(left[:k] > 0.0)
+                if best.fun < 0.0 and before.size:
+                    end = float(brentq(short, times[before[-1]], best.x, xtol=1e-13))
+                    found.append((end, self._after(mode, side)))
+                    break
+        return min(found, default=None)
+
+    def _after(self, mode: float, side: float) -> float:
+        return 0.0 if mode else side
 
 
-def _piece(wind: History, start: float) -> Callable[[float], float]:
-    """The wind from a knot on, as its own smooth function."""
+def _sides(mode: float) -> tuple[float, ...]:
+    """The sides of the demand on which a mode can end."""
+    return (mode,) if mode else (1.0, -1.0)
+
+
+def _piece(wind: History, start: float) -> Callable[[Any], Any]:
+    """The wind from a knot on, as its own smooth function.
+
+    So the solver sees no jump at the next knot, and it takes half the time of ``wind(t)``.
+    """
     pieces = wind.pieces
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1
     if k < 0:
-        return lambda _: 0.0
+        return np.zeros_like
     knot, rates = float(pieces.knots[k]), pieces.rates
     coefficients = pieces.coefficients[k, :, ::-1]
 
-    def value(t: float) -> float:
+    def value(t: Any) -> Any:
         u = t - knot
         terms = [np.polyval(c, u) * np.exp(r * u) for c, r in zip(coefficients, rates, strict=True)]
-        return float(np.real(sum(terms)))
+        return np.real(sum(terms))
 
     return value

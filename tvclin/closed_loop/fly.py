@@ -38,7 +38,9 @@ def fly(
     actuator: Actuator | None = None,
     sample_rate: float | None = None,
 ) -> "TimeResponseData":
-    """Return the flight of a law with limits, from rest, as `control.TimeResponseData`.
+    """Return the flight of a law with limits, as `control.TimeResponseData`.
+
+    It is at rest until the onset of the wind.
 
     Parameters
     ----------
@@ -57,8 +59,9 @@ def fly(
     actuator : Actuator, optional
         Without one the deflection follows its command at once.
     sample_rate : float, optional
-        Samples of the law in a second [Hz]; the command is held between them, and the deflection
-        goes evenly over each step. Without one the law is computed without pause.
+        Samples of the law in a second [Hz], the first at the onset of the wind; the command is
+        held between them, and the deflection goes evenly over each step. Without one the law is
+        computed without pause.
 
     Returns
     -------
@@ -69,13 +72,14 @@ def fly(
     ------
     InputError
         For batches, limits that are not positive, a wind that never ends, a sample rate too slow
-        for the actuator, and noise or a rate limit that need a sample rate.
+        for the actuator, noise or a rate limit that need a sample rate, and a law that looks at
+        the deflection where that has neither an actuator nor a sample before it.
 
     Notes
     -----
     Without pause, the knots of the wind, the limit and the switches of the law are hit by the
-    solver, which runs anew from each to the next. With a sample rate every step is exact. Either
-    way a late gust is never missed.
+    solver, which runs anew from each to the next, however short the limit is touched. With a
+    sample rate every step is exact. Either way a late gust is never missed.
 
     Examples
     --------
@@ -93,7 +97,7 @@ def fly(
         raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
     limit = number("deflection_limit", deflection_limit, positive, "rad")
     most = check_rate_limit(rate_limit)
-    start = min(float(wind.knots[0]), float(times.min()))
+    start = float(wind.onset)
     if sample_rate is None:
         rows = _continuous(plant, law, wind, times, (limit, most), actuator, start)
     else:
@@ -130,20 +134,21 @@ def _sampled(
     nozzle: Nozzle,
     start: float,
 ) -> FloatArray:
-    made = steps(plant, wind, start, float(times.max()), nozzle.length)
+    last = max(float(times.max()), start) + nozzle.length
+    made = steps(plant, wind, start, last, nozzle.length)
     sampler = Sampler(law, made, nozzle)
     flights = at_rest(law, made, nozzle, np.array([limit]))
     every = [flights, *sampler.each(flights, 0, len(made.gusts))]
     x = np.stack([one.airframe[:, 0] for one in every])
     servo = np.clip([one.servo[0, 0] for one in every], -limit, limit)
-    k = np.clip(np.searchsorted(made.times, times, side="right") - 1, 0, len(made.gusts) - 1)
+    k = np.maximum(np.searchsorted(made.times, times, side="right") - 1, 0)
     first = servo[k + 1] if nozzle.jumps else servo[k]
     slope = (servo[k + 1] - first) / nozzle.length
     A, inputs, _, _ = plant.matrices()
     n = len(A)
     driven = np.zeros((n + 2, n + 2))
     driven[:n, :n], driven[:n, n], driven[n, n + 1] = A, inputs[:, 0], 1.0
-    u = times - made.times[k]
+    u = np.maximum(times - made.times[k], 0.0)
     grown = exponentials(driven, u)
     begun = np.concatenate([x[k], first[:, np.newaxis], slope[:, np.newaxis]], axis=1)
     rows = np.zeros((n + 1, times.size))
@@ -153,7 +158,7 @@ def _sampled(
             edges = np.array([made.times[j], t])
             rows[:n, i] += gust_steps(A, inputs[:, 1], wind, edges, grown[i, :n, :n])[0]
     rows[n] = first + slope * u
-    return rows
+    return np.where(times < start, 0.0, rows)
 
 
 def _response(
