@@ -456,6 +456,16 @@ def test_the_last_time_shows_what_it_shows_in_a_longer_flight():
     np.testing.assert_allclose(last, within, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("sample_rate", [None, 20.0])
+def test_a_flight_that_is_lost_is_not_flown_on_for_ever(sample_rate):
+    options = {"deflection_limit": 0.1 * B * PEAK, "sample_rate": sample_rate}
+    with pytest.raises(InputError, match="lost and grows without.* before t = 4[0-9][0-9]") as said:
+        tv.fly(plant_of(), LAWS["trim"](None), WIND, [0.0, 3000.0], **options)
+    last = float(str(said.value).split("=")[1].split()[0])
+    flown = tv.fly(plant_of(), LAWS["trim"](None), WIND, [0.0, last - 1.0], **options)
+    assert np.abs(flown.outputs[0, -1]) > 1e98
+
+
 class Relay(tv.Law):
     """A law that is at its limit nearly always."""
 

@@ -1,6 +1,7 @@
 """What a flight is refused for."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.errors import InputError, ending, instance, number, positive
@@ -8,6 +9,8 @@ from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
 
+LOST = 1e100
+"""A state beyond this is not flown on."""
 _SAMPLES = 2.0
 """Least samples of the law in the time 1/omega_n of the actuator."""
 
@@ -44,6 +47,14 @@ def check_rate_limit(rate_limit: float) -> float:
     """Return the rate limit [rad/s], positive or infinite."""
     unlimited = isinstance(rate_limit, float) and rate_limit == np.inf
     return np.inf if unlimited else number("rate_limit", rate_limit, positive, "rad/s")
+
+
+def check_not_lost(time: float, states: NDArray[np.float64]) -> None:
+    """Raise `InputError` when states at a time [s] have grown beyond all meaning."""
+    if np.abs(states).max() > LOST:
+        raise InputError(
+            f"the flight is lost and grows without bounds; ask for times before t = {time:.6g} s"
+        )
 
 
 def check_actuator(actuator: Actuator | None) -> None:

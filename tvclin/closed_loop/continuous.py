@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.closed_loop.checks import LOST, check_not_lost
 from tvclin.closed_loop.sampled import switched
 from tvclin.errors import InputError
 from tvclin.histories import History
@@ -68,14 +69,11 @@ class ContinuousFlight:
 
     def arcs(self, start: float, stop: float) -> list[Arc]:
         """Return the flight from rest at `start` to `stop` [s], arc by arc."""
-        from scipy.integrate import solve_ivp
-
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
         state, mode = np.zeros(self._size), 0.0
         self._check_law(state)
         found: list[Arc] = []
-        atol = _ATOL * (abs(float(self.wind.peak)) or 1.0)
         for first, last in pairwise(edges):
             gust = _piece(self.wind, float(first))
             now = float(first)
@@ -85,22 +83,7 @@ class ContinuousFlight:
                     raise InputError(
                         f"the law switches more than {_MOST} times; give a sample_rate to fly it"
                     )
-                result = solve_ivp(
-                    self._rates,
-                    (now, float(last)),
-                    state,
-                    method="DOP853",
-                    rtol=_RTOL,
-                    atol=atol,
-                    dense_output=True,
-                    events=self._events(mode),
-                    args=(mode, gust),
-                )
-                if result.status < 0:
-                    raise InputError(
-                        "the flight is lost and grows without bounds; ask for times before"
-                        f" t = {result.t[-1]:.6g} s"
-                    )
+                result = self._solved((now, float(last)), state, mode, gust)
                 found.append(Arc(now, result.sol, mode))
                 touched = self._touched(result, mode, gust)
                 if touched is not None:
@@ -111,6 +94,27 @@ class ContinuousFlight:
                 if result.status == 1:
                     mode = self._after(mode, 1.0 if result.t_events[0].size else -1.0)
         return found
+
+    def _solved(self, span: tuple[float, float], state: FloatArray, mode: float, gust: Any) -> Any:
+        """What the solver finds from a state on, until the mode seems to end or the span does."""
+        from scipy.integrate import solve_ivp
+
+        result = solve_ivp(
+            self._rates,
+            span,
+            state,
+            method="DOP853",
+            rtol=_RTOL,
+            atol=_ATOL * abs(float(self.wind.peak)),
+            dense_output=True,
+            events=self._events(mode),
+            args=(mode, gust),
+        )
+        time = float(result.t[-1])
+        if result.status < 0:
+            raise InputError(f"the solver fails at t = {time:.6g} s; give a sample_rate to fly it")
+        check_not_lost(time, result.y[:, -1])
+        return result
 
     def shown(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
         """Return plant states and deflection at the times ``(m,)``, shape ``(n + 1, m)``."""
@@ -227,7 +231,7 @@ class ContinuousFlight:
             past.terminal = True  # type: ignore[attr-defined]
             past.direction = 1.0  # type: ignore[attr-defined]
             events.append(past)
-        return events
+        return [*events, _lost]
 
     def _touched(self, result: Any, mode: float, gust: Any) -> tuple[float, float] | None:
         """When the mode first ends between two steps that do not show it, and the next mode."""
@@ -255,6 +259,14 @@ class ContinuousFlight:
 
     def _after(self, mode: float, side: float) -> float:
         return 0.0 if mode else side
+
+
+def _lost(t: float, states: FloatArray, mode: float, gust: Any) -> float:
+    """What falls through zero where a flight is lost, a little later than it is called so."""
+    return LOST * (1.0 + 1e-6) - float(np.abs(states).max())
+
+
+_lost.terminal = True  # type: ignore[attr-defined]
 
 
 def _sides(mode: float) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ from tvclin.closed_loop.airframe import Nozzle, gust_steps, steps
 from tvclin.closed_loop.checks import (
     check_actuator,
     check_flight,
+    check_not_lost,
     check_rate_limit,
     check_sample_rate,
 )
@@ -71,9 +72,10 @@ def fly(
     Raises
     ------
     InputError
-        For batches, limits that are not positive, a wind that never ends, a sample rate too slow
-        for the actuator, noise or a rate limit that need a sample rate, and a law that looks at
-        the deflection where that has neither an actuator nor a sample before it.
+        For batches, limits that are not positive, a wind that never ends, times long after the
+        flight is lost, a sample rate too slow for the actuator, noise or a rate limit that need a
+        sample rate, and a law that looks at the deflection where it has neither an actuator nor a
+        sample before it.
 
     Notes
     -----
@@ -138,7 +140,10 @@ def _sampled(
     made = steps(plant, wind, start, last, nozzle.length)
     sampler = Sampler(law, made, nozzle)
     flights = at_rest(law, made, nozzle, np.array([limit]))
-    every = [flights, *sampler.each(flights, 0, len(made.gusts))]
+    every = [flights]
+    for time, one in zip(made.times[1:], sampler.each(flights, 0, len(made.gusts)), strict=True):
+        check_not_lost(float(time), one.airframe)
+        every.append(one)
     x = np.stack([one.airframe[:, 0] for one in every])
     servo = np.clip([one.servo[0, 0] for one in every], -limit, limit)
     k = np.maximum(np.searchsorted(made.times, times, side="right") - 1, 0)
