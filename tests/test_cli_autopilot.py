@@ -8,6 +8,8 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.cli.laws import _limit
+from tvclin.law_trials import law_trials, standard_laws
 
 
 def run(*arguments):
@@ -86,6 +88,42 @@ def test_laws_are_flown_in_the_winds_asked_for():
     limits = {one["law"]: one["limit"] for one in document["trials"]}
     assert set(limits) == {"attitude and rate", "trim", "dead band 0.5", "recoverable attitude"}
     assert min(limits.values()) >= document["no_forecast"]["triangle"]
+    head = {key: document[key] for key in ("model", "plane", "peak_deg", "cuts", "sample_rate_Hz")}
+    expected = {"model": "fixed-path", "plane": "pitch", "cuts": 0, "sample_rate_Hz": 40.0}
+    assert head == expected | {"peak_deg": pytest.approx(5.0)}
+    for one in document["trials"]:
+        assert (one["status"], one["creeps"]) == ("ok", False)
+        assert one["growth"] < 0.0
+
+
+def test_a_boundary_beyond_the_range_is_no_number():
+    """Of a puff of 10 ms next to nothing is needed; two samples a second are too few."""
+    plain = ("--wind", "triangle", "--model", "fixed-path", "--sample-rate")
+    short = run("laws", "--duration", "0.01", *plain, "20").stdout
+    assert short.count("<0.02") == 4
+    assert "0.020" not in short
+    slow = run("laws", "--duration", "7", *plain, "0.5").stdout
+    assert ">4" in slow
+    assert "inf" not in slow
+    assert "nan" not in slow
+
+
+def test_a_law_that_lets_a_mode_creep_away_is_marked():
+    law = tv.TrimLaw(booster("drift-exact"))
+    winds = {"triangle": tv.standard_winds(0.08, 7.0)["triangle"]}
+    (found,) = law_trials(booster("drift-exact"), {"trim": law}, winds, sample_rate=20.0)
+    assert found.creeps
+    assert found.growth == pytest.approx(0.0129, abs=1e-4)
+    assert found.status == "near rest the law lets a mode of +0.0129 1/s creep away"
+    assert (found.lowest, found.highest) == (0.02, 4.0)
+    assert _limit(found) == f"{found.limit:.3f}!"
+    for one in law_trials(
+        booster("drift-exact"),
+        standard_laws(booster("drift-exact"), 0.08),
+        winds,
+        sample_rate=20.0,
+    ):
+        assert not one.creeps
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,16 @@ class LawTrial:
     law, wind : str
         Their names.
     limit : float
-        Boundary: least deflection limit, over |B alpha_w,max|; infinite if none was found.
+        Boundary: least deflection limit, over |B alpha_w,max|; infinite if none was found, and
+        the lowest that was tried if that survives.
+    status : str
+        "ok", or in words what is to be said of the boundary, as of `ClosedLoopBoundary`.
+    lowest, highest : float
+        The range of limits that were tried.
+    growth : float
+        Growth rate [1/s] of the worst mode near rest, as of `ClosedLoopBoundary`.
+    creeps : bool
+        Whether the law lets that mode creep away, though it survives the wind.
     monotone : bool
         Whether every limit above one that survives survives as well.
     peak_angle_of_attack, peak_attitude : float
@@ -53,6 +62,11 @@ class LawTrial:
     law: str
     wind: str
     limit: float
+    status: str
+    lowest: float
+    highest: float
+    growth: float
+    creeps: bool
     monotone: bool
     peak_angle_of_attack: float
     peak_attitude: float
@@ -86,12 +100,17 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
 
 
 def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
-    """Return the laws of the trials by name, designed on a plant and for a peak [rad]."""
+    """Return the laws of the trials by name, designed on a plant and for a peak [rad].
+
+    Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
+    with drift they would let its slow mode creep away.
+    """
     gains = canonical_gains(plant.coefficients)
+    fixed = Plant.from_coefficients(plant.coefficients)
     return {
         "attitude and rate": SaturatedLaw(gains),
-        "trim": TrimLaw(plant),
-        "dead band 0.5": DeadBandLaw(plant),
+        "trim": TrimLaw(fixed),
+        "dead band 0.5": DeadBandLaw(fixed),
         "recoverable attitude": RecoverableAttitudeLaw(plant, design_peak=peak),
     }
 
@@ -190,4 +209,16 @@ def _trial(
             float(np.abs(flown.outputs[name]).max()) / peak
             for name in ("angle_of_attack", "attitude")
         )
-    return LawTrial(law[0], wind[0], found.limit, found.monotone, angle, attitude)
+    return LawTrial(
+        law[0],
+        wind[0],
+        found.limit,
+        found.status,
+        float(found.scan[0]),
+        float(found.scan[-1]),
+        found.growth,
+        found.creeps,
+        found.monotone,
+        angle,
+        attitude,
+    )

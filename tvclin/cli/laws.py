@@ -48,6 +48,8 @@ def laws(
 
     Exit code 0: answered; 2: bad input.
     """
+    import numpy as np
+
     from tvclin.cli.output import print_json
     from tvclin.errors import one_of, positive, within
     from tvclin.law_trials import law_trials, standard_laws, standard_winds
@@ -65,14 +67,22 @@ def laws(
     found: list[LawTrial] = []
     for name, law in chosen.items():
         typer.echo(f"flying: {name}", err=True)
-        found += law_trials(plant, {name: law}, winds, sample_rate=sample_rate, cuts=int(cuts))
+        found += law_trials(plant, {name: law}, winds, sample_rate=sample_rate, cuts=cuts)
     if plot is not None:
         from tvclin.plots import laws_chart, save_figure
 
         save_figure(laws_chart(plant, chosen, peak), plot)
     limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
     if as_json:
-        head = {"vehicle": loaded.name, "model": model, "duration_s": duration}
+        head = {
+            "vehicle": loaded.name,
+            "model": model,
+            "plane": plane,
+            "peak_deg": np.degrees(peak),
+            "duration_s": duration,
+            "cuts": cuts,
+            "sample_rate_Hz": sample_rate,
+        }
         print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
     else:
         _print(f"{loaded.name or vehicle}, {model}, {duration:g} s", found, limits, list(chosen))
@@ -99,11 +109,11 @@ def _print(
     def rows(show: Any) -> list[list[str]]:
         return [[wind, *(show(table[wind, law]) for law in names), ""] for wind in limits]
 
-    needed = rows(lambda one: f"{one.limit:.3f}{'' if one.monotone else '*'}")
+    needed = rows(_limit)
     for row, limit in zip(needed, limits.values(), strict=True):
         row[-1] = "-" if limit is None else f"{limit:.3f}"
     print_table(f"{title}: deflection limit needed, over |B alpha_w,max|", headings, needed)
-    loads = rows(lambda one: f"{one.peak_angle_of_attack:.2f} / {one.peak_attitude:.2f}")
+    loads = rows(_loads)
     print_table(
         "Largest angle of attack / attitude over the wind, with 1.2 times that limit",
         headings[:-1],
@@ -115,3 +125,20 @@ def _print(
     )
     if not all(one.monotone for one in found):
         typer.echo("*: some lower limits survive as well; above this one every limit does.")
+    for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if one.creeps):
+        typer.echo(said)
+
+
+def _loads(one: "LawTrial") -> str:
+    found = one.limit <= one.highest
+    return f"{one.peak_angle_of_attack:.2f} / {one.peak_attitude:.2f}" if found else "-"
+
+
+def _limit(one: "LawTrial") -> str:
+    """The boundary, or on which side of the range that was tried it lies."""
+    shown = f"{one.limit:.3f}"
+    if one.limit > one.highest:
+        shown = f">{one.highest:g}"
+    elif one.limit <= one.lowest:
+        shown = f"<{one.lowest:g}"
+    return shown + ("" if one.monotone else "*") + ("!" if one.creeps else "")

@@ -51,6 +51,8 @@ class ClosedLoopBoundary:
     growth : float
         How fast the worst mode of the loop grows [1/s] in still air, far below the limit: law,
         actuator and samples together. Negative where everything comes to rest again.
+    creeps : bool
+        Whether that mode grows, so that the law by itself does not hold it for ever.
     status : str
         "ok", or in words why the limit is an end of the range, that flights just below it stay
         undecided, and that the law by itself lets a mode grow.
@@ -61,6 +63,7 @@ class ClosedLoopBoundary:
     scan: FloatArray
     survives: NDArray[np.bool_]
     growth: float
+    creeps: bool
     status: str
 
     @property
@@ -142,7 +145,8 @@ def closed_loop_boundary(
     at = edge.limit if np.isfinite(edge.limit) else high
     growth = trials[0].growth(at * B * gust)
     words = [] if edge.status == OK else [edge.status]
-    if growth > _CREEPS * modes.poles[0]:
+    creeps = bool(growth > _CREEPS * modes.poles[0])
+    if creeps:
         words.append(f"near rest the law lets a mode of {growth:+.3g} 1/s creep away")
     return ClosedLoopBoundary(
         edge.limit,
@@ -150,6 +154,7 @@ def closed_loop_boundary(
         edge.scan,
         edge.verdicts == SAVED,
         growth,
+        creeps,
         "; ".join(words) or OK,
     )
 
