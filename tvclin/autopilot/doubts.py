@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.margins.stability import stability
+from tvclin.kernels.stability import stability
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 

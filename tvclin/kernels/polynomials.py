@@ -89,6 +89,13 @@ def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     return found
 
 
+def bound(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a number that no root exceeds in size, ``(...)``, after Fujiwara (1916)."""
+    order = np.arange(1, polynomial.shape[-1])
+    sizes = np.abs(polynomial[..., 1:] / polynomial[..., :1]) ** (1.0 / order)
+    return 2.0 * np.asarray(sizes.max(axis=-1, initial=0.0))
+
+
 def _alternating(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
     """The polynomial at minus its argument, but for the sign of the whole."""
     return polynomial * (-1.0) ** np.arange(polynomial.shape[-1])

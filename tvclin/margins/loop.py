@@ -1,24 +1,20 @@
 """A loop as a rational function and a delay: all that its margins depend on."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import InputError, broadcast, finite, nonnegative
-from tvclin.kernels import polynomials
+from tvclin.kernels.rational import Rational
 
 if TYPE_CHECKING:
     import control
 
-FloatArray = NDArray[np.float64]
-
-_ROUNDING = 1e-13
-
 
 @dataclass(frozen=True, eq=False)
-class Loop:
+class Loop(Rational):
     """One loop L(s) = numerator(s)/denominator(s) e^(-s delay), or a batch of them.
 
     The closed loop is 1 + L = 0. The delay is exact wherever a loop is looked at.
@@ -37,10 +33,6 @@ class Loop:
         For numbers that are not finite, a delay below zero, a denominator that begins with zero,
         and an algebraic loop: a numerator of the same degree as the denominator, or higher.
     """
-
-    numerator: FloatArray
-    denominator: FloatArray
-    delay: FloatArray
 
     def __init__(
         self, numerator: ArrayLike, denominator: ArrayLike, delay: ArrayLike = 0.0
@@ -102,34 +94,6 @@ class Loop:
         """Shape of the batch; ``()`` for one loop."""
         return self.delay.shape
 
-    def parts(self, omega: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return numerator, with the delay, and denominator at j omega, ``(..., k)``.
-
-        Parameters
-        ----------
-        omega : array_like
-            Frequencies [rad/s], ``(..., k)``.
-        """
-        s = 1j * np.asarray(omega, dtype=float)
-        late = np.exp(-s * self.delay[..., np.newaxis])
-        above = polynomials.value(self.numerator, s) * late
-        return above, polynomials.value(self.denominator, s)
-
-    def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
-        """Return whether numerator or denominator is zero, to rounding, at one frequency each.
-
-        Parameters
-        ----------
-        omega : ndarray
-            Frequencies [rad/s], of the shape of the batch.
-        """
-        s = 1j * omega[..., np.newaxis]
-        parts = []
-        for polynomial in (self.numerator, self.denominator):
-            size = polynomials.value(np.abs(polynomial), np.abs(s))
-            parts.append(np.abs(polynomials.value(polynomial, s)) <= _ROUNDING * size)
-        return np.asarray(parts[0] | parts[1])[..., 0]
-
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
 
@@ -149,9 +113,3 @@ class Loop:
         with np.errstate(divide="ignore", invalid="ignore"):
             values = np.where(pole, np.inf, above / below)
         return np.asarray(values.reshape((*self.batch, *frequencies.shape)))
-
-    def take(self, index: Any) -> "Loop":
-        """Return the loops at the positions `index` of the flattened batch."""
-        size = self.numerator.shape[-1]
-        above, below = (p.reshape(-1, size)[index] for p in (self.numerator, self.denominator))
-        return Loop(above, below, self.delay.reshape(-1)[index])

@@ -7,18 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import InputError, instance, plain
-from tvclin.margins.crossings import peaks, phase_crossovers
-from tvclin.margins.frequencies import frequencies
+from tvclin.kernels.loop_margins import classical_margins, loop_crossings, loop_peaks
+from tvclin.kernels.rational import Rational
 from tvclin.margins.loop import Loop
-from tvclin.margins.stability import Stability, stability
 
 FloatArray = NDArray[np.float64]
 
 OK = "ok"
 UNSTABLE = "unstable"
 MARGINAL = "marginal"
-_TOGETHER = 256
-"""So many loops are worked on at a time, to bound the memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,13 +194,11 @@ def loop_margins(loop: Loop) -> Margins:
     (62.4, 20.7, inf)
     """
     instance("loop", loop, Loop, "see Loop.from_system")
-    size = int(np.prod(loop.batch))
-    chunks = [
-        _flat_margins(loop.take(np.arange(start, min(start + _TOGETHER, size))))
-        for start in range(0, size, _TOGETHER)
-    ]
-    nothing = [] if chunks else [_flat_margins(Loop([[1.0]], [[1.0, 1.0]]))]
-    return _assembled(chunks or nothing, loop.batch)
+    rows = loop.delay.size
+    above, below = (
+        p.reshape(rows, loop.denominator.shape[-1]) for p in (loop.numerator, loop.denominator)
+    )
+    return _shaped(_flat_margins(Rational(above, below, loop.delay.reshape(rows))), loop.batch)
 
 
 def decibels(factor: Any) -> Any:
@@ -212,86 +207,56 @@ def decibels(factor: Any) -> Any:
         return plain(20.0 * np.log10(np.asarray(factor)))
 
 
-def _flat_margins(loop: Loop) -> Margins:
+def _flat_margins(loop: Rational) -> Margins:
     """The margins of a batch of one axis."""
-    found = stability(loop)
+    found = loop_crossings(loop)
     good = (found.unstable_poles == 0) & ~found.marginal
     status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
     status = np.where(found.unstable_poles > 0, UNSTABLE, status)
-    omega = frequencies(loop, found.crossovers)
-    crossings = _crossings(loop, found, omega)
-    factors, at = crossings.gain_factors, crossings.phase_frequencies
-    with np.errstate(divide="ignore"):
-        aero = _least(np.where(factors < 1.0, 1.0 / factors, np.nan), at)
-    increase = _least(np.where(factors > 1.0, factors, np.nan), at)
-    phase = _least(np.abs(crossings.phase_margins), crossings.gain_frequencies)
-    lag = crossings.phase_margins % (2.0 * np.pi)
-    delay = _least(lag / crossings.gain_frequencies, crossings.gain_frequencies)
-    pairs = [aero, increase, phase, delay, *_tops(loop, omega, good)]
-    kept = [np.where(good, part, np.nan) for pair in pairs for part in pair]
+    pairs = np.concatenate([classical_margins(found), _tops(loop, good)])
+    pairs[..., ~good] = np.nan
     names = [field.name for field in fields(Margins)][2:-1]
+    crossings = Crossings(
+        gain_frequencies=found.gain_frequencies,
+        phase_margins=found.phases,
+        phase_frequencies=found.phase_frequencies,
+        gain_factors=found.factors,
+    )
     return Margins(
         status=status,
         unstable_poles=found.unstable_poles,
         crossings=crossings,
-        **dict(zip(names, kept, strict=True)),
+        **dict(zip(names, pairs.reshape(len(names), good.size), strict=True)),
     )
 
 
-def _crossings(loop: Loop, found: Stability, omega: FloatArray) -> Crossings:
-    above, below = loop.parts(np.nan_to_num(found.crossovers, nan=1.0))
-    phase = np.where(np.isnan(found.crossovers), np.nan, np.angle(-above * np.conj(below)))
-    at, sizes = phase_crossovers(loop, omega)
-    with np.errstate(divide="ignore"):
-        return Crossings(found.crossovers, phase, at, 1.0 / sizes)
-
-
-def _least(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The least of each row and its frequency; infinite and NaN in an empty one."""
-    if not values.shape[-1]:
-        return np.full(len(values), np.inf), np.full(len(values), np.nan)
-    filled = np.where(np.isnan(values), np.inf, values)
-    place = np.argmin(filled, axis=-1)[:, np.newaxis]
-    least, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, at))
-    return least, np.where(np.isinf(least), np.nan, where)
-
-
-def _tops(
-    loop: Loop, omega: FloatArray, good: NDArray[np.bool_]
-) -> list[tuple[FloatArray, FloatArray]]:
+def _tops(loop: Rational, good: NDArray[np.bool_]) -> FloatArray:
     """Disk margin and peaks of the stable loops with their frequencies, NaN for the others."""
     whole = np.full((3, 2, good.size), np.nan)
     if np.any(good):
-        found = peaks(loop.take(good), omega[good])
-        rows = [found.balanced, found.sensitivity, found.complementary]
-        whole[:, :, good] = np.asarray(rows)
+        whole[:, :, good] = loop_peaks(loop.take(good))[[2, 0, 1]]
     whole[0, 0] = 1.0 / whole[0, 0]
-    return [(pair[0], pair[1]) for pair in whole]
+    return whole
 
 
-def _assembled(chunks: list[Margins], batch: tuple[int, ...]) -> Margins:
-    """One record of the shape of the batch out of flat ones."""
-    joined = {
-        field.name: _joined([getattr(chunk, field.name) for chunk in chunks], batch)
+def _shaped(flat: Margins, batch: tuple[int, ...]) -> Margins:
+    """The same record in the shape of the batch."""
+    numbers = {
+        field.name: _element(getattr(flat, field.name).reshape(batch))
         for field in fields(Margins)
         if field.name != "crossings"
     }
     lists = {
-        field.name: _padded([getattr(chunk.crossings, field.name) for chunk in chunks], batch)
+        field.name: _trimmed(getattr(flat.crossings, field.name), batch)
         for field in fields(Crossings)
     }
-    return Margins(**joined, crossings=Crossings(**lists))
+    return Margins(**numbers, crossings=Crossings(**lists))
 
 
-def _joined(parts: list[NDArray[Any]], batch: tuple[int, ...]) -> Any:
-    whole = np.concatenate(parts)[: int(np.prod(batch))]
-    return whole.reshape(batch) if batch else whole[0].item()
+def _element(array: NDArray[Any]) -> Any:
+    return array if array.ndim else array.item()
 
 
-def _padded(parts: list[FloatArray], batch: tuple[int, ...]) -> FloatArray:
-    width = max(part.shape[-1] for part in parts)
-    wide = np.concatenate(
-        [np.pad(p, [(0, 0), (0, width - p.shape[-1])], constant_values=np.nan) for p in parts]
-    )
-    width = int(np.sum(~np.isnan(wide), axis=-1).max(initial=0))
-    return wide[: int(np.prod(batch)), :width].reshape((*batch, width))
+def _trimmed(rows: FloatArray, batch: tuple[int, ...]) -> FloatArray:
+    width = int(np.sum(~np.isnan(rows), axis=-1).max(initial=0))
+    return rows[:, :width].reshape((*batch, width))

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from tvclin.autopilot import Autopilot
 from tvclin.errors import InputError, instance
 from tvclin.kernels import polynomials
+from tvclin.kernels.loop_grid import frequencies
 from tvclin.margins import Loop, Margins, loop_margins
-from tvclin.margins.frequencies import frequencies
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.marks import Mark

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels import polynomials
-from tvclin.margins.loop import Loop
+from tvclin.kernels.rational import Rational
 
 FloatArray = NDArray[np.float64]
 
@@ -44,12 +44,12 @@ class Stability:
     crossovers: FloatArray
 
 
-def stability(loop: Loop) -> Stability:
+def stability(loop: Rational) -> Stability:
     """Return how many closed-loop poles are unstable, and the gain crossovers.
 
     Parameters
     ----------
-    loop : Loop
+    loop : Rational
         One or a batch.
     """
     poles = polynomials.roots(loop.denominator + loop.numerator)
@@ -86,12 +86,12 @@ def _first_due(
     return np.where(right != rising, 0.0, _TURN)
 
 
-def last_frequency(loop: Loop, size: float) -> FloatArray:
+def last_frequency(loop: Rational, size: float) -> FloatArray:
     """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero if at none."""
     return np.nan_to_num(_crossovers(loop, size)[0]).max(axis=-1, initial=0.0)
 
 
-def _crossovers(loop: Loop, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+def _crossovers(loop: Rational, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Where |L| is `size`, and whether |D|^2 size^2 - |N|^2 rises with the frequency there."""
     squares = polynomials.squared_size(loop.denominator)
     squares = size**2 * squares - polynomials.squared_size(loop.numerator)
@@ -103,6 +103,6 @@ def _crossovers(loop: Loop, size: float) -> tuple[FloatArray, NDArray[np.bool_]]
     return frequencies, np.asarray(slope > 0.0)
 
 
-def _undelayed(loop: Loop, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
+def _undelayed(loop: Rational, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
     s = 1j * omega
     return polynomials.value(loop.numerator, s), polynomials.value(loop.denominator, s)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels import polynomials
-from tvclin.margins.loop import Loop
-from tvclin.margins.stability import last_frequency
+from tvclin.kernels.rational import Rational
+from tvclin.kernels.stability import last_frequency
 
 FloatArray = NDArray[np.float64]
 
@@ -27,17 +27,19 @@ _BESIDE, _FARTHEST = 1e-3, 1e30
 _APART = 1e-6
 """Equal frequencies are moved apart by less than this part, so that each has two neighbours."""
 _QUIET = 1e-2
-"""A delay turns the phase for ever; it is followed until |L| stays below this, and a turn more."""
+_PAST = 5.0
+"""A delay turns the phase for ever. It is followed until |L| stays below the first, at least so
+many times as far as any pole of L can be, and a turn more."""
 _STEP, _MORE, _MOST = np.pi / 4.0, 12, 20_000
 """Steps of the delay's phase [rad], how many are added at the end, and the most there may be."""
 
 
-def frequencies(loop: Loop, crossovers: FloatArray) -> FloatArray:
+def frequencies(loop: Rational, crossovers: FloatArray) -> FloatArray:
     """Return frequencies [rad/s] above zero, rising, ``(k, m)``; NaN fills the ends of rows.
 
     Parameters
     ----------
-    loop : Loop
+    loop : Rational
         A batch of one axis, ``(k,)``.
     crossovers : ndarray
         Frequencies at which |L| = 1, ``(k, n)``, filled with NaN.
@@ -61,10 +63,10 @@ def frequencies(loop: Loop, crossovers: FloatArray) -> FloatArray:
     offsets = np.concatenate([-_AROUND[:0:-1], _AROUND])
     near = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
     turning = np.sqrt(_real_crossings(loop))
-    parts = [steps, near.reshape(len(near), -1), crossovers]
+    parts = [steps, near.reshape(len(near), roots.shape[-1] * offsets.size), crossovers]
     parts += [turning * factor for factor in (1.0 - _BESIDE, 1.0 + _BESIDE)]
     if np.any(loop.delay > 0.0):
-        even, end = _turning(loop, largest, low)
+        even, end = _turning(loop, low)
         parts = [*(_up_to(part, end[:, np.newaxis]) for part in parts), even]
     every = np.concatenate(parts, axis=-1)
     bounded = (every >= low[:, np.newaxis]) & np.isfinite(every)
@@ -72,7 +74,7 @@ def frequencies(loop: Loop, crossovers: FloatArray) -> FloatArray:
     return every * np.linspace(1.0, 1.0 + _APART, every.shape[-1])
 
 
-def _real_crossings(loop: Loop) -> FloatArray:
+def _real_crossings(loop: Rational) -> FloatArray:
     """The squares of the frequencies at which L is real, but for its delay; NaN fills the rest."""
     polynomial = polynomials.imaginary_part(loop.numerator, loop.denominator)
     lead = np.abs(polynomial).max(axis=-1, keepdims=True)
@@ -91,14 +93,18 @@ def _up_to(part: FloatArray, end: FloatArray) -> FloatArray:
     return np.where(part <= end, part, np.nan)
 
 
-def _turning(loop: Loop, largest: FloatArray, low: FloatArray) -> tuple[FloatArray, FloatArray]:
+def end_of_turns(loop: Rational) -> FloatArray:
+    """Return how far [rad/s] the turns of a delay are followed, ``(k,)``; infinite without one."""
+    turn = _STEP / np.where(loop.delay > 0.0, loop.delay, np.inf)  # [rad/s]
+    end = np.maximum(last_frequency(loop, _QUIET), _PAST * polynomials.bound(loop.denominator))
+    return np.where(loop.delay > 0.0, np.minimum(end + _MORE * turn, _MOST * turn), np.inf)
+
+
+def _turning(loop: Rational, low: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Even steps in which the delay turns the phase by no more than an eighth of a turn."""
-    delay = loop.delay
-    turn = _STEP / np.where(delay > 0.0, delay, np.inf)  # [rad/s]
-    end = np.maximum(last_frequency(loop, _QUIET), 20.0 * largest)
-    end = np.minimum(end + _MORE * turn, _MOST * turn)
-    end = np.where(delay > 0.0, end, np.inf)
-    steps = np.max(end / turn, where=delay > 0.0, initial=0.0)
+    end = end_of_turns(loop)
+    followed = np.where(np.isfinite(end), end, 0.0)
+    steps = float((followed * loop.delay / _STEP).max(initial=0.0))
     share = np.linspace(0.0, 1.0, int(np.ceil(steps)) + 2)
     last = np.where(np.isfinite(end), end, low)
     return last[:, np.newaxis] * share, end
