@@ -1,7 +1,7 @@
 """What is legal in an autopilot and hardly ever meant."""
 
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +22,26 @@ def warn_of_doubts(autopilot: "Autopilot", plant: Plant) -> None:
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
     name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
-    gains = [(name, stiffness, "holds"), ("rate_gain", np.asarray(autopilot.rate_gain), "damps")]
+    # A stable vehicle has a stiffness of its own, on the angle of attack. Feedback of that angle
+    # may give it back, but no feedback of the attitude alone is meant to.
+    own = np.maximum(-np.asarray(plant.coefficients.mu_alpha), 0.0)
+    own = np.where((stiffness != 0.0) & (np.asarray(autopilot.alpha_gain) == 0.0), 0.0, own)
+    gains: list[tuple[str, Any, Any, str]] = [
+        (name, stiffness, own, "holds"),
+        ("rate_gain", np.asarray(autopilot.rate_gain), 0.0, "damps"),
+    ]
     if np.any(autopilot.integral_gain):
-        gains.append(("integral_gain", np.asarray(autopilot.integral_gain), ""))
-    for name, gains_of_all, does in gains:
-        gain, per = np.broadcast_arrays(gains_of_all, mu_delta)
-        worst = np.unravel_index(np.argmin(gain * per), gain.shape)
-        if gain[worst] * per[worst] < 0.0:
+        gains.append(("integral_gain", np.asarray(autopilot.integral_gain), 0.0, ""))
+    for name, gains_of_all, own_of_all, does in gains:
+        gain, per, has = np.broadcast_arrays(gains_of_all, mu_delta, own_of_all)
+        worst = np.unravel_index(np.argmin(gain * per + has), gain.shape)
+        if gain[worst] * per[worst] + has[worst] < 0.0:
             warnings.warn(
                 f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
                 f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
                 stacklevel=_OUTSIDE,
             )
-        elif gain[worst] == 0.0:
+        elif gain[worst] == has[worst] == 0.0:
             warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=_OUTSIDE)
     if autopilot.actuator is None:
         return
