@@ -1,6 +1,7 @@
 """`tvclin margins`, `autopilot` and `laws`: the numbers of the library, and clear refusals."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -49,6 +50,59 @@ def test_an_unstable_loop_has_a_reason_and_no_margins():
     other = run("autopilot", "--attitude-gain", "0.05", "--rate-gain", "0.3")
     assert other.exit_code == 1
     assert "NO NUMBERS" in other.output
+
+
+def test_no_margins_and_notes_fit_a_terminal():
+    gains = ("--attitude-gain", "2", "--rate-gain", "1.5")
+    lost = run("margins", *gains, "--delay-ms", "900")
+    endless = run("margins", *gains, "--actuator-frequency", "0")
+    assert "NO MARGINS" in lost.output
+    assert "Note: gain-increase margin inf" in endless.output
+    for result in (lost, endless):
+        assert max(map(len, result.output.splitlines())) <= 80
+
+
+def poles_shown(*arguments):
+    line = next(line for line in run(*arguments).output.splitlines() if "poles [1/s]" in line)
+    words = line.split("[1/s]")[1].split(",")
+    return [complex(word.strip().replace("±", "+").replace("+-", "-")) for word in words]
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.15, 0.25])
+def test_poles_of_a_loop_with_delay_are_exact_ones_and_the_actuator_is_among_them(delay):
+    gains = ("--attitude-gain", "0.8", "--rate-gain", "0.8", "--model", "fixed-path")
+    shown = poles_shown("margins", *gains, "--delay-ms", str(1000 * delay))
+    autopilot = tv.Autopilot(
+        attitude_gain=0.8, rate_gain=0.8, actuator=tv.Actuator(), delay=delay, pade_order=10
+    )
+    loop = autopilot.rational_loop(booster("fixed-path"))
+    above, below = (np.poly1d(p) for p in (loop.numerator, loop.denominator))
+    for pole in shown:  # by the argument principle there is an exact pole near by
+        circle = pole + 0.06 * abs(pole) * np.exp(2j * np.pi * np.linspace(0, 1, 2001))
+        around = below(circle) + above(circle) * np.exp(-circle * delay)
+        assert np.round(np.angle(around[1:] / around[:-1]).sum() / (2 * np.pi)) >= 1
+    near = autopilot.close(booster("fixed-path")).poles()
+    slow = near[(near.imag >= 0) & (np.abs(near) < 30.0) & (near.real > -25.0)]
+    for pole in slow:
+        assert np.min(np.abs(np.array(shown) - pole)) < 0.05 * abs(pole)
+
+
+def test_unstable_poles_of_a_loop_with_a_long_delay_are_shown():
+    gains = ("--attitude-gain", "2", "--rate-gain", "5", "--model", "fixed-path")
+    shown = poles_shown("margins", *gains, "--delay-ms", "900")
+    assert max(pole.real for pole in shown) > 0.0
+    assert max(abs(pole) for pole in shown if pole.real > 0.0) > 3.0 / 0.9
+
+
+def test_a_stable_vehicle_is_told_what_to_give(tmp_path):
+    text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
+    file = tmp_path / "stable.toml"
+    file.write_text(text.replace("aerodynamic_arm_m = ", "aerodynamic_arm_m = -"))
+    for command in ("margins", "autopilot"):
+        result = run(command, str(file))
+        assert result.exit_code == 2
+        assert "give --natural-frequency" in result.stderr
+    assert run("margins", str(file), "--natural-frequency", "1").exit_code in {0, 1}
 
 
 def test_a_warning_is_said_once():

@@ -97,6 +97,11 @@ def _by_rule(
             raise InputError(f"--design {rule} takes no --natural-frequency and no --damping")
         if rule == "lqr":
             return autopilot.lqr_gains(plant, **options)
+        if plant.coefficients.mu_alpha <= 0.0:
+            raise InputError(
+                "--design canonical needs an aerodynamically unstable vehicle, and this one has"
+                f" mu_alpha = {plant.coefficients.mu_alpha:.6g} 1/s^2: give --natural-frequency"
+            )
         return autopilot.canonical_gains(plant.coefficients, **options)
     if natural_frequency is None:
         raise InputError(f"--design {rule} needs --natural-frequency, in rad/s")

@@ -1,5 +1,6 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,7 +25,7 @@ from tvclin.cli.options import MODELS_HELP, AsJson, Plane, Plot, Vehicle
 
 if TYPE_CHECKING:
     from tvclin.autopilot import Autopilot
-    from tvclin.margins import Criteria, Judgement, Margins
+    from tvclin.margins import Criteria, Judgement, Loop, Margins
     from tvclin.plant import Plant
 
 CriteriaName = Annotated[
@@ -37,6 +38,8 @@ PhaseDeg = Annotated[
     float | None, typer.Option(help="Phase margin asked for, in deg, in its place.")
 ]
 DelayMarginMs = Annotated[float | None, typer.Option(help="Delay margin asked for as well, in ms.")]
+_STEPS, _BESIDE = 20, 0.05
+"""Newton's steps to an exact pole, and how far it may be away, over the size of the pole."""
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
@@ -145,13 +148,13 @@ def _print(
     pairs = [*described(autopilot), ("closed-loop poles [1/s]", poles(autopilot, plant))]
     print_pairs(title, pairs, columns=1)
     if not found.stable:
-        typer.echo(f"NO MARGINS: {found.reason}")
+        typer.echo(_lines(f"NO MARGINS: {found.reason}"))
         return
     judged = {one.requirement.margin: one for one in asked.judge(found)}
     headings = ["margin", "value", "at [rad/s]", "asked", "by"]
     print_table("", headings, [[*row, *_judged(judged.get(name))] for name, row in _rows(found)])
     for note in found.notes:
-        typer.echo(f"Note: {note}")
+        typer.echo(_lines(f"Note: {note}"))
     met = asked.are_met(found)
     typer.echo(f"Criteria {asked.name}: {'MET' if met else 'NOT MET'}")
     if not met:
@@ -159,17 +162,34 @@ def _print(
 
 
 def poles(autopilot: "Autopilot", plant: "Plant") -> str:
-    """Return the closed-loop poles [1/s], those of the delay's approximation left out."""
+    """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
     import numpy as np
 
-    every = autopilot.close(plant).poles()
-    slow = np.sort_complex(every[np.abs(every) < _beyond(autopilot)])[::-1]
-    shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in slow]
+    every = np.sort_complex(autopilot.close(plant).poles())[::-1]
+    if autopilot.delay:
+        every = every[(every.real > 0.0) | _are_exact(every, autopilot.rational_loop(plant))]
+    shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 
 
-def _beyond(autopilot: "Autopilot") -> float:
-    return 3.0 / float(autopilot.delay) if autopilot.delay else float("inf")
+def _are_exact(found: Any, loop: "Loop") -> Any:
+    """Return which poles lie beside a zero of D + N e^(-s delay), by Newton's steps from there."""
+    import numpy as np
+
+    s = found.astype(complex)
+    with np.errstate(all="ignore"):
+        for _ in range(_STEPS):
+            late = np.exp(-s * loop.delay)
+            above, below = np.polyval(loop.numerator, s), np.polyval(loop.denominator, s)
+            slope = np.polyval(np.polyder(loop.numerator), s) - loop.delay * above
+            slope = np.polyval(np.polyder(loop.denominator), s) + slope * late
+            s = s - (below + above * late) / slope
+        return np.abs(s - found) <= _BESIDE * np.abs(found)
+
+
+def _lines(text: str) -> str:
+    """Return a text in lines that fit a terminal."""
+    return textwrap.fill(text, width=80, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
