@@ -26,11 +26,10 @@ _BESIDE, _FARTHEST = 1e-3, 1e30
 """So near to a frequency at which L is real one looks on both sides; none is beyond the second."""
 _APART = 1e-6
 """Equal frequencies are moved apart by less than this part, so that each has two neighbours."""
-_QUIET = 1e-2
-_PAST = 5.0
+QUIET, PAST = 1e-2, 2.0
 """A delay turns the phase for ever. It is followed until |L| stays below the first, at least so
 many times as far as any pole of L can be, and a turn more."""
-_STEP, _MORE, _MOST = np.pi / 4.0, 12, 20_000
+STEP, MORE, MOST = np.pi / 4.0, 12, 20_000
 """Steps of the delay's phase [rad], how many are added at the end, and the most there may be."""
 
 
@@ -95,16 +94,16 @@ def _up_to(part: FloatArray, end: FloatArray) -> FloatArray:
 
 def end_of_turns(loop: Rational) -> FloatArray:
     """Return how far [rad/s] the turns of a delay are followed, ``(k,)``; infinite without one."""
-    turn = _STEP / np.where(loop.delay > 0.0, loop.delay, np.inf)  # [rad/s]
-    end = np.maximum(last_frequency(loop, _QUIET), _PAST * polynomials.bound(loop.denominator))
-    return np.where(loop.delay > 0.0, np.minimum(end + _MORE * turn, _MOST * turn), np.inf)
+    turn = STEP / np.where(loop.delay > 0.0, loop.delay, np.inf)  # [rad/s]
+    end = np.maximum(last_frequency(loop, QUIET), PAST * polynomials.bound(loop.denominator))
+    return np.where(loop.delay > 0.0, np.minimum(end + MORE * turn, MOST * turn), np.inf)
 
 
 def _turning(loop: Rational, low: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Even steps in which the delay turns the phase by no more than an eighth of a turn."""
     end = end_of_turns(loop)
     followed = np.where(np.isfinite(end), end, 0.0)
-    steps = float((followed * loop.delay / _STEP).max(initial=0.0))
+    steps = float((followed * loop.delay / STEP).max(initial=0.0))
     share = np.linspace(0.0, 1.0, int(np.ceil(steps)) + 2)
     last = np.where(np.isfinite(end), end, low)
     return last[:, np.newaxis] * share, end

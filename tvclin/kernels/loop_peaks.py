@@ -11,6 +11,8 @@ AT_INFINITY = (1.0, 0.0, 0.5)
 """What |S|, |T| and |S - T|/2 tend to."""
 _WORTH = 0.3
 """Samples that stand above their neighbours are refined if they reach this part of the highest."""
+_SHARP = 1e-11
+"""The part of its frequency that may be missing at a summit: light damping makes them sharp."""
 
 
 def peaks(loop: Rational, omega: FloatArray) -> FloatArray:
@@ -57,7 +59,7 @@ def _largest(
     height, where = (np.take_along_axis(a, top, axis=-1)[:, 0] for a in (values, omega))
     if case.size:
         bracket = [omega[case, place + k] for k in (-1, 0, 1)]
-        found = find_minimum(lowness, bracket, args=(case,))
+        found = find_minimum(lowness, bracket, args=(case,), tolerances={"xrtol": _SHARP})
         rising = np.argsort(-found.f_x)  # of several summits the highest is written last
         rising = rising[found.success[rising] & (-found.f_x[rising] > height[case[rising]])]
         height[case[rising]], where[case[rising]] = -found.f_x[rising], found.x[rising]

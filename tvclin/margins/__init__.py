@@ -1,7 +1,7 @@
 """Stability margins that mean what they say, also on an unstable plant.
 
-The rooms inside: `loop` is what has margins, `stability` comes first, `frequencies` says where to
-look, `crossings` finds and refines, `record` holds the answer, and `criteria` judges it.
+The rooms inside: `loop` is what has margins, `record` holds the answer, and `criteria` judges it.
+The arithmetic is in `kernels.loop_margins`.
 """
 
 from tvclin.margins.criteria import CRITERIA, Criteria, Judgement, Requirement
