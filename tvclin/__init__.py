@@ -39,6 +39,10 @@ if TYPE_CHECKING:
     from tvclin.deflections import trim_deflection as trim_deflection
     from tvclin.deflections import trim_then_hold as trim_then_hold
     from tvclin.errors import InputError as InputError
+    from tvclin.flight import FlownBoundary as FlownBoundary
+    from tvclin.flight import ReportControl as ReportControl
+    from tvclin.flight import flown_boundary as flown_boundary
+    from tvclin.flight import fly_sixdof as fly_sixdof
     from tvclin.forecast_free import ForecastFreeLimit as ForecastFreeLimit
     from tvclin.forecast_free import forecast_free_limit as forecast_free_limit
     from tvclin.histories import History as History
@@ -120,6 +124,7 @@ _ROOMS = {
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
+    "flight": ("FlownBoundary", "ReportControl", "flown_boundary", "fly_sixdof"),
     "forecast_free": ("ForecastFreeLimit", "forecast_free_limit"),
     "histories": ("History",),
     "law_trials": ("LawTrial", "law_trials", "standard_laws", "standard_winds"),

@@ -1,0 +1,406 @@
+"""Flights with six degrees of freedom against the linear theory, closed forms and other flights."""
+
+import multiprocessing
+import re
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.closed_forms import rectangular_limit, triangular_limit
+from tvclin.closed_responses import triangular_attitude
+from tvclin.flight.sixdof.engine import Engine
+from tvclin.flight.sixdof.fly import SixDof
+from tvclin.flight.sixdof.model import DEFLECTION, model_xml, planet_xml
+from tvclin.units import FOOT
+
+pytest.importorskip("jsbsim")
+
+DEGREE = np.radians(1.0)
+BANDS = (1.0, 0.5, 0.0)
+
+
+def triangle(vehicle, peak=DEGREE, tau_beta=4.0):
+    beta = tv.Coefficients.from_vehicle(vehicle).beta
+    return tv.TriangularWind(peak=peak, duration=tau_beta / beta)
+
+
+def drifting(vehicle, plane="pitch"):
+    """Return the linear model whose parameters are frozen and whose speed is held: a cubic."""
+    return tv.Plant.from_vehicle(vehicle, model="drift-exact", plane=plane)
+
+
+def steering(vehicle, deflection=0.001, plane="pitch"):
+    """Return an engine with the nozzle turned for a second, and its readers."""
+    initial = {"h-sl-ft": 0.0, "theta-rad": vehicle.attitude, "u-fps": vehicle.velocity / FOOT}
+    engine = Engine(model_xml(vehicle, plane), initial, 0.01, planet=planet_xml())
+    engine.writer(DEFLECTION)(deflection)
+    for _ in range(100):
+        engine.run()
+    return engine.reader
+
+
+@pytest.mark.parametrize("dead_band", BANDS)
+def test_the_boundary_without_drift_is_that_of_the_closed_form(configuration_i, dead_band):
+    flown = tv.flown_boundary(configuration_i, triangle(configuration_i), dead_band, drift=False)
+
+    assert flown.error <= 1e-4
+    assert flown.limit == pytest.approx(triangular_limit(4.0, dead_band), abs=1.1e-4)
+
+
+OTHERS = {
+    "I": (0.6559, 0.5410, 0.3709),  # independent fourth-order integration of (B1), JSBSim by hand
+    "II": (0.6480, 0.5380, 0.3721),
+}
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+@pytest.mark.parametrize("name", ["I", "II"])
+def test_the_boundary_with_drift_is_that_of_the_cubic_model(
+    configuration_i, configuration_ii, name, plane
+):
+    """Within what is not linear at one degree; the dead band is left by the trim itself."""
+    vehicle = configuration_i if name == "I" else configuration_ii
+    plant, wind = drifting(vehicle, plane), triangle(vehicle)
+    for dead_band, other in zip(BANDS, OTHERS[name], strict=True):
+        exact = tv.boundary_limit(plant, wind, dead_band, switch="literal").limit
+        flown = tv.flown_boundary(vehicle, wind, dead_band, plane=plane)
+
+        assert flown.limit == pytest.approx(exact, abs=1.1e-4 if plane == "yaw" else 5e-4)
+        assert flown.limit == pytest.approx(other, abs=1e-3)
+
+
+def test_what_is_not_linear_grows_with_the_wind_and_turns_with_its_sign(configuration_i):
+    """A tail wind is felt less once the path has turned, a head wind more."""
+    exact = tv.boundary_limit(
+        drifting(configuration_i), triangle(configuration_i), switch="literal"
+    ).limit
+    off = [
+        tv.flown_boundary(configuration_i, triangle(configuration_i, peak), tolerance=2e-5).limit
+        - exact
+        for peak in (2 * DEGREE, -2 * DEGREE, 4 * DEGREE)
+    ]
+
+    assert off[1] == pytest.approx(-off[0], rel=0.1)
+    assert off[2] == pytest.approx(2.0 * off[0], rel=0.1)
+
+
+def test_a_rectangular_wind_that_jumps_between_two_steps(configuration_i):
+    beta = tv.Coefficients.from_vehicle(configuration_i).beta
+    wind = tv.RectangularWind(peak=DEGREE, duration=4.0 / beta).shift(0.0037)
+    flown = tv.flown_boundary(configuration_i, wind, drift=False)
+
+    assert flown.limit == pytest.approx(rectangular_limit(4.0), abs=1.5e-4)
+
+
+@pytest.mark.parametrize("dead_band", BANDS)
+def test_the_attitude_without_drift_is_that_of_equation_13(configuration_i, dead_band):
+    wind, B = triangle(configuration_i), tv.Coefficients.from_vehicle(configuration_i).B
+    y = 1.1 * triangular_limit(4.0, dead_band)
+    times = np.linspace(0.0, 1.5 * wind.duration, 301)
+    flown = tv.fly_sixdof(
+        configuration_i,
+        tv.ReportControl(dead_band),
+        wind,
+        times,
+        deflection_limit=y * B * DEGREE,
+        drift=False,
+    )
+    exact = triangular_attitude(times / wind.duration, 4.0, y, dead_band)
+    scaled = flown.outputs["attitude"] / -DEGREE
+
+    assert np.abs(exact).max() > 0.16
+    np.testing.assert_allclose(scaled, exact, atol=1e-3)
+    np.testing.assert_allclose(
+        flown.outputs["angle_of_attack"], flown.outputs["attitude"] - wind(times), atol=2e-5
+    )
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_every_output_tends_to_that_of_the_linear_model(configuration, plane, sign):
+    """Errors over the wind fall with the wind: sign, plane and size of all that acts are right."""
+    plant, times = drifting(configuration, plane), np.linspace(0.0, 6.0, 61)
+    off = []
+    for peak in (sign * 0.01, sign * 0.001):
+        wind = triangle(configuration, peak)
+        bent = tv.HeldDeflection(limit=-0.3 * peak * plant.coefficients.B, start=1.0)
+        exact = tv.attitude_response(plant, bent, wind, times)
+        flown = tv.fly_sixdof(configuration, bent, wind, times, plane=plane)
+        labels = list(exact.output_labels)
+        rows = np.array([flown.outputs[label] for label in labels])
+        size = np.abs(np.array(exact.outputs)).max(axis=1, keepdims=True)
+        off.append(np.abs((rows - exact.outputs) / size).max())
+        assert list(flown.output_labels) == [*labels, "deflection"]
+        np.testing.assert_array_equal(flown.inputs["wind"], wind(times))
+
+    assert off[0] < 0.02
+    assert off[1] < 0.003
+
+
+def test_a_positive_deflection_turns_the_nose_down_or_left(configuration_i):
+    pitch, yaw = (steering(configuration_i, 0.001, plane) for plane in ("pitch", "yaw"))
+
+    assert pitch("attitude/theta-rad")() < configuration_i.attitude - 1e-3
+    assert abs(pitch("attitude/psi-rad")()) < 1e-12
+    assert yaw("attitude/psi-rad")() > 6.28 - 1e-2  # just left of north
+    assert yaw("velocities/r-rad_sec")() < -1e-3
+    assert abs(yaw("attitude/theta-rad")() - configuration_i.attitude) < 1e-5
+    # The thrust that turns the nose down first pushes the path up.
+    assert pitch("flight-path/gamma-rad")() > configuration_i.attitude + 1e-6
+    assert yaw("velocities/v-east-fps")() > 1e-3
+
+
+@pytest.mark.parametrize(("plane", "towards"), [("pitch", "north"), ("yaw", "west")])
+def test_a_positive_wind_is_a_tail_wind_or_from_the_right(configuration_i, plane, towards):
+    """The wind speed is the one that `angle_from_speed` takes for the angle, seen from the air."""
+    case, wind = SixDof(configuration_i, plane), triangle(configuration_i)
+    air = case.air(wind, 0.0, 10.0)
+    path = configuration_i.attitude if plane == "pitch" else np.pi / 2
+    along = air.speeds if towards == "north" else -air.speeds
+    relative = configuration_i.velocity * np.sin(path) / np.sin(path + air.angles)
+
+    assert along.max() > 0.0
+    np.testing.assert_allclose(tv.angle_from_speed(along, relative, path), air.angles, atol=1e-15)
+
+
+def test_speed_and_nominal_flight_are_held(configuration_i):
+    bent, still = steering(configuration_i, 0.01), steering(configuration_i, 0.0)
+
+    assert bent("velocities/vt-fps")() * FOOT == pytest.approx(configuration_i.velocity, rel=1e-8)
+    assert abs(still("attitude/theta-rad")() - configuration_i.attitude) < 1e-9
+    assert abs(still("flight-path/gamma-rad")() - configuration_i.attitude) < 1e-9
+
+
+def test_the_engine_is_given_the_vehicle_to_the_last_digit(configuration_i):
+    read = steering(configuration_i, 0.0)
+    slug = 0.45359237 * 9.80665 / 0.3048
+
+    assert read("inertia/mass-slugs")() * slug == pytest.approx(configuration_i.mass, rel=1e-12)
+    for axis in ("iyy", "izz"):
+        inertia = read(f"inertia/{axis}-slugs_ft2")() * slug * FOOT**2
+        assert inertia == pytest.approx(configuration_i.moment_of_inertia, rel=1e-12)
+    assert read("accelerations/gravity-ft_sec2")() * FOOT == pytest.approx(9.80665, rel=1e-7)
+
+
+def test_a_common_factor_of_forces_and_inertia_changes_nothing(configuration_i):
+    names = ("weight", "moment_of_inertia", "normal_force_slope", "thrust", "axial_force")
+    tenfold = configuration_i.replace(**{n: 10.0 * getattr(configuration_i, n) for n in names})
+    wind, times = triangle(configuration_i), np.linspace(0.0, 8.0, 41)
+    one, ten = (
+        tv.fly_sixdof(v, tv.ReportControl(0.5), wind, times, deflection_limit=0.001).outputs
+        for v in (configuration_i, tenfold)
+    )
+
+    np.testing.assert_allclose(ten, one, rtol=1e-7, atol=1e-10)  # rounding that has grown by e^4
+
+
+def test_a_part_of_the_thrust_may_be_what_is_turned(configuration_i):
+    part = configuration_i.replace(control_force_slope=0.4 * configuration_i.thrust)
+    plant, wind = drifting(part), 0.0 * triangle(part)
+    bent, times = tv.HeldDeflection(limit=1e-4), np.linspace(0.0, 4.0, 21)
+    flown = tv.fly_sixdof(part, bent, wind, times).outputs
+    exact = tv.attitude_response(plant, bent, wind, times).outputs
+
+    np.testing.assert_allclose(flown[0], exact[0], atol=1e-3 * np.abs(exact[0]).max())
+
+
+def flight(vehicle):
+    """Return one flight, for other processes too."""
+    wind, times = triangle(vehicle), np.linspace(0.0, 5.0, 51)
+    limit = 0.001
+    flown = tv.fly_sixdof(
+        vehicle, tv.TrimLaw(drifting(vehicle)), wind, times, deflection_limit=limit
+    )
+    return np.asarray(flown.outputs)
+
+
+def test_repeats_are_equal_bit_for_bit_also_in_other_processes(configuration_i):
+    once = flight(configuration_i)
+    case, wind = SixDof(configuration_i), triangle(configuration_i)
+    air = case.air(wind, 0.0, 5.0)
+    repeats = [case.flown(lambda k, seen, bent=bent: bent, air) for bent in (0.001, -0.02, 0.001)]
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as others:
+        (elsewhere,) = others.map(flight, [configuration_i])
+
+    np.testing.assert_array_equal(flight(configuration_i), once)
+    np.testing.assert_array_equal(elsewhere, once)
+    np.testing.assert_array_equal(repeats[0], repeats[2])
+    assert not np.array_equal(repeats[0], repeats[1])
+
+
+def laws(plant):
+    gains = tv.canonical_gains(plant.coefficients)
+    return {
+        "trim": (tv.TrimLaw(plant), {}),
+        "dead band": (tv.DeadBandLaw(plant, dead_band=0.5), {}),
+        "gains": (tv.SaturatedLaw(gains), {"actuator": tv.Actuator(natural_frequency=25.1)}),
+        "integral": (tv.SaturatedLaw(_with_integral(gains)), {}),
+        "rate limit": (
+            tv.SaturatedLaw(gains),
+            {"actuator": tv.Actuator(natural_frequency=25.1), "rate_limit": 0.0007},
+        ),
+        "lean": (tv.RecoverableAttitudeLaw(plant, design_peak=DEGREE), {}),
+        "estimator": (
+            tv.RecoverableAttitudeLaw(plant, estimator=tv.WindEstimator(bandwidth=5.0)),
+            {},
+        ),
+    }
+
+
+def _with_integral(gains):
+    return tv.Autopilot(
+        attitude_gain=gains.attitude_gain, rate_gain=gains.rate_gain, integral_gain=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["trim", "dead band", "gains", "integral", "rate limit", "lean", "estimator"]
+)
+def test_a_law_flies_as_in_the_linear_flight(configuration_i, name):
+    """What is left is the law's sampling and what is not linear at one degree."""
+    plant, wind = drifting(configuration_i), triangle(configuration_i)
+    law, options = laws(plant)[name]
+    limit, times = 0.9 * plant.coefficients.B * DEGREE, np.linspace(0.0, 10.0, 101)
+    flown = tv.fly_sixdof(
+        configuration_i, law, wind, times, deflection_limit=limit, step=0.005, **options
+    )
+    linear = tv.fly(plant, law, wind, times, deflection_limit=limit, sample_rate=200.0, **options)
+
+    for label in linear.output_labels:
+        size = np.abs(linear.outputs[label]).max()
+        # An estimator is told the deflection of half a step ago.
+        tolerance = (0.04 if name == "estimator" else 0.02) * size
+        if label in ("deflection", "attitude_rate") and name == "dead band":
+            continue  # the limit is let go within a step, which the attitude shows
+        np.testing.assert_allclose(flown.outputs[label], linear.outputs[label], atol=tolerance)
+
+
+def test_an_autopilot_within_its_limit_is_its_own_closed_loop(configuration_i):
+    plant, wind = drifting(configuration_i), triangle(configuration_i)
+    gains = tv.canonical_gains(plant.coefficients)
+    pilot = tv.Autopilot(
+        attitude_gain=gains.attitude_gain, rate_gain=gains.rate_gain, actuator=tv.Actuator()
+    )
+    times = np.linspace(0.0, 10.0, 101)
+    flown = tv.fly_sixdof(configuration_i, pilot, wind, times, deflection_limit=0.1)
+    linear = pilot.respond(plant, wind, times)
+
+    for label in linear.output_labels:
+        size = np.abs(linear.outputs[label]).max()
+        np.testing.assert_allclose(flown.outputs[label], linear.outputs[label], atol=0.01 * size)
+
+
+def test_a_history_is_limited(configuration_i):
+    bent = tv.HeldDeflection(limit=0.01)
+    flown = tv.fly_sixdof(
+        configuration_i, bent, triangle(configuration_i), [0.0, 1.0], deflection_limit=0.002
+    )
+
+    assert flown.outputs["deflection"][-1] == 0.002
+
+
+def test_a_flight_ends_where_the_model_does(configuration_i):
+    wind, times = triangle(configuration_i, 5 * DEGREE), np.linspace(0.0, 12.0, 121)
+    with pytest.warns(UserWarning, match=r"ends at t = \d\.\d+ s.*more than 25 deg") as caught:
+        flown = tv.fly_sixdof(configuration_i, 0.0 * wind, wind, times)
+    ended = float(re.search(r"t = ([\d.]+) s", str(caught[0].message))[1])
+    attitude = flown.outputs["attitude"]
+
+    np.testing.assert_array_equal(np.isnan(attitude), times > ended)
+    assert np.nanmax(np.abs(attitude)) > np.radians(20.0)
+
+
+def test_jsbsim_writes_nothing_and_leaves_nothing(configuration_i, capfd, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    flight(configuration_i)
+
+    assert capfd.readouterr() == ("", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+class Lost(tv.Law):
+    """A law that has no answer."""
+
+    def demand(self, seen, states, limit):
+        return np.nan
+
+
+def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
+    wind, law = triangle(configuration_i), tv.TrimLaw(drifting(configuration_i))
+    early = tv.HeldDeflection(limit=0.001, start=-1.0)
+    pilot = tv.Autopilot(
+        attitude_gain=1.0, rate_gain=1.0, actuator=tv.Actuator(natural_frequency=90.0)
+    )
+
+    def fly(control=law, wind=wind, times=(0.0, 1.0), vehicle=configuration_i, **options):
+        given = {"deflection_limit": 0.001, **options}
+        return tv.fly_sixdof(vehicle, control, wind, times, **given)
+
+    cases = {
+        "wind must not begin before the flight, at 1 s": lambda: fly(times=[1.0, 2.0]),
+        "control must not begin before the flight, at 0 s": lambda: fly(early),
+        "step must be at most 0.00555556 s for an actuator of 90 rad/s": lambda: fly(pilot),
+        "step must be between 0.0001 and 0.02": lambda: fly(step=0.1),
+        "lost its numbers at t = 0 s: deflection is not finite": lambda: fly(Lost()),
+        "deflection_limit must be finite": lambda: fly(deflection_limit=np.inf),
+        "deflection_limit must be positive": lambda: fly(deflection_limit=-0.1),
+        "plane must be one of pitch, yaw": lambda: fly(plane="roll"),
+        "control must be a Law": lambda: fly(0.3),
+        "belong to a law or an autopilot": lambda: fly(0.0 * wind, rate_limit=0.1),
+        "autopilot with a delay is not flown": lambda: fly(
+            tv.Autopilot(attitude_gain=1.0, rate_gain=1.0, delay=0.1)
+        ),
+        "timepts must be one row": lambda: fly(times=[]),
+        "a flight is of one vehicle": lambda: fly(
+            vehicle=configuration_i.replace(thrust=[2e6, 3e6])
+        ),
+        "a flight is in one wind": lambda: fly(
+            wind=tv.TriangularWind(peak=[0.1, 0.2], duration=1.0)
+        ),
+        "an angle that a horizontal wind can make": lambda: fly(
+            wind=tv.TriangularWind(peak=-0.9, duration=1.0)
+        ),
+        "dead_band must be between 0 and 1": lambda: tv.ReportControl(1.1),
+        "engine must be one of sixdof": lambda: tv.flown_boundary(
+            configuration_i, wind, engine="seven"
+        ),
+        "flies frozen parameters only": lambda: tv.flown_boundary(
+            configuration_i, wind, frozen=False
+        ),
+        "1.5 times the largest trim deflection": lambda: tv.flown_boundary(
+            configuration_i, wind, engine=lambda *given, **named: lambda limit: False
+        ),
+        "wind must be one wind": lambda: tv.flown_boundary(
+            configuration_i, tv.HeldDeflection(limit=0.1)
+        ),
+    }
+    for said, bad in cases.items():
+        with pytest.raises(tv.InputError, match=re.escape(said)):
+            bad()
+
+
+def test_without_jsbsim_the_extra_is_named(configuration_i, monkeypatch):
+    monkeypatch.setitem(sys.modules, "jsbsim", None)
+    with pytest.raises(tv.InputError, match=r'pip install "tvclin\[sixdof\]"'):
+        SixDof(configuration_i)
+
+
+def test_the_bisection_knows_nothing_of_the_engine(configuration_i):
+    """A verdict with a known edge is found to the tolerance, in the number of halvings it takes."""
+    wind, asked = triangle(configuration_i), []
+    scale = tv.Coefficients.from_vehicle(configuration_i).B * DEGREE
+
+    def engine(vehicle, gust, dead_band, *, plane, frozen):
+        asked.append((vehicle, gust, dead_band, plane, frozen))
+        return lambda limit: limit >= 0.4321 * scale
+
+    found = tv.flown_boundary(configuration_i, wind, 0.3, engine=engine, tolerance=1e-3)
+
+    assert asked == [(configuration_i, wind, 0.3, "pitch", True)]
+    assert abs(found.limit - 0.4321) <= found.error <= 1e-3
+    assert found.flights == 11
+    assert found.deflection == found.limit * scale

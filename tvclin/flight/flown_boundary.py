@@ -1,0 +1,121 @@
+"""The least deflection limit that survives, found by flying: any engine, no linear theory."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from tvclin.coefficients import Coefficients
+from tvclin.errors import InputError, instance, number, one_of, within
+from tvclin.flight.sixdof.verdict import sixdof_verdict
+from tvclin.histories import History
+from tvclin.vehicle import Vehicle
+
+Verdict = Callable[[float], bool]
+"""Takes a deflection limit [rad] and says whether its flight survives."""
+
+ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType({"sixdof": sixdof_verdict})
+"""Engines by name. Each takes a vehicle, a wind and a dead band, and by name the plane, whether
+parameters are frozen, and options of its own, and it gives the verdict on a limit."""
+
+_HIGHEST = 1.5
+_FINEST = 1e-7
+
+
+@dataclass(frozen=True)
+class FlownBoundary:
+    """A boundary that was flown.
+
+    Attributes
+    ----------
+    limit : float
+        y, the least deflection limit that survives over |B alpha_w,max|.
+    deflection : float
+        The same [rad].
+    error : float
+        Half of the last bracket of y.
+    flights : int
+        How many flights it took.
+    """
+
+    limit: float
+    deflection: float
+    error: float
+    flights: int
+
+
+def flown_boundary(
+    vehicle: Vehicle,
+    wind: History,
+    dead_band: float = 1.0,
+    *,
+    engine: str | Callable[..., Verdict] = "sixdof",
+    plane: str = "pitch",
+    frozen: bool = True,
+    tolerance: float = 1e-4,
+    **options: Any,
+) -> FlownBoundary:
+    """Return the least deflection limit with which the report's control survives a wind, flown.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, aerodynamically unstable.
+    wind : History
+        One wind that ends, from t = 0 on or later.
+    dead_band : float
+        K, in [0, 1]; see `ReportControl`.
+    engine : str or callable
+        One of `ENGINES`, or a function like these.
+    plane : {"pitch", "yaw"}
+        The plane of wind and nozzle.
+    frozen : bool
+        Whether mass, forces and speed stay what they are; an engine may know no other way.
+    tolerance : float
+        The limit is known to this part of |B alpha_w,max|.
+    **options
+        What else the engine takes; of "sixdof": drift and step, as of `fly_sixdof`.
+
+    Returns
+    -------
+    FlownBoundary
+        By bisection on the limit, each flight judged by the side to which it falls.
+
+    Raises
+    ------
+    InputError
+        For a vehicle without an unstable pole, batches, a wind that never ends, numbers out of
+        range, and a wind in which 1.5 times the largest trim deflection is not enough.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
+    >>> flown = tv.flown_boundary(vehicle, wind, dead_band=1.0)
+    >>> linear = tv.boundary_limit(tv.Plant.from_vehicle(vehicle, model="drift-exact"), wind)
+    >>> round(flown.limit, 3), round(linear.limit, 3)
+    (0.654, 0.654)
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    if wind.batch or not np.isfinite(wind.end):
+        raise InputError("wind must be one wind, other than zero, that ends")
+    within("dead_band", dead_band, 0.0, 1.0)
+    narrow = number("tolerance", within("tolerance", tolerance, _FINEST, 0.5))
+    make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
+    survives = make(vehicle, wind, dead_band, plane=plane, frozen=frozen, **options)
+    scale = abs(float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak))
+    if not survives(_HIGHEST * scale):
+        raise InputError(
+            f"wind must be one that {_HIGHEST:g} times the largest trim deflection survives"
+        )
+    lost, saved, flights = 0.0, _HIGHEST, 1
+    while saved - lost > 2.0 * narrow:
+        middle = 0.5 * (lost + saved)
+        lost, saved = (lost, middle) if survives(middle * scale) else (middle, saved)
+        flights += 1
+    limit = 0.5 * (lost + saved)
+    return FlownBoundary(limit, limit * scale, 0.5 * (saved - lost), flights)

@@ -1,0 +1,270 @@
+"""The door to flights with six degrees of freedom."""
+
+import warnings
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.autopilot import Actuator, Autopilot
+from tvclin.closed_loop.airframe import Nozzle
+from tvclin.closed_loop.checks import check_actuator, check_rate_limit
+from tvclin.coefficients import PLANES, Coefficients
+from tvclin.errors import InputError, finite, instance, number, one_of, positive, within
+from tvclin.flight.control import ReportControl
+from tvclin.flight.sixdof.airframe import FARTHEST, OUTPUTS, Airframe
+from tvclin.flight.sixdof.steering import ByLaw, Steering, TrimThenHold, by_history, step_means
+from tvclin.histories import History
+from tvclin.laws import Law, SaturatedLaw
+from tvclin.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+FloatArray = NDArray[np.float64]
+Control = History | Law | Autopilot | ReportControl
+
+_SHORTEST, _LONGEST = 1e-4, 0.02
+_PER_STEP = 0.5
+"""Most of the actuator's 1/omega_n that a step may be."""
+
+
+def fly_sixdof(
+    vehicle: Vehicle,
+    control: Control,
+    wind: History,
+    timepts: ArrayLike,
+    *,
+    deflection_limit: float = np.inf,
+    plane: str = "pitch",
+    drift: bool = True,
+    step: float = 0.01,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
+) -> "TimeResponseData":
+    """Return a flight with six degrees of freedom in a wind, flown by JSBSim.
+
+    The parameters of the vehicle are frozen as in the linear theory: mass, forces and speed stay
+    what they are, over a flat planet without rotation. Nothing else is linear.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    control : History, Law, Autopilot or ReportControl
+        A deflection over time, a law or an autopilot asked at every step, or the report's
+        control.
+    wind : History
+        One wind angle of attack [rad] on the nominal flight, flown as the horizontal wind that
+        makes it: in pitch along the flight, positive a tail wind; in yaw across, positive from
+        the right.
+    timepts : array_like
+        Times [s], ``(n,)``; the flight begins at the first of them in time, at rest.
+    deflection_limit : float
+        Largest deflection [rad]; only a history may do without.
+    plane : {"pitch", "yaw"}
+        The plane of wind, nozzle and outputs; in yaw angles are positive to the right.
+    drift : bool
+        Whether the flight path may turn; without drift the velocity stays as it is.
+    step : float
+        Step of the engine and of the law [s], 0.0001 to 0.02.
+    actuator : Actuator, optional
+        Between a law and the nozzle; an autopilot brings its own.
+    rate_limit : float
+        Largest deflection rate [rad/s] of a law.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs attitude, attitude_rate, flight_path_angle, angle_of_attack and deflection [rad,
+        rad/s], as deviations from the nominal flight without wind; input wind [rad].
+
+    Raises
+    ------
+    InputError
+        For batches, numbers out of range, an engine that is not installed, a wind or a history
+        that begins before the flight, a step too large for the actuator, and a flight whose
+        numbers are lost.
+
+    Warns
+    -----
+    UserWarning
+        When the attitude is beyond 25 degrees: the flight ends there, and is NaN from then on.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
+    >>> control = tv.ReportControl(dead_band=1.0)
+    >>> for limit in (0.00120, 0.00126):
+    ...     flown = tv.fly_sixdof(vehicle, control, wind, [0, 15], deflection_limit=limit)
+    ...     print(flown.outputs["attitude"][-1].round(3))
+    -0.092
+    0.092
+    """
+    case = SixDof(vehicle, plane, drift, step)
+    times = finite("timepts", timepts, "s")
+    if times.ndim != 1 or not times.size:
+        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    air = case.air(wind, float(times.min()), float(times.max()))
+    steering = _steering(case, control, air, deflection_limit, actuator, rate_limit)
+    return _response(times, air, case.flown(steering, air), f"{vehicle.name or 'vehicle'}, {plane}")
+
+
+@dataclass(frozen=True, eq=False)
+class Air:
+    """A wind as it is flown.
+
+    Attributes
+    ----------
+    wind : History
+        The wind angle [rad].
+    times : ndarray
+        Times of the steps [s], ``(n,)``; the first lies before the flight.
+    angles, speeds : ndarray
+        Means over each step: wind angle [rad], and wind speed [m/s] to the north or east.
+    """
+
+    wind: History
+    times: FloatArray
+    angles: FloatArray
+    speeds: FloatArray
+
+
+class SixDof:
+    """One vehicle that is flown again and again; every flight begins anew.
+
+    Parameters
+    ----------
+    vehicle, plane, drift, step
+        As of `fly_sixdof`.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, plane: str = "pitch", drift: bool = True, step: float = 0.01
+    ) -> None:
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        self.vehicle, self.plane = vehicle, one_of("plane", plane, PLANES)
+        self.coefficients = Coefficients.from_vehicle(vehicle, plane)
+        if self.coefficients.batch:
+            raise InputError(
+                f"a flight is of one vehicle; got a batch of shape {self.coefficients.batch}"
+            )
+        self.step = float(number("step", within("step", step, _SHORTEST, _LONGEST, "s")))
+        self._airframe = Airframe(vehicle, plane, bool(drift), self.step)
+
+    def air(self, wind: History, start: float, stop: float) -> Air:
+        """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
+        instance("wind", wind, History, "such as TriangularWind")
+        if wind.batch:
+            raise InputError(f"a flight is in one wind; got a batch of shape {wind.batch}")
+        _begins_in_time("wind", wind, start)
+        count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
+        times = start + self.step * np.arange(-1.0, count)
+        angles = step_means(wind, times, self.step)
+        return Air(wind, times, angles, self._speeds(angles))
+
+    def flown(self, steering: Steering, air: Air) -> FloatArray:
+        """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
+        rows = self._airframe.fly(steering, air.speeds, air.angles)
+        lost = np.argwhere(~np.isfinite(rows))
+        if lost.size:
+            raise InputError(
+                f"the flight lost its numbers at t = {air.times[lost[0, 0]]:.6g} s:"
+                f" {OUTPUTS[lost[0, 1]]} is not finite"
+            )
+        return rows
+
+    def _speeds(self, angles: FloatArray) -> FloatArray:
+        """Return the horizontal wind [m/s] that makes these angles on the nominal flight."""
+        path = float(self.vehicle.attitude) if self.plane == "pitch" else np.pi / 2
+        sine = np.sin(path + angles)
+        if np.any(sine * np.sin(path) <= 0.0):
+            raise InputError(
+                "wind must be an angle that a horizontal wind can make, at a flight path of"
+                f" {path:.6g} rad; got {angles[np.argmax(np.abs(angles))]:.6g} rad"
+            )
+        tail = float(self.vehicle.velocity) * np.sin(angles) / sine
+        return tail if self.plane == "pitch" else -tail
+
+
+def _begins_in_time(name: str, history: History, start: float) -> None:
+    if history.onset < start:
+        raise InputError(
+            f"{name} must not begin before the flight, at {start:.6g} s; got {name} from"
+            f" {float(history.onset):.6g} s on"
+        )
+
+
+def _steering(
+    case: SixDof,
+    control: Control,
+    air: Air,
+    deflection_limit: float,
+    actuator: Actuator | None,
+    rate_limit: float,
+) -> Steering:
+    most = check_rate_limit(rate_limit)
+    limit = deflection_limit
+    if not (isinstance(control, History) and limit == np.inf):
+        limit = number("deflection_limit", deflection_limit, positive, "rad")
+    if isinstance(control, History | ReportControl) and (actuator is not None or most < np.inf):
+        raise InputError("actuator and rate_limit belong to a law or an autopilot")
+    if isinstance(control, History):
+        if control.batch:
+            raise InputError(f"control must be one history; got a batch of shape {control.batch}")
+        _begins_in_time("control", control, float(air.times[1]))
+        return by_history(control, air.times, case.step, limit)
+    if isinstance(control, ReportControl):
+        B = float(case.coefficients.B)
+        return TrimThenHold(B, limit, control.dead_band, air.wind, air.times, case.step)
+    if isinstance(control, Autopilot):
+        control, actuator = _gains(control, actuator)
+    instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
+    _check_step(actuator, case.step)
+    return ByLaw(control, Nozzle(actuator, most, case.step), limit, air.times.size)
+
+
+def _gains(autopilot: Autopilot, actuator: Actuator | None) -> tuple[Law, Actuator | None]:
+    if autopilot.delay != 0.0:
+        raise InputError("an autopilot with a delay is not flown; leave the delay out")
+    if actuator is not None and autopilot.actuator is not None:
+        raise InputError("actuator must be left out: the autopilot has one")
+    return SaturatedLaw(replace(autopilot, actuator=None)), autopilot.actuator or actuator
+
+
+def _check_step(actuator: Actuator | None, step: float) -> None:
+    check_actuator(actuator)
+    if actuator is not None and step * float(actuator.natural_frequency) > _PER_STEP:
+        raise InputError(
+            f"step must be at most {_PER_STEP / float(actuator.natural_frequency):.6g} s for an"
+            f" actuator of {actuator.natural_frequency:.6g} rad/s; got {step:.6g} s"
+        )
+
+
+def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> "TimeResponseData":
+    from control import TimeResponseData
+
+    flown = air.times[: len(rows)]
+    if abs(rows[-1, 0]) > FARTHEST:
+        warnings.warn(
+            f"the flight ends at t = {flown[-1]:.6g} s, where its attitude is more than 25 deg"
+            " from the nominal: beyond, the model holds no longer",
+            stacklevel=3,
+        )
+    outputs = np.stack([np.interp(times, flown, row, right=np.nan) for row in rows.T])
+    return TimeResponseData(
+        times,
+        outputs,
+        None,
+        air.wind(times)[np.newaxis],
+        issiso=False,
+        output_labels=list(OUTPUTS),
+        input_labels=["wind"],
+        sysname="JSBSim",
+        plot_inputs=True,
+        title=f"Flight with six degrees of freedom, {title}",
+        trace_types=["forced"],
+    )

@@ -1,0 +1,175 @@
+"""What JSBSim is told of a vehicle: its XML, written anew for each vehicle and plane.
+
+Structural axes point aft, right and up with the centre of gravity at their origin; body axes
+point forward, right and down. The engine counts in feet, slugs and pounds.
+"""
+
+from math import cos, sin
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from tvclin.units import FOOT, POUND_FORCE
+from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
+
+DEFLECTION = "tvclin/deflection-rad"
+"""The property that turns the nozzle."""
+
+_SLUG = POUND_FORCE / FOOT
+_POUNDS_PER_SLUG = 32.174049
+"""What JSBSim itself divides a weight in pounds by."""
+_SLENDER = 20.0
+"""Transverse moment of inertia over that of the roll, in which nothing moves."""
+_FLAT = 1e13
+"""Radius [m] at which a planet is flat, and positions still have digits for it."""
+_SIDE = {"pitch": (0.0, 0.0, -1.0), "yaw": (0.0, 1.0, 0.0)}
+"""Where a positive deflection pushes the tail, in body axes: the nose turns the other way."""
+
+_ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+Direction = tuple[float, float, float]
+Tree = str | float | tuple[Any, ...]
+"""A formula: a property, a number, or the name of an operation with its parts."""
+
+
+def planet_xml() -> str:
+    """Return a planet without rotation that is flat, with standard gravity at its surface."""
+    planet = Element("planet", name="flat")
+    for axis in ("semimajor_axis", "semiminor_axis"):
+        _text(planet, axis, _FLAT, unit="M")
+    _text(planet, "rotation_rate", 0.0, unit="RAD/SEC")
+    _text(planet, "GM", STANDARD_GRAVITY * _FLAT**2, unit="M3/SEC2")
+    _text(planet, "J2", 0.0)
+    return tostring(planet, encoding="unicode")
+
+
+def model_xml(vehicle: Vehicle, plane: str) -> str:
+    """Return the model of one vehicle whose parameters are frozen.
+
+    Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
+    normal force N alpha and the axial force act l_a ahead of it, and alpha is that of the body
+    axes. Two more forces freeze the flight: one holds the nominal flight straight against its
+    weight, the other cancels what would change the speed.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    plane : {"pitch", "yaw"}
+        The plane in which the nozzle turns.
+    """
+    root = Element("fdm_config", name="tvclin", version="2.0")
+    _metrics(root, vehicle)
+    mass_balance(root, float(vehicle.mass), _inertias(vehicle))
+    SubElement(root, "ground_reactions")
+    _aerodynamics(root, vehicle)
+    reactions = SubElement(root, "external_reactions")
+    _text(reactions, "property", DEFLECTION)
+    _nozzle(reactions, vehicle, _SIDE[plane])
+    _frozen(reactions, vehicle)
+    return tostring(root, encoding="unicode")
+
+
+def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float]) -> None:
+    """Add a mass [kg] and the moments of inertia [kg m^2] about x, y and z."""
+    balance = SubElement(root, "mass_balance")
+    for name, inertia in zip(("ixx", "iyy", "izz"), inertias, strict=True):
+        _text(balance, name, inertia / (_SLUG * FOOT**2), unit="SLUG*FT2")
+    _text(balance, "emptywt", mass / _SLUG * _POUNDS_PER_SLUG, unit="LBS")
+    _place(balance, 0.0, name="CG")
+
+
+def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
+    across = float(vehicle.moment_of_inertia)
+    return across / _SLENDER, across, across
+
+
+def _metrics(root: Element, vehicle: Vehicle) -> None:
+    metrics = SubElement(root, "metrics")
+    for name in ("wingarea", "wingspan", "chord"):
+        _text(metrics, name, 1.0)
+    _place(metrics, -float(vehicle.aerodynamic_arm), name="AERORP")
+
+
+def _aerodynamics(root: Element, vehicle: Vehicle) -> None:
+    aerodynamics = SubElement(root, "aerodynamics")
+    slope = -float(vehicle.normal_force_slope) / POUND_FORCE
+    forces: dict[str, Tree] = {
+        "X": -float(vehicle.axial_force) / POUND_FORCE,
+        "Y": ("product", slope, ("atan2", "velocities/v-aero-fps", "velocities/u-aero-fps")),
+        "Z": ("product", slope, ("atan2", "velocities/w-aero-fps", "velocities/u-aero-fps")),
+    }
+    for name, force in forces.items():
+        axis = SubElement(aerodynamics, "axis", name=name)
+        _function(axis, force, name=f"tvclin/aerodynamic-{name.lower()}-lbs")
+    SubElement(aerodynamics, "axis", name="ROLL")  # or JSBSim remarks that there is no moment
+
+
+def _nozzle(reactions: Element, vehicle: Vehicle, side: Direction) -> None:
+    """Turn as much of the thrust as makes the control force; the rest stays along the body."""
+    thrust, turned = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
+    along: Tree = ("sum", thrust - turned, ("product", turned, ("cos", DEFLECTION)))
+    across: Tree = ("product", turned, ("sin", DEFLECTION))
+    _function(reactions, along, name="tvclin/along-lbs")
+    _function(reactions, across, name="tvclin/across-lbs")
+    arm = float(vehicle.control_arm)
+    _force(reactions, "nozzle-along", "BODY", "tvclin/along-lbs", _ALONG["x"], arm)
+    _force(reactions, "nozzle-across", "BODY", "tvclin/across-lbs", side, arm)
+    held = [("product", part, "tvclin/across-lbs") for part in side]
+    for axis, nozzle in zip("xyz", ("tvclin/along-lbs", *held[1:]), strict=True):
+        both: Tree = ("sum", f"tvclin/aerodynamic-{axis}-lbs", nozzle)
+        _function(reactions, both, name=f"tvclin/without-weight-{axis}-lbs")
+
+
+def _frozen(reactions: Element, vehicle: Vehicle) -> None:
+    """Hold the nominal flight straight, and the speed of every flight."""
+    weight = float(vehicle.weight) / POUND_FORCE
+    sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
+    _force(reactions, "straight", "LOCAL", weight * cosine, (-sine, 0.0, -cosine), 0.0)
+    # With that force the weight acts as W sin(Theta_n) against the nominal direction of flight.
+    forward: Tree = (
+        "sum",
+        ("product", cosine, "velocities/v-north-fps"),
+        ("product", -sine, "velocities/v-down-fps"),
+    )
+    speeds = {"x": "velocities/u-fps", "y": "velocities/v-fps", "z": "velocities/w-fps"}
+    work = [("product", f"tvclin/without-weight-{axis}-lbs", v) for axis, v in speeds.items()]
+    power: Tree = ("sum", *work, ("product", -weight * sine, forward))
+    square: Tree = ("sum", *(("product", v, v) for v in speeds.values()))
+    _function(reactions, ("quotient", power, square), name="tvclin/push-per-speed")
+    for axis, speed in speeds.items():
+        held: Tree = ("product", -1.0, "tvclin/push-per-speed", speed)
+        _force(reactions, f"speed-{axis}", "BODY", held, _ALONG[axis], 0.0)
+
+
+def _force(
+    parent: Element, name: str, frame: str, size: Tree, direction: Direction, aft: float
+) -> None:
+    force = SubElement(parent, "force", name=name, frame=frame)
+    _function(force, size)
+    _place(force, aft)
+    towards = SubElement(force, "direction")
+    for axis, part in zip("xyz", direction, strict=True):
+        _text(towards, axis, part)
+
+
+def _place(parent: Element, aft: float, **names: str) -> None:
+    location = SubElement(parent, "location", {"unit": "M", **names})
+    for axis, value in zip("xyz", (aft, 0.0, 0.0), strict=True):
+        _text(location, axis, value)
+
+
+def _function(parent: Element, tree: Tree, **names: str) -> None:
+    _add(SubElement(parent, "function", names), tree)
+
+
+def _add(parent: Element, tree: Tree) -> None:
+    if isinstance(tree, tuple):
+        inner = SubElement(parent, str(tree[0]))
+        for part in tree[1:]:
+            _add(inner, part)
+    else:
+        _text(parent, "property" if isinstance(tree, str) else "value", tree)
+
+
+def _text(parent: Element, tag: str, value: str | float, **attributes: str) -> None:
+    SubElement(parent, tag, attributes).text = value if isinstance(value, str) else repr(value)
