@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import nonnegative, number, within
-from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
+from tvclin.laws.law import Law, Seen, seen_coordinates
 from tvclin.plant import Plant
-from tvclin.recoverable import UnstableCoordinates
 
 FloatArray = NDArray[np.float64]
 
@@ -50,13 +49,16 @@ class TrimLaw(Law):
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return the trim deflection and the attitude feedback [rad]."""
         del states, limit
-        row = self._modes.rows[0]
-        error = coordinate(row, seen.attitude, seen.attitude_rate, seen.flight_path_angle)
-        return float(self.plant.coefficients.B) * (seen.angle_of_attack + self.gain * error)
+        B, (attitude, rate, path) = self._numbers
+        error = attitude * seen.attitude + rate * seen.attitude_rate
+        error = error + path * seen.flight_path_angle
+        return B * (seen.angle_of_attack + self.gain * error)
 
     @cached_property
-    def _modes(self) -> UnstableCoordinates:
-        return seen_coordinates(self.plant)
+    def _numbers(self) -> tuple[float, list[float]]:
+        """B, and z as parts of attitude, rate and flight path: plain, for the innermost loop."""
+        row = seen_coordinates(self.plant).rows[0]
+        return float(self.plant.coefficients.B), [*row.tolist(), 0.0][:3]
 
 
 @dataclass(frozen=True)
