@@ -386,7 +386,7 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
 def test_without_jsbsim_the_extra_is_named(configuration_i, monkeypatch):
     monkeypatch.setitem(sys.modules, "jsbsim", None)
     with pytest.raises(tv.InputError, match=r'pip install "tvclin\[sixdof\]"'):
-        SixDof(configuration_i)
+        flight(configuration_i.replace(name="a vehicle that has not flown"))
 
 
 def test_the_bisection_knows_nothing_of_the_engine(configuration_i):

@@ -1,6 +1,7 @@
 """One vehicle in the engine: stepped, measured in its plane, and told of wind and deflection."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import asin, cos, radians, sin
 
 import numpy as np
@@ -105,6 +106,27 @@ class Airframe:
             if not abs(attitude) <= FARTHEST:
                 break
         return np.array(rows)
+
+
+_IDLE: dict[tuple[Vehicle, str, bool, float], list[Airframe]] = {}
+_KEPT = 8
+
+
+@contextmanager
+def borrowed(vehicle: Vehicle, plane: str, drift: bool, step: float) -> Iterator[Airframe]:
+    """Lend an airframe, for it takes a third of a flight to make one; a flight begins it anew.
+
+    While one is out another is made, so that threads, and laws that fly ahead, have their own.
+    """
+    case = (vehicle, plane, drift, step)
+    try:
+        airframe = _IDLE[case].pop()
+    except (KeyError, IndexError):
+        airframe = Airframe(*case)
+    yield airframe
+    if case not in _IDLE and len(_IDLE) >= _KEPT:
+        _IDLE.pop(next(iter(_IDLE)), None)
+    _IDLE.setdefault(case, []).append(airframe)
 
 
 def _senses(engine: Engine, plane: str) -> tuple[_Two, _Two, Callable[[], float]]:

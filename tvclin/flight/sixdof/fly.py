@@ -13,8 +13,8 @@ from tvclin.closed_loop.checks import check_actuator, check_rate_limit
 from tvclin.coefficients import PLANES, Coefficients
 from tvclin.errors import InputError, finite, instance, number, one_of, positive, within
 from tvclin.flight.control import ReportControl
-from tvclin.flight.sixdof.airframe import FARTHEST, OUTPUTS, Airframe
-from tvclin.flight.sixdof.steering import ByLaw, Steering, TrimThenHold, by_history, step_means
+from tvclin.flight.sixdof.airframe import FARTHEST, OUTPUTS, borrowed
+from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.histories import History
 from tvclin.laws import Law, SaturatedLaw
 from tvclin.vehicle import Vehicle
@@ -133,8 +133,9 @@ class Air:
     speeds: FloatArray
 
 
+@dataclass(frozen=True)
 class SixDof:
-    """One vehicle that is flown again and again; every flight begins anew.
+    """What is flown, checked.
 
     Parameters
     ----------
@@ -142,18 +143,25 @@ class SixDof:
         As of `fly_sixdof`.
     """
 
-    def __init__(
-        self, vehicle: Vehicle, plane: str = "pitch", drift: bool = True, step: float = 0.01
-    ) -> None:
-        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-        self.vehicle, self.plane = vehicle, one_of("plane", plane, PLANES)
-        self.coefficients = Coefficients.from_vehicle(vehicle, plane)
+    vehicle: Vehicle
+    plane: str = "pitch"
+    drift: bool = True
+    step: float = 0.01
+
+    def __post_init__(self) -> None:
+        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        one_of("plane", self.plane, PLANES)
         if self.coefficients.batch:
             raise InputError(
                 f"a flight is of one vehicle; got a batch of shape {self.coefficients.batch}"
             )
-        self.step = float(number("step", within("step", step, _SHORTEST, _LONGEST, "s")))
-        self._airframe = Airframe(vehicle, plane, bool(drift), self.step)
+        step = within("step", self.step, _SHORTEST, _LONGEST, "s")
+        object.__setattr__(self, "step", number("step", step))
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """The coefficients of the vehicle in this plane."""
+        return Coefficients.from_vehicle(self.vehicle, self.plane)
 
     def air(self, wind: History, start: float, stop: float) -> Air:
         """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
@@ -168,7 +176,8 @@ class SixDof:
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
-        rows = self._airframe.fly(steering, air.speeds, air.angles)
+        with borrowed(self.vehicle, self.plane, bool(self.drift), self.step) as airframe:
+            rows = airframe.fly(steering, air.speeds, air.angles)
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:
             raise InputError(
@@ -224,7 +233,7 @@ def _steering(
         control, actuator = _gains(control, actuator)
     instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
     _check_step(actuator, case.step)
-    return ByLaw(control, Nozzle(actuator, most, case.step), limit, air.times.size)
+    return by_law(control, Nozzle(actuator, most, case.step), limit, air.times.size)
 
 
 def _gains(autopilot: Autopilot, actuator: Actuator | None) -> tuple[Law, Actuator | None]:

@@ -94,8 +94,8 @@ class TrimThenHold:
         return float(np.trapezoid(*before) + self._held * (0.5 - leaves))
 
 
-class ByLaw:
-    """A law with its limits, asked at every step; an actuator follows within the steps.
+def by_law(law: Law, nozzle: Nozzle, limit: float, count: int) -> Steering:
+    """Return what asks a law at every step, within its limits; an actuator follows in the steps.
 
     Parameters
     ----------
@@ -108,49 +108,49 @@ class ByLaw:
     count : int
         Number of steps.
     """
+    asked = _command(law, limit, nozzle.length, count)
+    if nozzle.jumps:
+        return asked
+    free, driven = nozzle.matrices()
+    most, reach = nozzle.rate_limit, nozzle.rate_limit * nozzle.length
+    servo, command = np.zeros(nozzle.order), 0.0
 
-    def __init__(self, law: Law, nozzle: Nozzle, limit: float, count: int) -> None:
-        self._law, self._nozzle, self._limit = law, nozzle, limit
-        self._servo, self._moves = np.zeros(nozzle.order), nozzle.matrices()
-        self._memory = np.zeros(len(law.states[0]))
-        self._memory_moves = _memory_step(law, nozzle.length)
-        level, seed = law.rate_noise
-        noise = np.random.default_rng([seed, 0]).normal(0.0, level, count)
-        self._noise = noise.tolist() if level else None
-        self._mode = self._command = 0.0
-
-    def __call__(self, k: int, seen: Seen) -> float:
-        """Return the deflection at a step."""
-        if self._noise is not None:
-            seen = seen._replace(attitude_rate=seen.attitude_rate + self._noise[k])
-        if self._nozzle.jumps:
-            return self._asked(seen)
-        deflection = self._followed()
-        self._command = self._asked(seen._replace(deflection=deflection))
+    def followed(k: int, seen: Seen) -> float:
+        nonlocal servo, command
+        moved = free @ servo + driven * command
+        if most < np.inf:
+            moved[0] = servo[0] + np.clip(moved[0] - servo[0], -reach, reach)
+            moved[1:] = np.clip(moved[1:], -most, most)
+        servo, deflection = moved, min(max(float(moved[0]), -limit), limit)
+        command = asked(k, seen._replace(deflection=deflection))
         return deflection
 
-    def _asked(self, seen: Seen) -> float:
-        """Return the command within the limit, and move on what the law remembers."""
-        law, limit = self._law, self._limit
-        demand = float(law.demand(seen, self._memory, limit))
-        if demand * self._mode <= law.release * limit:
-            self._mode = 0.0
-        if self._mode == 0.0 and abs(demand) >= law.engage * limit:
-            self._mode = copysign(1.0, demand)
-        if self._memory.size:
-            self._memory = self._memory_moves[0] @ self._memory + self._memory_moves[1] @ seen
-        return self._mode * limit if self._mode else min(max(demand, -limit), limit)
+    return followed
 
-    def _followed(self) -> float:
-        """Return where the nozzle is one step later."""
-        most, before = self._nozzle.rate_limit, self._servo
-        moved = self._moves[0] @ before + self._moves[1] * self._command
-        if most < np.inf:
-            reach = most * self._nozzle.length
-            moved[0] = before[0] + np.clip(moved[0] - before[0], -reach, reach)
-            moved[1:] = np.clip(moved[1:], -most, most)
-        self._servo = moved
-        return min(max(float(moved[0]), -self._limit), self._limit)
+
+def _command(law: Law, limit: float, step: float, count: int) -> Steering:
+    """Return what gives the command within the limit, and remembers what the law remembers."""
+    demanded, engage, release = law.demand, law.engage * limit, law.release * limit
+    memory = np.zeros(len(law.states[0]))
+    kept, learnt = _memory_step(law, step)
+    level, seed = law.rate_noise
+    noise = np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else None
+    mode = 0.0
+
+    def asked(k: int, seen: Seen) -> float:
+        nonlocal memory, mode
+        if noise is not None:
+            seen = seen._replace(attitude_rate=seen.attitude_rate + noise[k])
+        demand = float(demanded(seen, memory, limit))
+        if mode and demand * mode <= release:
+            mode = 0.0
+        if not mode and abs(demand) >= engage:
+            mode = copysign(1.0, demand)
+        if memory.size:
+            memory = kept @ memory + learnt @ seen
+        return mode * limit if mode else min(max(demand, -limit), limit)
+
+    return asked
 
 
 def _memory_step(law: Law, step: float) -> tuple[FloatArray, FloatArray]:

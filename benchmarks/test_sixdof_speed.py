@@ -1,0 +1,57 @@
+"""Flights with six degrees of freedom: 15 s at a step of 0.01 s, beside the bare engine."""
+
+import numpy as np
+import pytest
+from peers import ratio
+
+import tvclin as tv
+from tvclin.flight.sixdof.engine import Engine
+from tvclin.flight.sixdof.fly import SixDof
+from tvclin.flight.sixdof.model import model_xml, planet_xml
+from tvclin.flight.sixdof.steering import TrimThenHold
+from tvclin.units import FOOT
+
+pytest.importorskip("jsbsim")
+
+VEHICLE = tv.load_vehicle("configuration-i")
+WIND = tv.TriangularWind(peak=np.radians(1.0), duration=7.5)
+TIMES = np.linspace(0.0, 15.0, 151)
+STEPS = 1500
+
+
+@pytest.fixture
+def bare():
+    initial = {"h-sl-ft": 0.0, "theta-rad": VEHICLE.attitude, "u-fps": VEHICLE.velocity / FOOT}
+    engine = Engine(model_xml(VEHICLE, "pitch"), initial, 0.01, planet=planet_xml())
+
+    def run():
+        engine.reset()
+        for _ in range(STEPS):
+            engine.run()
+
+    return run
+
+
+def test_sixdof_flight_with_a_law_in_python(benchmark, bare):
+    law = tv.TrimLaw(tv.Plant.from_vehicle(VEHICLE, model="drift-exact"))
+
+    ratio(
+        benchmark,
+        lambda: tv.fly_sixdof(VEHICLE, law, WIND, TIMES, deflection_limit=0.0017),
+        bare,
+        peer_name="steps of JSBSim alone",
+        floor="JSBSim's step, then the law in Python",
+    )
+
+
+def test_sixdof_flight_of_the_reports_control(benchmark, bare):
+    case = SixDof(VEHICLE)
+    air, B = case.air(WIND, 0.0, 15.0), case.coefficients.B
+
+    ratio(
+        benchmark,
+        lambda: case.flown(TrimThenHold(B, 0.00123, 1.0, WIND, air.times, 0.01), air),
+        bare,
+        peer_name="steps of JSBSim alone",
+        floor="JSBSim's step, and six properties read and set",
+    )
