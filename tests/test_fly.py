@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant, SampledWind, TriangularWind
 from tvclin.closed_loop import continuous
+from tvclin.closed_loop.equations import LinearEquations
 from tvclin.plant import MODELS
 
 PEAK = 0.08
@@ -318,7 +319,7 @@ def test_a_limit_that_is_only_touched_is_not_exceeded(excess):
     flown = tv.fly(plant_of(), LAWS["gains"](None), wind, times, deflection_limit=limit)
     assert np.abs(flown.outputs[-1]).max() <= limit
     flight = continuous.ContinuousFlight(
-        plant_of(), LAWS["gains"](None), wind, limit, np.inf, actuator=None
+        LinearEquations(plant_of()), LAWS["gains"](None), wind, limit, np.inf, actuator=None
     )
     arcs = flight.arcs(0.0, 20.0)
     (held,) = [(a.start, b.start) for a, b in pairwise(arcs) if a.mode]

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from tvclin.flight import FlownBoundary as FlownBoundary
     from tvclin.flight import ReportControl as ReportControl
     from tvclin.flight import flown_boundary as flown_boundary
+    from tvclin.flight import fly_planar as fly_planar
     from tvclin.flight import fly_sixdof as fly_sixdof
     from tvclin.forecast_free import ForecastFreeLimit as ForecastFreeLimit
     from tvclin.forecast_free import forecast_free_limit as forecast_free_limit
@@ -124,7 +125,7 @@ _ROOMS = {
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
-    "flight": ("FlownBoundary", "ReportControl", "flown_boundary", "fly_sixdof"),
+    "flight": ("FlownBoundary", "ReportControl", "flown_boundary", "fly_planar", "fly_sixdof"),
     "forecast_free": ("ForecastFreeLimit", "forecast_free_limit"),
     "histories": ("History",),
     "law_trials": ("LawTrial", "law_trials", "standard_laws", "standard_winds"),

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.closed_loop.checks import LOST, check_not_lost
+from tvclin.closed_loop.equations import Equations
 from tvclin.closed_loop.sampled import switched
 from tvclin.errors import InputError
 from tvclin.histories import History
 from tvclin.laws import Law, Seen
-from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
@@ -52,30 +52,36 @@ class ContinuousFlight:
 
     Attributes
     ----------
-    plant, law, wind : Plant, Law, History
+    equations, law, wind : Equations, Law, History
         What flies.
     limit, rate_limit : float
         Of the deflection [rad] and its rate [rad/s].
     actuator : Actuator or None
         What lies between command and deflection.
+    farthest : float
+        Attitude [rad] from the nominal at which the flight ends.
     """
 
-    plant: Plant
+    equations: Equations
     law: Law
     wind: History
     limit: float
     rate_limit: float
     actuator: Actuator | None
+    farthest: float = LOST
 
     def arcs(self, start: float, stop: float) -> list[Arc]:
-        """Return the flight from rest at `start` to `stop` [s], arc by arc."""
+        """Return the flight from rest at `start` to `stop` [s], arc by arc.
+
+        It ends early where the attitude is as far from the nominal as `farthest`.
+        """
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
         state, mode = np.zeros(self._size), 0.0
-        self._check_law(state)
+        self._check_law(start, state)
         found: list[Arc] = []
         for first, last in pairwise(edges):
-            gust = _piece(self.wind, float(first))
+            gust = smooth_piece(self.wind, float(first))
             now = float(first)
             mode = self._mode(now, state, mode, gust)
             while now < last:
@@ -91,6 +97,8 @@ class ContinuousFlight:
                     state = result.sol(now)
                     continue
                 now, state = float(result.t[-1]), result.y[:, -1]
+                if abs(state[0]) >= self.farthest:
+                    return found
                 if result.status == 1:
                     mode = self._after(mode, 1.0 if result.t_events[0].size else -1.0)
         return found
@@ -125,7 +133,7 @@ class ContinuousFlight:
         for k in np.unique(index[index >= 0]):
             here = index == k
             states = arcs[k].solution(times[here])
-            seen = self._seen(states, self.wind(times[here]))
+            seen = self._seen(times[here], states, self.wind(times[here]))
             rows[:order, here] = states[:order]
             rows[-1, here] = self._deflection(states, seen, arcs[k].mode)
         return rows
@@ -136,23 +144,24 @@ class ContinuousFlight:
 
     @cached_property
     def _order(self) -> int:
-        return len(self.plant.states)
+        return len(self.equations.states)
 
     @cached_property
     def _servo(self) -> int:
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
 
-    def _seen(self, states: FloatArray, wind: Any) -> Seen:
+    def _seen(self, t: Any, states: FloatArray, wind: Any) -> Seen:
         path = states[2] if self._order > 2 else 0.0 * states[0]
+        alpha = self.equations.angle_of_attack(t, states[: self._order], wind)
         shown = np.nan if self.actuator is None else self._nozzle(states)
-        return Seen(states[0], states[1], path, states[0] - path - wind, shown)
+        return Seen(states[0], states[1], path, alpha, shown)
 
     def _nozzle(self, states: FloatArray) -> Any:
         return np.clip(states[self._order], -self.limit, self.limit)
 
-    def _check_law(self, rest: FloatArray) -> None:
+    def _check_law(self, start: float, rest: FloatArray) -> None:
         """Without an actuator the deflection follows from the demand, and not the other way."""
-        if np.isnan(self._demand(rest, self._seen(rest, 0.0))):
+        if np.isnan(self._demand(rest, self._seen(start, rest, 0.0))):
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
             )
@@ -170,7 +179,7 @@ class ContinuousFlight:
     def _rates(self, t: float, states: FloatArray, mode: float, gust: Any) -> FloatArray:
         order = self._order
         wind = gust(t)
-        seen = self._seen(states, wind)
+        seen = self._seen(t, states, wind)
         demand = self._demand(states, seen)
         command = mode * self.limit if mode else float(demand)
         deflection = command
@@ -179,8 +188,7 @@ class ContinuousFlight:
             servo = states[order : order + self._servo]
             deflection = float(seen.deflection)
             rates[order : order + self._servo] = self._servo_rates(servo, command)
-        A, B = self._matrices
-        rates[:order] = A @ states[:order] + B[:, 0] * deflection + B[:, 1] * wind
+        rates[:order] = self.equations.rates(t, states[:order], deflection, wind)
         F, G = self._memory
         if len(F):
             memory = states[order + self._servo :]
@@ -199,21 +207,17 @@ class ContinuousFlight:
         return np.array([min(max(servo[1], -most), most), pull])
 
     @cached_property
-    def _matrices(self) -> tuple[FloatArray, FloatArray]:
-        return self.plant.matrices()[:2]
-
-    @cached_property
     def _memory(self) -> tuple[FloatArray, FloatArray]:
         return self.law.states
 
     def _mode(self, t: float, states: FloatArray, mode: float, gust: Any) -> float:
-        demand = self._demand(states, self._seen(states, gust(t)))
+        demand = self._demand(states, self._seen(t, states, gust(t)))
         found = switched(self.law, np.asarray(demand), np.asarray(mode), np.asarray(self.limit))
         return float(found)
 
-    def _past(self, states: FloatArray, wind: Any, mode: float, side: float) -> Any:
+    def _past(self, t: Any, states: FloatArray, gust: Any, mode: float, side: float) -> Any:
         """How far the demand is past the end of the mode [rad]; the mode ends as this rises."""
-        demand = side * self._demand(states, self._seen(states, wind))
+        demand = side * self._demand(states, self._seen(t, states, gust(t)))
         if mode:
             return (self.law.release - _HAIR) * self.limit - demand
         return demand - self.law.engage * self.limit
@@ -226,12 +230,12 @@ class ContinuousFlight:
             def past(
                 t: float, states: FloatArray, mode: float, gust: Any, side: float = side
             ) -> float:
-                return float(self._past(states, gust(t), mode, side))
+                return float(self._past(t, states, gust, mode, side))
 
             past.terminal = True  # type: ignore[attr-defined]
             past.direction = 1.0  # type: ignore[attr-defined]
             events.append(past)
-        return [*events, _lost]
+        return [*events, _beyond(self.farthest)]
 
     def _touched(self, result: Any, mode: float, gust: Any) -> tuple[float, float] | None:
         """When the mode first ends between two steps that do not show it, and the next mode."""
@@ -243,7 +247,7 @@ class ContinuousFlight:
         for side in _sides(mode):
 
             def short(t: Any, side: float = side) -> Any:
-                return -self._past(result.sol(t), gust(t), mode, side)
+                return -self._past(t, result.sol(t), gust, mode, side)
 
             left = short(times)
             least = (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
@@ -261,12 +265,15 @@ class ContinuousFlight:
         return 0.0 if mode else side
 
 
-def _lost(t: float, states: FloatArray, mode: float, gust: Any) -> float:
-    """What falls through zero where a flight is lost, a little later than it is called so."""
-    return LOST * (1.0 + 1e-6) - float(np.abs(states).max())
+def _beyond(farthest: float) -> Any:
+    """What falls through zero where a flight ends: lost, or its attitude a hair beyond."""
 
+    def left(t: float, states: FloatArray, mode: float, gust: Any) -> float:
+        lost = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
+        return min(lost, farthest * (1.0 + 1e-6) - abs(float(states[0])))
 
-_lost.terminal = True  # type: ignore[attr-defined]
+    left.terminal = True  # type: ignore[attr-defined]
+    return left
 
 
 def _sides(mode: float) -> tuple[float, ...]:
@@ -274,12 +281,12 @@ def _sides(mode: float) -> tuple[float, ...]:
     return (mode,) if mode else (1.0, -1.0)
 
 
-def _piece(wind: History, start: float) -> Callable[[Any], Any]:
-    """The wind from a knot on, as its own smooth function.
+def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
+    """Return a history from a knot on as its own smooth function.
 
-    So the solver sees no jump at the next knot, and it takes half the time of ``wind(t)``.
+    So the solver sees no jump at the next knot, and it takes half the time of ``history(t)``.
     """
-    pieces = wind.pieces
+    pieces = history.pieces
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1
     if k < 0:
         return np.zeros_like

@@ -15,6 +15,7 @@ from tvclin.closed_loop.checks import (
     check_sample_rate,
 )
 from tvclin.closed_loop.continuous import ContinuousFlight
+from tvclin.closed_loop.equations import LinearEquations
 from tvclin.closed_loop.sampled import Sampler, at_rest
 from tvclin.errors import InputError, finite, number, positive
 from tvclin.histories import History
@@ -122,7 +123,7 @@ def _continuous(
     if limits[1] < np.inf and actuator is None:
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
-    flight = ContinuousFlight(plant, law, wind, *limits, actuator)
+    flight = ContinuousFlight(LinearEquations(plant), law, wind, *limits, actuator)
     stop = float(np.nextafter(times.max(), np.inf))
     return flight.shown(flight.arcs(start, max(stop, start + 1e-9)), times)
 

@@ -1,15 +1,17 @@
 """Flights that the linear theory is checked against: nonlinear, and found by flying.
 
 The rooms inside: `atmosphere`, `condition` (what a flight needs beyond a vehicle) and
-`trajectory` (the nominal flight) say where a vehicle flies; `equations` are the report's, in one
-plane; `sixdof/` flies in JSBSim; `control` is the report's control as it is flown, and
-`flown_boundary` finds the least deflection limit of any engine that says which flights are lost.
+`trajectory` (the nominal flight) say where a vehicle flies; `planar/` flies the report's own
+equations in one plane and `sixdof/` flies in JSBSim; `answer` is what both give back, `control`
+is what can turn the nozzle, and `flown_boundary` finds the least deflection limit of any engine
+that says which flights are lost.
 """
 
 from tvclin.flight.atmosphere import Air, standard_atmosphere
 from tvclin.flight.condition import FlightCondition, load_flight_condition
 from tvclin.flight.control import ReportControl
 from tvclin.flight.flown_boundary import ENGINES, FlownBoundary, flown_boundary
+from tvclin.flight.planar import fly_planar
 from tvclin.flight.sixdof import fly_sixdof
 from tvclin.flight.trajectory import NominalFlight, nominal_flight
 
@@ -21,6 +23,7 @@ __all__ = [
     "NominalFlight",
     "ReportControl",
     "flown_boundary",
+    "fly_planar",
     "fly_sixdof",
     "load_flight_condition",
     "nominal_flight",

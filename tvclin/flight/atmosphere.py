@@ -5,6 +5,7 @@ height) and section 1.2 (constants); temperature is linear in each layer and the
 """
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,6 +87,7 @@ def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
     return _GRAVITY * above / (_GAS_CONSTANT * base) * mean
 
 
+@cache
 def _bases() -> tuple[FloatArray, FloatArray]:
     thickness = np.diff(_BASES)
     temperatures = _SEA_TEMPERATURE + np.concatenate([[0.0], np.cumsum(_LAPSES[:-1] * thickness)])

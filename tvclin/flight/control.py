@@ -1,8 +1,11 @@
-"""The report's control as it is flown: what is trimmed is measured, not planned."""
+"""What turns the nozzle of a flight: a history, a law, an autopilot, or the report's control."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from tvclin.errors import within
+from tvclin.autopilot import Actuator, Autopilot
+from tvclin.errors import InputError, instance, within
+from tvclin.histories import History
+from tvclin.laws import Law, SaturatedLaw
 
 
 @dataclass(frozen=True)
@@ -27,3 +30,27 @@ class ReportControl:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "dead_band", float(within("dead_band", self.dead_band, 0.0, 1.0)))
+
+
+Control = History | Law | Autopilot | ReportControl
+"""What can fly."""
+
+
+def law_and_actuator(control: object, actuator: Actuator | None) -> tuple[Law, Actuator | None]:
+    """Return the law of a law or an autopilot, and the actuator, which an autopilot may bring.
+
+    Raises
+    ------
+    InputError
+        For anything else, for an autopilot with a delay, and for two actuators.
+    """
+    if isinstance(control, Autopilot):
+        if control.delay != 0.0:
+            raise InputError("an autopilot with a delay is not flown; leave the delay out")
+        if actuator is not None and control.actuator is not None:
+            raise InputError("actuator must be left out: the autopilot has one")
+        actuator = control.actuator or actuator
+        control = SaturatedLaw(replace(control, actuator=None))
+    instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
+    assert isinstance(control, Law)
+    return control, actuator

@@ -9,6 +9,7 @@ import numpy as np
 
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, instance, number, one_of, within
+from tvclin.flight.planar.verdict import planar_verdict
 from tvclin.flight.sixdof.verdict import sixdof_verdict
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
@@ -16,7 +17,9 @@ from tvclin.vehicle import Vehicle
 Verdict = Callable[[float], bool]
 """Takes a deflection limit [rad] and says whether its flight survives."""
 
-ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType({"sixdof": sixdof_verdict})
+ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType(
+    {"planar": planar_verdict, "sixdof": sixdof_verdict}
+)
 """Engines by name. Each takes a vehicle, a wind and a dead band, and by name the plane, whether
 parameters are frozen, and options of its own, and it gives the verdict on a limit."""
 
@@ -51,7 +54,7 @@ def flown_boundary(
     wind: History,
     dead_band: float = 1.0,
     *,
-    engine: str | Callable[..., Verdict] = "sixdof",
+    engine: str | Callable[..., Verdict] = "planar",
     plane: str = "pitch",
     frozen: bool = True,
     tolerance: float = 1e-4,
@@ -76,7 +79,8 @@ def flown_boundary(
     tolerance : float
         The limit is known to this part of |B alpha_w,max|.
     **options
-        What else the engine takes; of "sixdof": drift and step, as of `fly_sixdof`.
+        What else the engine takes: "planar" drift and condition, as of `fly_planar`; "sixdof"
+        drift and step, as of `fly_sixdof`.
 
     Returns
     -------

@@ -59,9 +59,15 @@ class NominalFlight:
                 f"t must be between {self.start:.6g} and {self.stop:.6g} s, the span of the"
                 f" nominal flight; got {float(times.min()):.6g} to {float(times.max()):.6g} s"
             )
-        early, late = self._solutions
         flat = np.clip(times.ravel(), self.start, self.stop)
-        return np.where(flat < self._time, early(flat), late(flat)).reshape(3, *times.shape)
+        return self.states_within(flat).reshape(3, *times.shape)
+
+    def states_within(self, t: Any) -> FloatArray:
+        """Return the states at a time, or times ``(n,)``, that lie in the span, unchecked."""
+        early, late = self._solutions
+        if np.ndim(t) == 0:
+            return np.asarray(early(t) if t < self._time else late(t))
+        return np.where(t < self._time, early(t), late(t))
 
     def mass(self, t: ArrayLike) -> Any:
         """Return the mass [kg]."""
@@ -71,8 +77,7 @@ class NominalFlight:
     def pressure_ratio(self, speed: Any, altitude: Any) -> Any:
         """Return the dynamic pressure at an air speed and altitude over that of the vehicle."""
         density = air_at(np.asarray(altitude, dtype=float)).density
-        own = air_at(np.asarray(self.condition.altitude)).density
-        return density / own * (speed / self.vehicle.velocity) ** 2
+        return density / self._density * (speed / self.vehicle.velocity) ** 2
 
     def dynamic_pressure(self, t: ArrayLike) -> FloatArray:
         """Return the dynamic pressure [Pa]."""
@@ -121,6 +126,10 @@ class NominalFlight:
         return _time_of(self.vehicle)
 
     @cached_property
+    def _density(self) -> float:
+        return self.condition.density
+
+    @cached_property
     def _solutions(self) -> tuple[Any, Any]:
         """Dense solutions before and after the vehicle's own time."""
         v = self.vehicle
@@ -136,7 +145,7 @@ class NominalFlight:
 
         leaves.terminal = True  # type: ignore[attr-defined]
         if end == self._time:
-            return lambda t: np.repeat(begin[:, np.newaxis], np.size(t), axis=1)
+            return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))
         found = solve_ivp(
             self.rates,
             (self._time, end),

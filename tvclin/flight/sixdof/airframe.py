@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import asin, cos, radians, sin
+from math import asin, cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.flight.answer import FARTHEST, OUTPUTS
 from tvclin.flight.sixdof.engine import Engine
 from tvclin.flight.sixdof.model import DEFLECTION, model_xml, planet_xml
 from tvclin.flight.sixdof.steering import Steering
@@ -16,9 +17,6 @@ from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-FARTHEST = radians(25.0)
-"""Attitude [rad] from the nominal beyond which forces linear in alpha are no model of anything."""
-OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", "deflection")
 
 _WIND = {"pitch": "atmosphere/wind-north-fps", "yaw": "atmosphere/wind-east-fps"}
 _Two = Callable[[], tuple[float, float]]

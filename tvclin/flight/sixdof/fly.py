@@ -1,29 +1,34 @@
 """The door to flights with six degrees of freedom."""
 
-import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.autopilot import Actuator, Autopilot
+from tvclin.autopilot import Actuator
 from tvclin.closed_loop.airframe import Nozzle
 from tvclin.closed_loop.checks import check_actuator, check_rate_limit
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.errors import InputError, finite, instance, number, one_of, positive, within
-from tvclin.flight.control import ReportControl
-from tvclin.flight.sixdof.airframe import FARTHEST, OUTPUTS, borrowed
+from tvclin.errors import InputError, instance, number, one_of, positive, within
+from tvclin.flight.answer import (
+    FARTHEST,
+    OUTPUTS,
+    begins_in_time,
+    flight_response,
+    flight_times,
+    warn_of_the_end,
+)
+from tvclin.flight.control import Control, ReportControl, law_and_actuator
+from tvclin.flight.sixdof.airframe import borrowed
 from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.histories import History
-from tvclin.laws import Law, SaturatedLaw
 from tvclin.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from control import TimeResponseData
 
 FloatArray = NDArray[np.float64]
-Control = History | Law | Autopilot | ReportControl
 
 _SHORTEST, _LONGEST = 1e-4, 0.02
 _PER_STEP = 0.5
@@ -105,9 +110,7 @@ def fly_sixdof(
     0.092
     """
     case = SixDof(vehicle, plane, drift, step)
-    times = finite("timepts", timepts, "s")
-    if times.ndim != 1 or not times.size:
-        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    times = flight_times(timepts)
     air = case.air(wind, float(times.min()), float(times.max()))
     steering = _steering(case, control, air, deflection_limit, actuator, rate_limit)
     return _response(times, air, case.flown(steering, air), f"{vehicle.name or 'vehicle'}, {plane}")
@@ -168,7 +171,7 @@ class SixDof:
         instance("wind", wind, History, "such as TriangularWind")
         if wind.batch:
             raise InputError(f"a flight is in one wind; got a batch of shape {wind.batch}")
-        _begins_in_time("wind", wind, start)
+        begins_in_time("wind", wind, start)
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
         angles = step_means(wind, times, self.step)
@@ -199,14 +202,6 @@ class SixDof:
         return tail if self.plane == "pitch" else -tail
 
 
-def _begins_in_time(name: str, history: History, start: float) -> None:
-    if history.onset < start:
-        raise InputError(
-            f"{name} must not begin before the flight, at {start:.6g} s; got {name} from"
-            f" {float(history.onset):.6g} s on"
-        )
-
-
 def _steering(
     case: SixDof,
     control: Control,
@@ -224,24 +219,14 @@ def _steering(
     if isinstance(control, History):
         if control.batch:
             raise InputError(f"control must be one history; got a batch of shape {control.batch}")
-        _begins_in_time("control", control, float(air.times[1]))
+        begins_in_time("control", control, float(air.times[1]))
         return by_history(control, air.times, case.step, limit)
     if isinstance(control, ReportControl):
         B = float(case.coefficients.B)
         return TrimThenHold(B, limit, control.dead_band, air.wind, air.times, case.step)
-    if isinstance(control, Autopilot):
-        control, actuator = _gains(control, actuator)
-    instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
+    law, actuator = law_and_actuator(control, actuator)
     _check_step(actuator, case.step)
-    return by_law(control, Nozzle(actuator, most, case.step), limit, air.times.size)
-
-
-def _gains(autopilot: Autopilot, actuator: Actuator | None) -> tuple[Law, Actuator | None]:
-    if autopilot.delay != 0.0:
-        raise InputError("an autopilot with a delay is not flown; leave the delay out")
-    if actuator is not None and autopilot.actuator is not None:
-        raise InputError("actuator must be left out: the autopilot has one")
-    return SaturatedLaw(replace(autopilot, actuator=None)), autopilot.actuator or actuator
+    return by_law(law, Nozzle(actuator, most, case.step), limit, air.times.size)
 
 
 def _check_step(actuator: Actuator | None, step: float) -> None:
@@ -254,26 +239,9 @@ def _check_step(actuator: Actuator | None, step: float) -> None:
 
 
 def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> "TimeResponseData":
-    from control import TimeResponseData
-
     flown = air.times[: len(rows)]
     if abs(rows[-1, 0]) > FARTHEST:
-        warnings.warn(
-            f"the flight ends at t = {flown[-1]:.6g} s, where its attitude is more than 25 deg"
-            " from the nominal: beyond, the model holds no longer",
-            stacklevel=3,
-        )
+        warn_of_the_end(float(flown[-1]))
     outputs = np.stack([np.interp(times, flown, row, right=np.nan) for row in rows.T])
-    return TimeResponseData(
-        times,
-        outputs,
-        None,
-        air.wind(times)[np.newaxis],
-        issiso=False,
-        output_labels=list(OUTPUTS),
-        input_labels=["wind"],
-        sysname="JSBSim",
-        plot_inputs=True,
-        title=f"Flight with six degrees of freedom, {title}",
-        trace_types=["forced"],
-    )
+    title = f"Flight with six degrees of freedom, {title}"
+    return flight_response(times, outputs, air.wind, engine="JSBSim", title=title)

@@ -80,7 +80,8 @@ class PlanarMotion:
             Wind angle of attack [rad], seen from the nominal flight.
         """
         now = self._now(t)
-        alpha, ratio = self.air(t, x, gust)
+        alpha, speed = self._air(now, x, gust)
+        ratio = self._ratio(speed, now.altitude + x[-1])
         v = self.vehicle
         found = np.zeros(len(self.states))
         found[0] = x[1]
@@ -89,7 +90,8 @@ class PlanarMotion:
         found[1] /= v.moment_of_inertia
         if self.drift:
             actual = self._path(now, x[0], x[2], now.speed * (1.0 + x[3]), alpha, ratio, deflection)
-            rest = self._path(now, 0.0, 0.0, now.speed, 0.0, now.ratio, 0.0)
+            calm = self._ratio(now.speed, now.altitude)
+            rest = self._path(now, 0.0, 0.0, now.speed, 0.0, calm, 0.0)
             found[2] = actual[0] - rest[0]
             # V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x
             found[3] = (actual[1] - rest[1] - rest[1] * self._moving * x[3]) / now.speed
@@ -98,11 +100,14 @@ class PlanarMotion:
             found[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
         return found
 
-    def air(self, t: Any, x: Any, gust: Any) -> tuple[Any, Any]:
-        """Return the angle of attack [rad], and the dynamic pressure over that of the vehicle."""
+    def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
+        """Return the angle of attack [rad] at times and states of one shape, ``(states, ...)``."""
+        return self._air(self._now(t), x, gust)[0]
+
+    def _air(self, now: "_Now", x: Any, gust: Any) -> tuple[Any, Any]:
+        """The angle of attack [rad], and the air speed [m/s]."""
         if self.nominal is None:
-            return x[0] - x[2] - gust, 1.0
-        now = self._now(t)
+            return x[0] - x[2] - gust, now.speed
         speed = now.speed * (1.0 + x[3])
         if self.plane == "pitch":
             path = now.path + x[2]
@@ -113,8 +118,7 @@ class PlanarMotion:
             wind = now.speed * np.tan(gust)
             along, across = speed * np.cos(x[2]), speed * np.sin(x[2]) + wind
             turned = np.arctan2(across, along)
-        ratio = self.nominal.pressure_ratio(np.hypot(along, across), now.altitude + x[4])
-        return x[0] - turned, ratio
+        return x[0] - turned, np.hypot(along, across)
 
     @property
     def _moving(self) -> float:
@@ -140,21 +144,22 @@ class PlanarMotion:
             along = along - weight * np.sin(now.path) * np.cos(gamma)
         return across / (now.mass * speed), along / now.mass
 
+    def _ratio(self, speed: Any, altitude: Any) -> Any:
+        """The dynamic pressure over that of the vehicle."""
+        return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
+
     def _now(self, t: Any) -> "_Now":
         v = self.vehicle
         if self.nominal is None:
-            return _Now(v.mass, v.velocity, v.attitude, 0.0, 1.0)
-        speed, path, altitude = self.nominal.states(t)
-        ratio = self.nominal.pressure_ratio(speed, altitude)
-        return _Now(self.nominal.mass(t), speed, path, altitude, ratio)
+            return _Now(v.mass, v.velocity, v.attitude, 0.0)
+        return _Now(self.nominal.mass(t), *self.nominal.states_within(t))
 
 
 @dataclass(frozen=True, eq=False)
 class _Now:
-    """The nominal flight at a time, with its dynamic pressure over that of the vehicle."""
+    """The nominal flight at a time."""
 
     mass: Any
     speed: Any
     path: Any
     altitude: Any
-    ratio: Any

@@ -1,0 +1,67 @@
+"""What every flight gives back, whichever engine flew it."""
+
+import warnings
+from math import radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.errors import InputError, finite
+from tvclin.histories import History
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+FloatArray = NDArray[np.float64]
+
+FARTHEST = radians(25.0)
+"""Attitude [rad] from the nominal beyond which forces linear in alpha are no model of anything."""
+OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", "deflection")
+
+
+def flight_times(timepts: ArrayLike) -> FloatArray:
+    """Return one row of times [s]; `InputError` for anything else."""
+    times = finite("timepts", timepts, "s")
+    if times.ndim != 1 or not times.size:
+        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    return times
+
+
+def begins_in_time(name: str, history: History, start: float) -> None:
+    """Raise `InputError` unless a history begins with the flight or later."""
+    if history.onset < start:
+        raise InputError(
+            f"{name} must not begin before the flight, at {start:.6g} s; got {name} from"
+            f" {float(history.onset):.6g} s on"
+        )
+
+
+def flight_response(
+    times: FloatArray, outputs: FloatArray, wind: History, *, engine: str, title: str
+) -> "TimeResponseData":
+    """Return the `OUTPUTS` of a flight ``(5, n)`` as `control.TimeResponseData`."""
+    from control import TimeResponseData
+
+    return TimeResponseData(
+        times,
+        outputs,
+        None,
+        wind(times)[np.newaxis],
+        issiso=False,
+        output_labels=list(OUTPUTS),
+        input_labels=["wind"],
+        sysname=engine,
+        plot_inputs=True,
+        title=title,
+        trace_types=["forced"],
+    )
+
+
+def warn_of_the_end(time: float) -> None:
+    """Warn the caller of the door that a flight left the range of its model at a time [s]."""
+    warnings.warn(
+        f"the flight ends at t = {time:.6g} s, where its attitude is more than 25 deg from the"
+        " nominal: beyond, the model holds no longer",
+        stacklevel=4,
+    )
