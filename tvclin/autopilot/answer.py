@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import finite, one_of
 from tvclin.histories import History
+from tvclin.kernels.peaks import largest
 from tvclin.kernels.propagation import Motion, exponentials, motion
 
 FloatArray = NDArray[np.float64]
@@ -45,7 +46,7 @@ class WindAnswer:
         Both are infinite where the closed loop is unstable.
         """
         row = self._row(output)
-        return self._motion.largest(row, self._settled) if self._settled else (np.inf, np.inf)
+        return largest(self._motion, row, self._settled) if self._settled else (np.inf, np.inf)
 
     def peak_rate(self, output: str) -> float:
         """Return the largest rate of change in size [1/s of the output].
@@ -55,7 +56,7 @@ class WindAnswer:
         row = self._row(output) @ self._motion.matrix
         if self._through[self.labels.index(output)] or not self._settled:
             return float(np.inf)
-        return abs(self._motion.largest(row, self._settled)[0])
+        return abs(largest(self._motion, row, self._settled)[0])
 
     def _row(self, output: str) -> NDArray[Any]:
         return self._rows[self.labels.index(one_of("output", output, self.labels))]
