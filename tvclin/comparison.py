@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
+from tvclin.autopilot.wind_gain import wind_gain
 from tvclin.boundary import boundary_limit
 from tvclin.errors import InputError, ending, instance, number, positive
 from tvclin.histories import History
@@ -159,23 +160,9 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
         **peaks,
         boundaries=boundaries,
         minimum=float(least.peak),
-        wind_gain=wind_gain(plant, autopilot) if margins.stable else np.inf,
+        wind_gain=wind_gain(plant, autopilot),
         notes=tuple(notes),
     )
-
-
-def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
-    """Return the H-infinity norm from wind to deflection, by `control.system_norm`, to 1e-6.
-
-    Parameters
-    ----------
-    plant, autopilot : Plant, Autopilot
-        One each; a delay enters as its Pade approximation.
-    """
-    import control
-
-    closed = autopilot.close(plant)
-    return float(control.system_norm(closed["deflection", "wind"], p="inf"))
 
 
 def worst_duration(

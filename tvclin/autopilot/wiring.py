@@ -77,14 +77,22 @@ def closed(
 
 def loop_polynomials(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator ``(..., n)`` of the loop without its delay."""
-    asked, integrators = _feedback(autopilot, plant)
+    asked, integrators = _feedback(autopilot, plant, "deflection")
     above, below = _engine(autopilot)
     denominator = polynomials.times_variable(plant.denominator, integrators)
     return polynomials.multiply(-asked, above), polynomials.multiply(denominator, below)
 
 
-def _feedback(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, int]:
-    """The numerator from deflection to command, and how many integrators there are.
+def wind_numerator(autopilot: "Autopilot", plant: Plant) -> FloatArray:
+    """Return the numerator ``(..., n)`` from wind to deflection with the loop left open.
+
+    It stands over the denominator of `loop_polynomials`, and has the same delay.
+    """
+    return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _engine(autopilot)[0])
+
+
+def _feedback(autopilot: "Autopilot", plant: Plant, source: str) -> tuple[FloatArray, int]:
+    """The numerator from a source to the command, and how many integrators there are.
 
     It stands over the denominator of the plant times s, if there is an integrator.
     """
@@ -92,8 +100,8 @@ def _feedback(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, int]:
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
     on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
     on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
-    attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", "deflection"))
-    angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", "deflection"))
+    attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
+    angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", source))
     return polynomials.add(attitude, angle), integrators
 
 
