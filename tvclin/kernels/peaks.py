@@ -153,12 +153,17 @@ def _modes(matrix: NDArray[Any], row: NDArray[Any], longest: float) -> NDArray[A
 def _ladder(matrix: NDArray[Any], longest: float) -> Iterator[tuple[float, float, NDArray[Any]]]:
     """Lots of equal steps, without end: where one begins, its step [s], and e^(matrix t) in it.
 
-    A step doubles when every mode that would be too fast for it has died out.
+    The first lot is as long as one step of the next, as a motion that starts with no slope may
+    turn soon. Later a step doubles when every mode that would be too fast for it has died out.
     """
     rates = np.linalg.eigvals(matrix)
     fastest = float(np.abs(rates).max())
     step = min(_FINE / fastest if fastest else np.inf, longest / _EACH)
-    begun, powers = 0.0, _powers(exponentials(matrix, np.array([step]))[0])
+    each, whole = exponentials(matrix, np.array([step / _EACH, step]))
+    powers = _powers(each)
+    powers[-1] = whole  # the same, with less rounding
+    yield 0.0, step / _EACH, powers
+    begun, powers = step, _powers(whole)
     while True:
         yield begun, step, powers
         begun += step * _EACH
