@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, plain, positive, together
+from tvclin.errors import InputError, plain, positive, together, within
 
 if TYPE_CHECKING:
     import control
@@ -16,6 +16,13 @@ Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 THROUGH: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
 """No dynamics at all."""
+
+
+LARGEST = 1e9
+"""Of gains, frequencies and times in SI units, and one over the smallest.
+
+The polynomials of a loop multiply several of them, and what lies beyond overflows.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,17 +39,18 @@ class Actuator:
     Raises
     ------
     InputError
-        For numbers that are not finite and positive, and shapes that do not broadcast.
+        For numbers that are not positive or are beyond 1e-9 to 1e9, and shapes that do not
+        broadcast.
     """
 
     natural_frequency: float | FloatArray = 25.1
     damping: float | FloatArray | None = 0.7
 
     def __post_init__(self) -> None:
-        frequency = positive("natural_frequency", self.natural_frequency, "rad/s")
+        frequency = sized("natural_frequency", self.natural_frequency, "rad/s")
         object.__setattr__(self, "natural_frequency", plain(frequency))
         if self.damping is not None:
-            damping = positive("damping", self.damping)
+            damping = sized("damping", self.damping)
             together(natural_frequency=frequency, damping=damping)
             object.__setattr__(self, "damping", plain(damping))
 
@@ -91,6 +99,11 @@ class Actuator:
         A[-1] = -self.denominator[:0:-1]
         B[-1] = self.denominator[-1]
         return A, B, C, np.zeros((1, 1))
+
+
+def sized(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
+    """Return `value` as an array; `InputError` unless it is positive and its powers finite."""
+    return within(name, positive(name, value, unit), 1.0 / LARGEST, LARGEST, unit)
 
 
 def pade_delay(delay: float, order: int) -> Matrices:

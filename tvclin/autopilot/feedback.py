@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.autopilot.actuator import Actuator
+from tvclin.autopilot.actuator import LARGEST, Actuator
 from tvclin.autopilot.answer import WindAnswer, wind_answer
 from tvclin.autopilot.diagram import with_diagram
 from tvclin.autopilot.doubts import pade_misleads, warn_of_doubts
 from tvclin.autopilot.wiring import closed, loop_polynomials, wired
-from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain
+from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain, within
 from tvclin.histories import History
 from tvclin.margins import Loop, Margins, loop_margins
 from tvclin.plant import Plant
@@ -61,8 +61,8 @@ class Autopilot:
     Raises
     ------
     InputError
-        For gains that are not finite or all zero, a delay below zero, and shapes that do not
-        broadcast.
+        For gains that are all zero or beyond 1e9 in size, a delay below zero or beyond 1e-9 to
+        1e9 s, and shapes that do not broadcast.
 
     Examples
     --------
@@ -82,8 +82,10 @@ class Autopilot:
     pade_order: int = 4
 
     def __post_init__(self) -> None:
-        gains = {name: finite(name, getattr(self, name)) for name in GAINS}
-        delay = nonnegative("delay", self.delay, "s")
+        gains = {name: within(name, getattr(self, name), -LARGEST, LARGEST) for name in GAINS}
+        delay = within("delay", nonnegative("delay", self.delay, "s"), 0.0, LARGEST, "s")
+        if np.any((delay > 0.0) & (delay < 1.0 / LARGEST)):
+            raise InputError(f"delay must be zero or at least {1.0 / LARGEST:.6g} s")
         for name, array in {**gains, "delay": delay}.items():
             object.__setattr__(self, name, plain(array))
         if not isinstance(self.actuator, Actuator | None):

@@ -6,12 +6,15 @@ All are arrays where the coefficients are: gains for every flight condition in o
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from tvclin.autopilot.actuator import sized
 from tvclin.autopilot.feedback import Autopilot
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, broadcast, instance, nonnegative, number, plain, positive
 from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
 
 _NEGLIGIBLE = 1e-8
 """A pole nearer to the axis than this part of the largest is left without a cost."""
@@ -37,8 +40,15 @@ def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
         For a stable vehicle, which has no beta.
     """
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
-    B, beta = coefficients.B, coefficients.beta
-    return Autopilot(attitude_gain=2.0 * B, rate_gain=B / beta, **options)
+    mu_alpha = np.min(coefficients.mu_alpha, initial=np.inf)
+    if mu_alpha <= 0.0:
+        raise InputError(
+            "canonical gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
+            f" {mu_alpha:.6g} 1/s^2 (choose a natural_frequency and use design_gains instead)"
+        )
+    with np.errstate(over="ignore"):  # an Autopilot refuses what is not finite
+        B, rate = coefficients.B, coefficients.B / coefficients.beta
+    return Autopilot(attitude_gain=2.0 * B, rate_gain=rate, **options)
 
 
 def design_gains(
@@ -112,7 +122,8 @@ def relief_gains(
     ratio = nonnegative("alpha_ratio", alpha_ratio)
     stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
     broadcast(gains=np.shape(stiffness), alpha_ratio=ratio.shape)
-    attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
+    with np.errstate(over="ignore"):
+        attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
     return Autopilot(
         attitude_gain=attitude, rate_gain=rate, alpha_gain=stiffness - attitude, **options
     )
@@ -132,14 +143,16 @@ def drift_minimum_gains(
     coefficients : Coefficients
         Those of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
     natural_frequency, damping : array_like
-        Of the closed loop on a fixed path [rad/s] and [-], positive.
+        Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
+        of an aerodynamically stable vehicle itself.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
 
     Raises
     ------
     InputError
-        For coefficients without drift, and numbers that are not positive.
+        For coefficients without drift or with b1 + w or b2 + w below zero, and numbers out of
+        range.
 
     Notes
     -----
@@ -148,17 +161,26 @@ def drift_minimum_gains(
     """
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     c = coefficients
-    if np.any(np.asarray(c.mu_alpha) == 0.0) or np.any(np.asarray(c.b1) <= 0.0):
+    if np.any(np.asarray(c.mu_alpha) == 0.0) or np.any(np.asarray(c.b1) == 0.0):
         raise InputError(
             "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
             " than zero; make them with Coefficients.from_vehicle"
         )
     along = c.C2 / np.asarray(c.mu_alpha)
+    thrust, lift = np.broadcast_arrays(c.b1 + along, c.b2 + along)
+    worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
+    if thrust[worst] <= 0.0 or lift[worst] < 0.0:
+        raise InputError(
+            "there are no drift-minimum gains: no lean into the wind keeps the path of this"
+            f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s"
+            " (w = C2/mu_alpha) would have to be positive; use design_gains instead"
+        )
+    _stiffen(c, natural_frequency)
     return relief_gains(
         c,
         natural_frequency=natural_frequency,
         damping=damping,
-        alpha_ratio=(c.b2 + along) / (c.b1 + along),
+        alpha_ratio=lift / thrust,
         **options,
     )
 
@@ -177,10 +199,17 @@ def load_minimum_gains(
     coefficients : Coefficients
         Those of one vehicle or of a batch.
     natural_frequency, damping : array_like
-        Of the closed loop on a fixed path [rad/s] and [-], positive.
+        Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
+        of an aerodynamically stable vehicle itself.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
     """
+    _stiffen(coefficients, natural_frequency)
     return relief_gains(
         coefficients,
         natural_frequency=natural_frequency,
@@ -223,8 +252,6 @@ def lqr_gains(
         For a batch, for "drift-and-speed", whose fourth state an autopilot does not measure, and
         for weights that leave an unstable mode without a cost.
     """
-    import control
-
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     if plant.batch or plant.model == "drift-and-speed":
         raise InputError(
@@ -237,20 +264,8 @@ def lqr_gains(
         "alpha_weight": alpha_weight,
     }
     costs = [number(name, value, nonnegative) for name, value in weights.items()]
-    A, B, C, _ = plant.matrices()
-    seen = C[[0, 1, -1]]
-    Q = seen.T @ np.diag(costs) @ seen
-    R = np.array([[number("deflection_weight", deflection_weight, positive)]])
-    try:
-        gain, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
-    except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
-        poles, gain = np.ones(1), np.zeros((1, len(A)))
-    if np.real(poles).max() >= -_NEGLIGIBLE * np.abs(poles).max():
-        raise InputError(
-            "the weights leave a mode of the plant without a cost; raise attitude_weight or"
-            " alpha_weight"
-        )
-    on_attitude, on_rate, *on_path = (-gain[0]).tolist()
+    cost = number("deflection_weight", deflection_weight, positive)
+    on_attitude, on_rate, *on_path = (-_optimal_feedback(plant, costs, cost)).tolist()
     path = sum(on_path)
     return Autopilot(
         attitude_gain=on_attitude + path,
@@ -260,15 +275,51 @@ def lqr_gains(
     )
 
 
+def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArray:
+    """The gains on the states with which delta = -gains . x costs least."""
+    import control
+
+    A, B, C, _ = plant.matrices()
+    seen = C[[0, 1, -1]]
+    Q, R = seen.T @ np.diag(costs) @ seen, np.array([[cost]])
+    try:
+        gains, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
+    except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
+        poles, gains = np.ones(1), np.zeros((1, len(A)))
+    if np.real(poles).max() >= -_NEGLIGIBLE * np.abs(poles).max():
+        raise InputError(
+            "the weights leave a mode of the plant without a cost; raise attitude_weight or"
+            " alpha_weight"
+        )
+    return np.asarray(gains[0])
+
+
+def _stiffen(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
+    """Raise `InputError` for a closed loop that is softer than the vehicle alone."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    frequency = sized("natural_frequency", natural_frequency, "rad/s")
+    broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
+    asked, own = np.broadcast_arrays(
+        frequency, np.sqrt(np.maximum(-np.asarray(coefficients.mu_alpha), 0.0))
+    )
+    if np.any(asked < own):
+        softest = np.unravel_index(np.argmin(asked - own), asked.shape)
+        raise InputError(
+            "natural_frequency must not be below that of the vehicle alone, sqrt(-mu_alpha) ="
+            f" {own[softest]:.6g} rad/s: the feedback would be positive; got {asked[softest]:.6g}"
+        )
+
+
 def _stiffness(
     coefficients: Coefficients, natural_frequency: ArrayLike, damping: ArrayLike
 ) -> tuple[Any, Any]:
     """The gain on attitude and angle of attack together, and that on the rate."""
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
-    frequency = positive("natural_frequency", natural_frequency, "rad/s")
-    ratio, c = positive("damping", damping), coefficients
+    frequency = sized("natural_frequency", natural_frequency, "rad/s")
+    ratio, c = sized("damping", damping), coefficients
     broadcast(
         coefficients=coefficients.batch, natural_frequency=frequency.shape, damping=ratio.shape
     )
-    stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
-    return plain(stiffness), plain(np.asarray(2.0 * ratio * frequency / c.mu_delta))
+    with np.errstate(over="ignore"):
+        stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
+        return plain(stiffness), plain(np.asarray(2.0 * ratio * frequency / c.mu_delta))
