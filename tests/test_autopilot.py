@@ -15,6 +15,7 @@ from tvclin import (
     Coefficients,
     InputError,
     Plant,
+    TriangularWind,
     canonical_gains,
     design_gains,
 )
@@ -29,6 +30,7 @@ COEFFICIENTS = Coefficients(
 COURSE = Coefficients(mu_alpha=0.228, mu_delta=1.317)
 GAINS = {"attitude_gain": 0.3, "rate_gain": 0.4}
 EVERYTHING = {"alpha_gain": 0.07, "integral_gain": 0.05, "actuator": Actuator(), "delay": 0.04}
+TRIANGLE = TriangularWind(peak=0.1, duration=8.0)
 OPTIONS = {
     "gains alone": {},
     "alpha": {"alpha_gain": 0.07},
@@ -334,6 +336,11 @@ def test_a_slow_actuator_is_called_so():
         ({"pade_order": 2.5}, "pade_order must be an integer"),
         ({"pade_order": True}, "pade_order must be an integer"),
         ({"actuator": 25.1}, "actuator must be an Actuator or None; got 25.1"),
+        ({"attitude_gain": 1e200}, r"attitude_gain must be zero or 1e-30 to 1e\+09 in size; got 1"),
+        ({"rate_gain": [1.0, -1e10]}, r"rate_gain must be zero or .* got -1e\+10"),
+        ({"integral_gain": 1e-300}, r"integral_gain must be zero or 1e-30 to .* got 1e-300"),
+        ({"delay": 1e-200}, r"delay must be zero or 1e-09 to 1e\+09 s in size; got 1e-200"),
+        ({"delay": 1e10}, r"delay must be zero or 1e-09 to 1e\+09 s in size"),
     ],
 )
 def test_autopilots_that_cannot_be(arguments, message):
@@ -341,11 +348,26 @@ def test_autopilots_that_cannot_be(arguments, message):
         Autopilot(**GAINS | arguments)
 
 
+@pytest.mark.parametrize("gain", [1e9, 1.0, 1e-30])
+@pytest.mark.parametrize("frequency", [1e9, 1e-9])
+@pytest.mark.parametrize("delay", [0.0, 1e-9, 1e9])
+def test_the_largest_and_smallest_numbers_do_not_overflow(gain, frequency, delay):
+    actuator = Actuator(natural_frequency=frequency)
+    autopilot = Autopilot(attitude_gain=gain, rate_gain=gain, actuator=actuator, delay=delay)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the slow actuator, and Pade's order
+        for model in MODELS:
+            assert autopilot.margins(plant_of(model)).status in {"ok", "unstable", "marginal"}
+            assert np.all(np.isfinite(autopilot.close(plant_of(model)).poles()))
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ({"natural_frequency": 0.0}, "natural_frequency must be positive; got 0 rad/s"),
         ({"damping": -0.7}, "damping must be positive"),
+        ({"natural_frequency": 1e200}, r"natural_frequency must be between 1e-09 and 1e\+09; got"),
+        ({"damping": 1e-300}, "damping must be between 1e-09 and"),
         ({"damping": np.nan}, "damping must be finite"),
         ({"natural_frequency": [1.0, 2.0], "damping": [0.5, 0.6, 0.7]}, "broadcast together"),
     ],
@@ -360,8 +382,12 @@ def test_python_control_systems_are_for_one():
     many = Autopilot(attitude_gain=[0.2, 0.3, 0.4], rate_gain=0.4)
     for autopilot, plant in ((Autopilot(**GAINS), batch), (many, plant_of())):
         for method in (autopilot.loop, autopilot.close):
-            with pytest.raises(InputError, match=r"one autopilot and one plant; got .*margins\(\)"):
+            what = rf"{method.__name__}\(\) is for one autopilot and one plant; got .*margins\(\)"
+            with pytest.raises(InputError, match=what):
                 method(plant)
+        for name in ("answer", "respond"):
+            with pytest.raises(InputError, match=rf"^{name}\(\) is for one autopilot and one pl"):
+                getattr(autopilot, name)(plant, TRIANGLE, *[[0.0]][: name == "respond"])
     with pytest.raises(InputError, match=r"for one actuator; got a batch of shape \(2,\)"):
         Actuator(natural_frequency=[20.0, 30.0]).tf()
 

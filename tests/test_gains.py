@@ -147,7 +147,27 @@ def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
         (lambda: tv.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=-0.1), "alpha_ratio must be ze"),
         (lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(b1=0.0), **FAST), "with drift"),
         (lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(mu_alpha=0.0), **FAST), "mu_alpha ot"),
+        (
+            lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(b1=-0.02), **FAST),
+            r"no drift-minimum gains: .* b1 \+ w = -0\.00714.* use design_gains instead",
+        ),
+        (
+            lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(b2=[0.01, -0.03]), **FAST),
+            r"b2 \+ w = -0\.0171.* would have to be positive",
+        ),
         (lambda: tv.load_minimum_gains(1.0, **FAST), "coefficients must be a Coefficients"),
+        (
+            lambda: tv.canonical_gains(COEFFICIENTS.replace(mu_alpha=[0.2, -0.4])),
+            "aerodynamically unstable vehicle, .* got -0.4 .*natural_frequency and use design_gai",
+        ),
+        (
+            lambda: tv.design_gains(COEFFICIENTS, natural_frequency=1e200, damping=0.7),
+            r"natural_frequency must be between 1e-09 and 1e\+09; got 1e\+200 rad/s",
+        ),
+        (
+            lambda: tv.design_gains(COEFFICIENTS.replace(mu_delta=1e-300), **FAST),
+            "attitude_gain must be zero or 1e-30 to",
+        ),
         (
             lambda: tv.design_gains(
                 COEFFICIENTS.replace(mu_alpha=[0.1, 0.2]), natural_frequency=[1, 2, 3], damping=1
@@ -159,6 +179,16 @@ def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
 def test_gains_that_cannot_be(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+@pytest.mark.parametrize("rule", [tv.drift_minimum_gains, tv.load_minimum_gains])
+def test_relief_is_not_softer_than_a_stable_vehicle_itself(rule):
+    c = COEFFICIENTS.replace(mu_alpha=[0.28, -1.21], C2=[0.0036, -0.0156])
+    for frequency in (1.1 * (1 + 1e-9), 2.0):
+        made = rule(c, natural_frequency=frequency, damping=0.7)
+        assert np.all(made.attitude_gain + made.alpha_gain > 0)
+    with pytest.raises(InputError, match=r"vehicle alone, .* = 1\.1 rad/s: .*; got 1\.05"):
+        rule(c, natural_frequency=1.05, damping=0.7)
 
 
 WEIGHTS = {

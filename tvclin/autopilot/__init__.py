@@ -1,8 +1,9 @@
 """The autopilot: attitude and rate feedback, with actuator and delay, around one plant.
 
 The rooms inside: `actuator` holds what lies between a command and the deflection, `wiring` writes
-down the loop that `diagram` shows, `feedback` is the autopilot itself, `gains` finds gains and
-`schedule` holds them over the flight.
+down the loop that `diagram` shows, `systems` gives it to python-control, `feedback` is the
+autopilot itself, `doubts` warns of what is hardly ever meant, `answer` and `wind_gain` say what a
+wind does, `gains` and `optimal` find gains and `schedule` holds them over the flight.
 """
 
 from tvclin.autopilot.actuator import Actuator
@@ -13,9 +14,9 @@ from tvclin.autopilot.gains import (
     design_gains,
     drift_minimum_gains,
     load_minimum_gains,
-    lqr_gains,
     relief_gains,
 )
+from tvclin.autopilot.optimal import lqr_gains
 from tvclin.autopilot.schedule import GainSchedule
 
 __all__ = [

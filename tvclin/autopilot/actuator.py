@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from tvclin.errors import InputError, plain, positive, together, within
+from tvclin.autopilot.sizes import sized
+from tvclin.errors import InputError, plain, together
 
 if TYPE_CHECKING:
     import control
@@ -16,13 +17,6 @@ Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 THROUGH: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
 """No dynamics at all."""
-
-
-LARGEST = 1e9
-"""Of gains, frequencies and times in SI units, and one over the smallest.
-
-The polynomials of a loop multiply several of them, and what lies beyond overflows.
-"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,11 +93,6 @@ class Actuator:
         A[-1] = -self.denominator[:0:-1]
         B[-1] = self.denominator[-1]
         return A, B, C, np.zeros((1, 1))
-
-
-def sized(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError` unless it is positive and its powers finite."""
-    return within(name, positive(name, value, unit), 1.0 / LARGEST, LARGEST, unit)
 
 
 def pade_delay(delay: float, order: int) -> Matrices:

@@ -7,18 +7,21 @@ Positive deflection pitches the nose down, so positive gains are negative feedba
 """
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.autopilot.actuator import LARGEST, Actuator
+from tvclin.autopilot.actuator import Actuator
 from tvclin.autopilot.answer import WindAnswer, wind_answer
 from tvclin.autopilot.diagram import with_diagram
 from tvclin.autopilot.doubts import pade_misleads, warn_of_doubts
-from tvclin.autopilot.wiring import closed, loop_polynomials, wired
-from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain, within
+from tvclin.autopilot.sizes import LARGEST, LEAST_GAIN, zero_or_sized
+from tvclin.autopilot.systems import closed_loop, open_loop, wind_response
+from tvclin.autopilot.wiring import closed, loop_polynomials
+from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain
 from tvclin.histories import History
 from tvclin.margins import Loop, Margins, loop_margins
 from tvclin.plant import Plant
@@ -28,9 +31,12 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
 _HIGHEST_PADE = 10
+_MISLED = (
+    "pade_order = {} is too low for this delay: with the exact delay the loop has another number"
+    " of unstable poles"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +67,8 @@ class Autopilot:
     Raises
     ------
     InputError
-        For gains that are all zero or beyond 1e9 in size, a delay below zero or beyond 1e-9 to
-        1e9 s, and shapes that do not broadcast.
+        For gains that are all zero or beyond 1e-30 to 1e9 in size, a delay below zero or beyond
+        1e-9 to 1e9 s, and shapes that do not broadcast.
 
     Examples
     --------
@@ -82,10 +88,9 @@ class Autopilot:
     pade_order: int = 4
 
     def __post_init__(self) -> None:
-        gains = {name: within(name, getattr(self, name), -LARGEST, LARGEST) for name in GAINS}
-        delay = within("delay", nonnegative("delay", self.delay, "s"), 0.0, LARGEST, "s")
-        if np.any((delay > 0.0) & (delay < 1.0 / LARGEST)):
-            raise InputError(f"delay must be zero or at least {1.0 / LARGEST:.6g} s")
+        gains = {name: zero_or_sized(name, getattr(self, name), LEAST_GAIN) for name in GAINS}
+        delay = nonnegative("delay", self.delay, "s")
+        delay = zero_or_sized("delay", delay, 1.0 / LARGEST, "s")
         for name, array in {**gains, "delay": delay}.items():
             object.__setattr__(self, name, plain(array))
         if not isinstance(self.actuator, Actuator | None):
@@ -139,23 +144,9 @@ class Autopilot:
             Where a gain that should stiffen or damp is zero or positive feedback on this plant,
             and where the actuator is slower than its fastest unstable pole.
         """
-        import control
-
-        self._require_single(plant)
+        self._require_single("loop", plant)
         warn_of_doubts(self, plant)
-        states, motion, _, returned = wired(self, plant)
-        n = len(states)
-        return control.StateSpace(
-            motion[:, :n],
-            motion[:, -1:],
-            0.0 - returned[:, :n],
-            0.0 - returned[:, -1:],
-            0,
-            name=f"{plant.model} loop",
-            inputs=["deflection_command"],
-            outputs=["returned_command"],
-            states=states,
-        )
+        return open_loop(self, plant)
 
     @with_diagram
     def close(self, plant: Plant) -> "control.StateSpace":
@@ -184,28 +175,12 @@ class Autopilot:
         UserWarning
             As `loop`. An unstable closed loop is returned like any other: ask for its poles.
         """
-        import control
-
-        self._require_single(plant)
+        self._require_single("close", plant)
         warn_of_doubts(self, plant)
-        states, A, B, C, D = closed(self, plant)
-        if pade_misleads(self, plant, A):
-            warnings.warn(
-                f"pade_order = {self.pade_order} is too low for this delay: with the exact delay"
-                " the loop has another number of unstable poles (see margins)",
-                stacklevel=2,
-            )
-        return control.StateSpace(
-            A,
-            B,
-            C,
-            D,
-            0,
-            name=f"{plant.model} with autopilot",
-            inputs=list(_DISTURBANCES),
-            outputs=[*plant.outputs, "deflection"],
-            states=states,
-        )
+        system = closed_loop(self, plant)
+        if pade_misleads(self, plant, system.A):
+            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
+        return system
 
     def rational_loop(self, plant: Plant) -> Loop:
         """Return the loop as polynomials and an exact delay, for one plant or a batch.
@@ -297,17 +272,30 @@ class Autopilot:
             For a batch, and for a Pade approximation that shows another stability than the
             exact delay.
         """
-        self._require_single(plant)
         instance("wind", wind, History, "such as TriangularWind")
         if wind.batch:
             raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
+        return self.in_winds(plant)(wind)
+
+    def in_winds(self, plant: Plant) -> Callable[[History], WindAnswer]:
+        """Return the function that gives the `answer` to one wind after another.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+
+        Raises
+        ------
+        InputError
+            As `answer`.
+        """
+        self._require_single("answer", plant)
         _, A, B, C, D = closed(self, plant)
         if pade_misleads(self, plant, A):
-            raise InputError(
-                f"pade_order = {self.pade_order} is too low for this delay: with the exact delay"
-                " the loop has another number of unstable poles"
-            )
-        return wind_answer(A, B[:, 0], C, D[:, 0], (*plant.outputs, "deflection"), wind)
+            raise InputError(_MISLED.format(self.pade_order))
+        labels = (*plant.outputs, "deflection")
+        return lambda wind: wind_answer(A, B[:, 0], C, D[:, 0], labels, wind)
 
     def respond(
         self, plant: Plant, wind: History, timepts: ArrayLike
@@ -333,30 +321,19 @@ class Autopilot:
         InputError
             For a batch, and for times that are not finite or not one row.
         """
-        from control import TimeResponseData
-
         times = finite("timepts", timepts, "s")
         if times.ndim != 1 or not times.size:
             raise InputError(f"timepts must be one row of times; got shape {times.shape}")
+        self._require_single("respond", plant)
         answer = self.answer(plant, wind)
-        return TimeResponseData(
-            times,
-            answer(times),
-            None,
-            wind(times)[np.newaxis],
-            issiso=False,
-            output_labels=list(answer.labels),
-            input_labels=["wind"],
-            sysname=f"{plant.model} with autopilot",
-            plot_inputs=True,
-            title=f"Response to wind, {plant.model} with autopilot",
-            trace_types=["forced"],
+        return wind_response(
+            times, answer(times), wind, answer.labels, f"{plant.model} with autopilot"
         )
 
-    def _require_single(self, plant: Plant) -> None:
+    def _require_single(self, what: str, plant: Plant) -> None:
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         if self.batch or plant.batch:
             raise InputError(
-                "loop() and close() are for one autopilot and one plant; got batches of shape"
+                f"{what}() is for one autopilot and one plant; got batches of shape"
                 f" {self.batch} and {plant.batch} (use margins(), or take one at a time)"
             )
