@@ -1,5 +1,6 @@
 """A closed loop in a wind: exact answers, their peaks, and what stands beside trim."""
 
+import contextlib
 import warnings
 from dataclasses import replace
 from itertools import product
@@ -210,8 +211,6 @@ def test_every_number_of_a_comparison(model):
     assert found.boundaries == pytest.approx(limits, rel=1e-13)
     assert found.margins.phase_margin == autopilot.margins(plant).phase_margin
     assert found.notes == ()
-    for slope in (6e5, -6e5):
-        assert found.bending_indicator(slope) == 6e5 * found.peak_angle_of_attack
 
 
 GAIN_OPTIONS = {
@@ -280,7 +279,7 @@ def test_an_unstable_loop_has_no_finite_numbers_but_the_theory_has():
     found = tv.compare_with_trim(plant, fallen, TRIANGLE)
     names = ("deflection", "deflection_rate", "angle_of_attack", "attitude", "flight_path_angle")
     assert {getattr(found, f"peak_{name}") for name in names} == {np.inf}
-    assert found.wind_gain == found.relative == found.bending_indicator(1.0) == np.inf
+    assert found.wind_gain == found.relative == np.inf
     assert found.notes == (found.margins.reason,)
     assert "unstable: 2 closed-loop poles lie in the right half plane" in found.notes[0]
     assert found.minimum == tv.optimum_deflection(plant, TRIANGLE).peak
@@ -360,6 +359,66 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
         for ends, end in (((1.0, low), low), ((high, 20.0), high)):
             edge = worst(*ends)
             assert (edge.duration, edge.at_the_end) == (pytest.approx(end, rel=1e-12), True)
+
+
+@pytest.mark.parametrize(("damping", "low"), [(0.01, 20.0), (0.003, 35.0), (0.01, 1.0)])
+def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low):
+    """A pulse on an oscillator: one answer to a step less another, in closed form."""
+    frequency, c, high, step = 2.0, COEFFICIENTS, 60.0, 0.004
+    autopilot = tv.design_gains(c, natural_frequency=frequency, damping=damping)
+    sigma = damping * frequency
+    omega = frequency * np.sqrt(1 - damping**2)
+
+    def stepped(t):
+        """Deflection after a unit step of the wind."""
+        fallen = np.exp(-sigma * t)
+        swing = fallen * (np.cos(omega * t) + sigma / omega * np.sin(omega * t))
+        attitude = -c.mu_alpha / frequency**2 * (1 - swing)
+        rate = -c.mu_alpha / omega * fallen * np.sin(omega * t)
+        return autopilot.attitude_gain * attitude + autopilot.rate_gain * rate
+
+    count = round(high / step)
+    held = stepped(step * np.arange(count + round(8.0 / step)))
+    during = np.maximum.accumulate(np.abs(held))
+    later = np.arange(round(8.0 / step))
+    pulses = np.arange(round(low / step), count)
+    after = [np.abs(held[k + later] - held[later]).max() for k in pulses]
+    expected = np.maximum(during[pulses], after)
+    found = tv.worst_duration(
+        plant_of(),
+        autopilot,
+        peak=1.0,
+        shortest=low,
+        longest=high,
+        shape=tv.RectangularWind,
+    )
+    assert found.peak_deflection == pytest.approx(expected.max(), rel=1e-4)
+    assert found.peak_deflection >= expected.max() * (1 - 1e-9)
+    there = np.interp(found.duration, step * pulses, expected)
+    assert there == pytest.approx(found.peak_deflection, rel=1e-4)
+
+
+def test_a_warning_points_to_who_asked():
+    soft, plant = Autopilot(attitude_gain=0.3, rate_gain=-0.4), plant_of()
+    asked = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind}
+    schedule = tv.GainSchedule(np.array([0.0, 1.0]), soft)
+    calls = [
+        lambda: tv.compare_with_trim(plant, soft, TRIANGLE),
+        lambda: tv.worst_duration(plant, soft, **asked),
+        lambda: schedule.margins(plant),
+    ]
+    for call in calls:
+        words = "rate_gain = -0.4 is positive feedback"
+        with pytest.warns(UserWarning, match=words) as seen, contextlib.suppress(InputError):
+            call()
+        assert {one.filename for one in seen} == {__file__}
+
+
+def test_a_boundary_that_is_no_solution_is_noted():
+    stable = tv.compare_with_trim(plant_of(mu_alpha=-0.28), Autopilot(**GAINS), TRIANGLE)
+    status = tv.boundary_limit(plant_of(mu_alpha=-0.28), TRIANGLE, 0.5).status
+    assert status.startswith("no real unstable pole")
+    assert f"boundary K = 1, 0.5, 0: {status}" in stable.notes
 
 
 @pytest.mark.parametrize(

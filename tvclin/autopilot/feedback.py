@@ -9,6 +9,7 @@ Positive deflection pitches the nose down, so positive gains are negative feedba
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -272,9 +273,6 @@ class Autopilot:
             For a batch, and for a Pade approximation that shows another stability than the
             exact delay.
         """
-        instance("wind", wind, History, "such as TriangularWind")
-        if wind.batch:
-            raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
         return self.in_winds(plant)(wind)
 
     def in_winds(self, plant: Plant) -> Callable[[History], WindAnswer]:
@@ -295,7 +293,7 @@ class Autopilot:
         if pade_misleads(self, plant, A):
             raise InputError(_MISLED.format(self.pade_order))
         labels = (*plant.outputs, "deflection")
-        return lambda wind: wind_answer(A, B[:, 0], C, D[:, 0], labels, wind)
+        return partial(wind_answer, A, B[:, 0], C, D[:, 0], labels)
 
     def respond(
         self, plant: Plant, wind: History, timepts: ArrayLike

@@ -7,10 +7,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.autopilot.doubts import warn_of_doubts
 from tvclin.autopilot.feedback import GAINS, Autopilot
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, finite, instance
-from tvclin.margins import Margins
+from tvclin.margins import Margins, loop_margins
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -113,5 +114,12 @@ class GainSchedule:
         ----------
         plants : Plant
             The plant at each of the times, ``(n,)``.
+
+        Warns
+        -----
+        UserWarning
+            As `Autopilot.loop`.
         """
-        return self.autopilot.margins(plants)
+        loop = self.autopilot.rational_loop(plants)
+        warn_of_doubts(self.autopilot, plants)
+        return loop_margins(loop)

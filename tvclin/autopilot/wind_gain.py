@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot.wiring import wind_numerator
 from tvclin.kernels import polynomials
-from tvclin.margins import Loop
-from tvclin.margins.stability import stability
+from tvclin.margins import Loop, loop_margins
 from tvclin.plant import Plant
 
 if TYPE_CHECKING:
@@ -44,8 +43,8 @@ def wind_gain(plant: Plant, autopilot: "Autopilot") -> float:
     from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
 
     loop = autopilot.rational_loop(plant)
-    found = stability(loop)
-    if found.unstable_poles or found.marginal:
+    found = loop_margins(loop)
+    if not found.stable:
         return float(np.inf)
     above = wind_numerator(autopilot, plant)
 
@@ -53,7 +52,7 @@ def wind_gain(plant: Plant, autopilot: "Autopilot") -> float:
         returned, below = loop.parts(omega)
         return -np.abs(polynomials.value(above, 1j * omega) / (below + returned))
 
-    omega = _samples(loop, above, found.crossovers)
+    omega = _samples(loop, above, found.crossings.gain_frequencies)
     values = lowness(omega)
     # At infinity nothing returns, and what is left is what passes through at once.
     through = abs(above[0] / loop.denominator[0]) if above.size == loop.denominator.size else 0.0
@@ -71,7 +70,6 @@ def _samples(loop: Loop, above: FloatArray, crossovers: FloatArray) -> FloatArra
     low, high = _BELOW * counted.min(), _BEYOND * counted.max()
     widths = np.maximum(np.abs(roots.real), _BESIDE[0] * sizes)
     offsets = np.concatenate([-_AROUND[1:], _AROUND])
-    crossovers = crossovers[np.isfinite(crossovers)]
     every = [
         np.geomspace(low, high, _EVEN),
         (np.abs(roots.imag) + np.multiply.outer(offsets, widths)).ravel(),

@@ -70,7 +70,8 @@ def autopilot(
 ) -> None:
     """Print what an autopilot asks of the nozzle in a wind, beside trim and the boundaries.
 
-    Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input.
+    Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
+    loop nothing is drawn.
     """
     from tvclin.cli.output import print_json
     from tvclin.comparison import compare_with_trim
@@ -125,6 +126,11 @@ def _worst(
 def _draw(found: "TrimComparison", plot: Path) -> None:
     from tvclin.plots import comparison_chart, save_figure
 
+    if not found.margins.stable:
+        typer.echo(
+            f"No figure is written to {plot}: an unstable loop has no response to draw.", err=True
+        )
+        return
     save_figure(comparison_chart(found), plot)
 
 
@@ -149,7 +155,7 @@ def _document(
         "part_of_trim": found.relative,
         "peak_deflection_rate_deg_s": deg(found.peak_deflection_rate),
         "peak_angle_of_attack_deg": deg(found.peak_angle_of_attack),
-        "peak_normal_force_N": found.bending_indicator(float(vehicle.normal_force_slope)),
+        "peak_normal_force_N": abs(float(vehicle.normal_force_slope)) * found.peak_angle_of_attack,
         "peak_attitude_deg": deg(found.peak_attitude),
         "peak_flight_path_angle_deg": deg(found.peak_flight_path_angle),
         "peak_lateral_speed_m_s": found.peak_flight_path_angle * float(vehicle.velocity),

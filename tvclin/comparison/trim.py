@@ -5,7 +5,6 @@ done for an autopilot: its largest deflection and the loads it leaves, beside tr
 limits and the minimum of appendix C. All peaks are those of exact histories, without limits.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,18 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
+from tvclin.autopilot.doubts import warn_of_doubts
 from tvclin.autopilot.wind_gain import wind_gain
 from tvclin.boundary import boundary_limit
-from tvclin.errors import InputError, ending, instance, number, positive
+from tvclin.errors import InputError, ending, instance
 from tvclin.histories import History
-from tvclin.margins import Margins
+from tvclin.margins import Margins, loop_margins
 from tvclin.optimum import optimum_deflection
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
 DEAD_BANDS = (1.0, 0.5, 0.0)
-_DURATIONS = 41
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +47,7 @@ class TrimComparison:
         that jumps when the angle of attack is fed back without an actuator.
     peak_angle_of_attack, peak_attitude : float
         The largest ones. Ideal trim keeps the attitude, and the wind is its angle of attack.
+        The bending moment goes with N times the angle of attack.
     peak_flight_path_angle : float
         The drift; times the speed it is the lateral velocity. NaN on a fixed path.
     boundaries : dict of float to float
@@ -80,29 +80,6 @@ class TrimComparison:
     def relative(self) -> float:
         """The autopilot's largest deflection over that of trim."""
         return self.peak_deflection / self.trim_deflection if self.trim_deflection else np.nan
-
-    def bending_indicator(self, normal_force_slope: float) -> float:
-        """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
-        return abs(normal_force_slope) * self.peak_angle_of_attack
-
-
-@dataclass(frozen=True)
-class WorstDuration:
-    """The wind of a family that asks the largest deflection of an autopilot.
-
-    Attributes
-    ----------
-    duration : float
-        Its duration [s].
-    peak_deflection : float
-        The deflection [rad].
-    at_the_end : bool
-        Whether it is the shortest or longest that was asked about: beyond it may be worse.
-    """
-
-    duration: float
-    peak_deflection: float
-    at_the_end: bool
 
 
 def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> TrimComparison:
@@ -143,7 +120,8 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
     if plant.batch or autopilot.batch or wind.batch:
         raise InputError("compare_with_trim is for one case; take those of a batch one by one")
     ending("wind", wind.end)
-    margins = autopilot.margins(plant)
+    margins = loop_margins(autopilot.rational_loop(plant))
+    warn_of_doubts(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
     peaks = _peaks(plant, autopilot, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
     notes = [] if margins.stable else [margins.reason]
@@ -163,75 +141,6 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
         wind_gain=wind_gain(plant, autopilot),
         notes=tuple(notes),
     )
-
-
-def worst_duration(
-    plant: Plant,
-    autopilot: Autopilot,
-    *,
-    peak: float,
-    shortest: float,
-    longest: float,
-    shape: Callable[..., History],
-) -> WorstDuration:
-    """Return the duration of a family of winds that asks the largest deflection.
-
-    Parameters
-    ----------
-    plant, autopilot : Plant, Autopilot
-        One each, with a stable closed loop.
-    peak : float
-        Peak [rad] of every wind of the family.
-    shortest, longest : float
-        The durations [s] in question.
-    shape : callable
-        Such as `TriangularWind`: called with peak and duration.
-
-    Raises
-    ------
-    InputError
-        For an unstable closed loop, and durations that are not positive and rising.
-
-    Examples
-    --------
-    >>> import tvclin as tv
-    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
-    >>> gains = tv.canonical_gains(plant.coefficients)
-    >>> worst = tv.worst_duration(
-    ...     plant, gains, peak=0.1, shortest=1, longest=60, shape=tv.TriangularWind
-    ... )
-    >>> round(worst.duration, 1), worst.at_the_end
-    (17.7, False)
-    """
-    from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
-
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
-    instance("autopilot", autopilot, Autopilot, "see design_gains")
-    if plant.batch or autopilot.batch:
-        raise InputError("worst_duration is for one case; take those of a batch one by one")
-    low, high = (
-        number("shortest", shortest, positive, "s"),
-        number("longest", longest, positive, "s"),
-    )
-    if low >= high:
-        raise InputError(f"longest must be above shortest; got {high:.6g} and {low:.6g} s")
-    margins = autopilot.margins(plant)
-    if not margins.stable:
-        raise InputError(f"no duration is the worst: {margins.reason}")
-
-    def deflection(duration: float) -> float:
-        return abs(
-            autopilot.answer(plant, shape(peak=peak, duration=duration)).peak("deflection")[0]
-        )
-
-    durations = np.geomspace(low, high, _DURATIONS)
-    values = np.array([deflection(duration) for duration in durations])
-    k = int(np.argmax(values))
-    edges = durations[max(k - 1, 0)], durations[min(k + 1, _DURATIONS - 1)]
-    near = minimize_scalar(lambda d: -deflection(d), bounds=edges, options={"xatol": 1e-6 * high})
-    if -near.fun > values[k]:
-        return WorstDuration(float(near.x), float(-near.fun), False)
-    return WorstDuration(float(durations[k]), float(values[k]), k in (0, _DURATIONS - 1))
 
 
 _PEAKS = (
@@ -257,8 +166,18 @@ def _peaks(plant: Plant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
     try:
-        limits = boundary_limit(plant, wind, np.array(DEAD_BANDS)).deflection
+        found = boundary_limit(plant, wind, np.array(DEAD_BANDS))
+        limits = found.deflection
+        notes += _boundary_notes(found.status)
     except InputError as error:
         notes.append(f"no boundary: {error}")
         limits = np.full(len(DEAD_BANDS), np.nan)
     return dict(zip(DEAD_BANDS, np.abs(limits).tolist(), strict=True))
+
+
+def _boundary_notes(status: NDArray[np.str_]) -> list[str]:
+    """What is said of the dead bands whose boundary is no solution, once for each status."""
+    said: dict[str, list[str]] = {}
+    for K, words in zip(DEAD_BANDS, status.tolist(), strict=True):
+        said.setdefault(words, []).append(f"{K:g}")
+    return [f"boundary K = {', '.join(K)}: {words}" for words, K in said.items() if words != "ok"]
