@@ -105,6 +105,17 @@ def test_a_stable_vehicle_is_told_what_to_give(tmp_path):
     assert run("margins", str(file), "--natural-frequency", "1").exit_code in {0, 1}
 
 
+@pytest.mark.parametrize("form", [[], ["--json"]])
+def test_of_an_unstable_loop_there_are_words_and_no_figure(form, tmp_path):
+    file = tmp_path / "chart.png"
+    gains = ("--attitude-gain", "0.05", "--rate-gain", "0.3", *form)
+    result = run("autopilot", *gains, "--plot", str(file))
+    assert result.exit_code == 1
+    assert result.stdout == run("autopilot", *gains).stdout
+    assert "an unstable loop has no response to draw" in result.stderr
+    assert not file.exists()
+
+
 def test_a_warning_is_said_once():
     result = run("margins", "--attitude-gain", "-0.05", "--rate-gain", "0.3")
     assert result.stderr.count("Warning: attitude_gain = -0.05 is positive feedback") == 1
@@ -191,6 +202,19 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
         (["margins", "--criteria", "none"], "--criteria must be one of classic, aircraft"),
         (["margins", "--chart", "smith"], "--chart must be one of nichols"),
         (["margins", "--natural-frequency", "0"], "natural_frequency must be positive"),
+        (
+            ["autopilot", "--attitude-gain", "1e200", "--rate-gain", "1"],
+            "attitude_gain must be zero or 1e-30 to 1e+09 in size; got 1e+200",
+        ),
+        (
+            ["margins", "--natural-frequency", "1e200"],
+            "natural_frequency must be between 1e-09 and",
+        ),
+        (
+            ["margins", "--natural-frequency", "1", "--actuator-frequency", "1e200"],
+            "natural_frequency must be between 1e-09 and 1e+09",
+        ),
+        (["margins", "--natural-frequency", "1", "--delay-ms", "1e-200"], "delay must be zero or"),
         (["autopilot", "--limit-deg", "0"], "--limit-deg must be positive"),
         (["laws", "--wind", "storm"], "--wind must be one of triangle"),
         (["laws", "--model", "drift-and-speed"], "one or two real unstable poles"),

@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from tvclin.kernels.peaks import largest
 from tvclin.kernels.pieces import Pieces
-from tvclin.kernels.propagation import exponentials, inputs_at, motion
+from tvclin.kernels.propagation import driven, exponentials, inputs_at, motion
 
 EPS = np.finfo(float).eps
 STEPS = np.array([0.0, 1e-12, 1e-3, 0.1, 1.0, 30.0])
@@ -80,6 +80,19 @@ def test_no_step_changes_nothing_and_nothing_has_no_exponential():
     np.testing.assert_array_equal(exponentials(matrix, np.zeros(2)), [np.eye(5)] * 2)
     assert exponentials(matrix, np.zeros(0)).shape == (0, 5, 5)
     assert exponentials(np.zeros((0, 0)), np.ones(3)).shape == (3, 0, 0)
+
+
+def test_a_lag_with_its_input_held_and_in_a_ramp():
+    """X' = -a x + b z: after a while h, of a unit that is held or that rises to one."""
+    a, b, h = 0.7, 2.0, 1.3
+    A, B, fallen = np.array([[-a]]), np.array([[b]]), np.exp(-a * h)
+    held = exponentials(driven(A, B), np.array([h]))[0]
+    np.testing.assert_allclose(held, [[fallen, b * (1 - fallen) / a], [0, 1]], rtol=1e-14)
+    rising = np.array([[0.0, 1.0 / h], [0.0, 0.0]])
+    ramp = exponentials(driven(A, np.array([[b, 0.0]]), rising), np.array([h]))[0]
+    expected = b / h * (h / a - (1 - fallen) / a**2)
+    np.testing.assert_allclose(ramp[0], [*held[0], expected], rtol=1e-14)
+    np.testing.assert_array_equal(ramp[1:], [[0, 1, 1], [0, 0, 1]])
 
 
 POLE, FREQUENCY, DAMPING = 0.7, 3.0, 0.2
