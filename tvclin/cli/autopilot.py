@@ -5,21 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import (
-    ActuatorDamping,
-    ActuatorFrequency,
-    AlphaGain,
-    AttitudeGain,
-    Damping,
-    DelayMs,
-    Design,
-    IntegralGain,
-    NaturalFrequency,
-    RateGain,
-    described,
-    gains_document,
-    make_autopilot,
-)
+from tvclin.cli.gains import GainOptions, described, gains_document, takes_gains
 from tvclin.cli.inputs import peak_angle
 from tvclin.cli.margins import CriteriaName, poles, wanted_criteria
 from tvclin.cli.options import (
@@ -43,6 +29,7 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
 
 
+@takes_gains
 def autopilot(
     vehicle: Vehicle = "configuration-i",
     wind: Wind = "triangular",
@@ -52,16 +39,7 @@ def autopilot(
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
     ] = None,
-    design: Design = None,
-    natural_frequency: NaturalFrequency = None,
-    damping: Damping = None,
-    attitude_gain: AttitudeGain = None,
-    rate_gain: RateGain = None,
-    alpha_gain: AlphaGain = None,
-    integral_gain: IntegralGain = 0.0,
-    actuator_frequency: ActuatorFrequency = 25.1,
-    actuator_damping: ActuatorDamping = 0.7,
-    delay_ms: DelayMs = 0.0,
+    gains: GainOptions = GainOptions(),
     criteria: CriteriaName = "classic",
     model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift",
     plane: Plane = "pitch",
@@ -86,20 +64,7 @@ def autopilot(
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria, None, None, None)
     plant = Plant.from_vehicle(loaded, model, plane)
-    pilot = make_autopilot(
-        plant,
-        design=design,
-        natural_frequency=natural_frequency,
-        damping=damping,
-        attitude_gain=attitude_gain,
-        rate_gain=rate_gain,
-        alpha_gain=alpha_gain,
-        integral_gain=integral_gain,
-        actuator_frequency=actuator_frequency,
-        actuator_damping=actuator_damping,
-        delay_ms=delay_ms,
-    )
-    found = compare_with_trim(plant, pilot, shape(peak=peak, duration=duration))
+    found = compare_with_trim(plant, gains.autopilot(plant), shape(peak=peak, duration=duration))
     worst = _worst(found, peak, duration, shape)
     if plot is not None:
         _draw(found, plot)

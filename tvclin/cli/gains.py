@@ -1,5 +1,9 @@
 """The options that describe an autopilot, and the autopilot that they ask for."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -32,47 +36,71 @@ ActuatorDamping = Annotated[float, typer.Option(help="Damping ratio of the actua
 DelayMs = Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")]
 
 
-def make_autopilot(
-    plant: "Plant",
-    *,
-    design: str | None,
-    natural_frequency: float | None,
-    damping: float | None,
-    attitude_gain: float | None,
-    rate_gain: float | None,
-    alpha_gain: float | None,
-    integral_gain: float,
-    actuator_frequency: float,
-    actuator_damping: float,
-    delay_ms: float,
-) -> "Autopilot":
-    """Return the autopilot that the options ask for."""
-    from tvclin.autopilot import Actuator, Autopilot
-    from tvclin.errors import InputError, nonnegative
+@dataclass(frozen=True)
+class GainOptions:
+    """The options in one place; `takes_gains` gives them to a command."""
 
-    frequency = float(nonnegative("--actuator-frequency", actuator_frequency, "rad/s"))
-    actuator = (
-        Actuator(natural_frequency=frequency, damping=actuator_damping) if frequency else None
-    )
-    options: dict[str, Any] = {
-        "actuator": actuator,
-        "delay": float(nonnegative("--delay-ms", delay_ms, "ms")) / 1000.0,
-        "integral_gain": integral_gain,
-    }
-    if any(gain is not None for gain in (attitude_gain, rate_gain, alpha_gain)):
-        if design is not None or natural_frequency is not None or damping is not None:
+    design: Design = None
+    natural_frequency: NaturalFrequency = None
+    damping: Damping = None
+    attitude_gain: AttitudeGain = None
+    rate_gain: RateGain = None
+    alpha_gain: AlphaGain = None
+    integral_gain: IntegralGain = 0.0
+    actuator_frequency: ActuatorFrequency = 25.1
+    actuator_damping: ActuatorDamping = 0.7
+    delay_ms: DelayMs = 0.0
+
+    def autopilot(self, plant: "Plant") -> "Autopilot":
+        """Return the autopilot that the options ask for."""
+        from tvclin.autopilot import Actuator, Autopilot
+        from tvclin.errors import InputError, nonnegative
+
+        frequency = float(nonnegative("--actuator-frequency", self.actuator_frequency, "rad/s"))
+        options: dict[str, Any] = {
+            "actuator": Actuator(natural_frequency=frequency, damping=self.actuator_damping)
+            if frequency
+            else None,
+            "delay": float(nonnegative("--delay-ms", self.delay_ms, "ms")) / 1000.0,
+            "integral_gain": self.integral_gain,
+        }
+        rule = self.design, self.natural_frequency, self.damping
+        if all(gain is None for gain in (self.attitude_gain, self.rate_gain, self.alpha_gain)):
+            return _by_rule(plant, *rule, options)
+        if any(part is not None for part in rule):
             raise InputError(
                 "give gains or a rule for them (--design, --natural-frequency), not both"
             )
-        if attitude_gain is None or rate_gain is None:
+        if self.attitude_gain is None or self.rate_gain is None:
             raise InputError("gains of your own need --attitude-gain and --rate-gain, both")
         return Autopilot(
-            attitude_gain=attitude_gain,
-            rate_gain=rate_gain,
-            alpha_gain=alpha_gain or 0.0,
+            attitude_gain=self.attitude_gain,
+            rate_gain=self.rate_gain,
+            alpha_gain=self.alpha_gain or 0.0,
             **options,
         )
-    return _by_rule(plant, design, natural_frequency, damping, options)
+
+
+def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command, which has a parameter `gains`, each of the options in its place."""
+    fields = signature(GainOptions).parameters
+    shown: list[Parameter] = []
+    for parameter in signature(command).parameters.values():
+        shown += fields.values() if parameter.name == "gains" else [parameter]
+
+    @wraps(command)
+    def run(**given: Any) -> None:
+        own = {name: given.pop(name) for name in fields}
+        command(gains=GainOptions(**own), **given)
+
+    run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
+    return run
+
+
+def make_autopilot(plant: "Plant", **options: Any) -> "Autopilot":
+    """Return the autopilot that the options of `GainOptions` ask for."""
+    return GainOptions(**options).autopilot(plant)
 
 
 def _by_rule(
