@@ -89,7 +89,7 @@ def _highest(
     which, guess = _promising(samples, widths, (1.0 - _CLOSE) * max(known, abs(best[0])))
     if not guess.size:
         return best
-    starts, sign = applied(powers[which[0]], states[which[1]]), np.sign(samples[:-1, 0][which])
+    starts, sign = applied(powers[which[0]], states[which[1]]), np.sign(samples[:-1, 1][which])
     values, offsets = _climbed(rows, matrix, starts, sign, guess, widths[which])
     k = int(np.argmax(np.abs(values)))
     i, j = which[0][k], which[1][k]
@@ -110,7 +110,7 @@ def _promising(
     begin, rise = sign * values[:-1][which], sign * np.diff(values, axis=0)[which]
     square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
     root = np.sqrt(np.maximum(square**2 - 3.0 * first * cube, 0.0))
-    x = first / (root - square)
+    x = np.divide(first, root - square, where=root - square > first, out=np.ones_like(first))
     high = begin + x * (first + x * (square + x * cube)) >= least
     which = which[0][high], which[1][high]
     return which, x[high] * widths[which]
