@@ -29,7 +29,8 @@ class TrimLaw(Law):
     plant : Plant
         The plant it is designed on, which need not be the one it flies. Designed on a fixed path
         it holds the attitude, also in a drifting flight: ideal trim as the report means it.
-        Designed with drift it holds the nose to the path, which gives away what drift relieves.
+        Designed with drift it holds the nose to the path, which gives away what drift relieves
+        and lets the path creep away with the slow mode.
     gain : float
         Gain of the feedback on z, over that of trim.
 
