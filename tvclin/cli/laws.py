@@ -125,7 +125,7 @@ def _print(
     )
     if not all(one.monotone for one in found):
         typer.echo("*: some lower limits survive as well; above this one every limit does.")
-    for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if one.creeps):
+    for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if _doubtful(one)):
         typer.echo(said)
 
 
@@ -141,4 +141,11 @@ def _limit(one: "LawTrial") -> str:
         shown = f">{one.highest:g}"
     elif one.limit <= one.lowest:
         shown = f"<{one.lowest:g}"
-    return shown + ("" if one.monotone else "*") + ("!" if one.creeps else "")
+    return shown + ("" if one.monotone else "*") + ("!" if _doubtful(one) else "")
+
+
+def _doubtful(one: "LawTrial") -> bool:
+    """Whether there is more to be said of a boundary than the table shows."""
+    from tvclin.closed_loop.boundary import ALWAYS, NEVER, OK
+
+    return one.status not in (OK, NEVER, ALWAYS)

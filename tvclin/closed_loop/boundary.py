@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 OK = "ok"
 NEVER = "no limit in the range survives"
 ALWAYS = "every limit in the range survives"
-OPEN = "just below the limit a flight is neither lost nor saved for long after the wind"
+OPEN = "undecided: the highest limit that does not survive is not lost either"
 _SCAN = 61
 _ROUNDS = 2
 _CREEPS = 1e-5
@@ -178,7 +178,7 @@ def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
     last = int(below[-1])
     status = OPEN if verdicts[last] == UNDECIDED else OK
     if last == scan.size - 1:
-        return _Edge(np.inf, scan, verdicts, NEVER if status == OK else f"{NEVER}: {OPEN}")
+        return _Edge(np.inf, scan, verdicts, NEVER if status == OK else f"{NEVER}; {OPEN}")
     low, high = float(scan[last]), float(scan[last + 1])
     for _ in range(_ROUNDS):
         finer = np.linspace(low, high, _SCAN)

@@ -108,6 +108,8 @@ class Trial:
         sampler, count = Sampler(self.law, self.steps, self.nozzle), len(self.steps.gusts)
         flights = at_rest(self.law, self.steps, self.nozzle, limit)
         for first in range(0, count, _EVERY):
+            if not where.size:
+                break
             flights = sampler.flown(flights, first, min(first + _EVERY, count))
             z, D = self._where(flights)
             most = D[:, np.newaxis] + np.abs(self.modes.wind) * self.gust
