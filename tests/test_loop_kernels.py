@@ -4,6 +4,7 @@ from dataclasses import fields
 from importlib import import_module
 
 import control
+import mpmath
 import numpy as np
 import pytest
 
@@ -142,6 +143,27 @@ def test_the_compiled_twin_has_the_margins_of_brute_force():
     for name in NUMBERS:
         values = getattr(found, name)[good]
         np.testing.assert_allclose(values, expected[name][good], rtol=1e-7, err_msg=name)
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_crossovers_beside_an_undamped_mode_are_exact(compiled):
+    """There |N|^2 - |D|^2 has two roots that agree in five digits."""
+    if compiled:
+        pytest.importorskip("numba")
+    above, below = [1e-4, 3e-4], np.polymul([1.0, 0.0, 90.25], [1.0, 1.0])
+    with pinned(compiled):
+        found = loop_margins(Loop([above], [below])).crossings.gain_frequencies[0]
+    assert found.shape == (2,)
+    with mpmath.workdps(40):
+
+        def level(omega):
+            top, bottom = (mpmath.polyval(p, mpmath.mpc(0, omega)) for p in exactly)
+            return mpmath.log(abs(top / bottom))
+
+        exactly = [[mpmath.mpf(float(c)) for c in p] for p in (above, below)]
+        for omega in found:
+            exact = mpmath.findroot(level, (omega * (1 - 1e-9), omega * (1 + 1e-9)))
+            assert omega == pytest.approx(float(exact), rel=1e-14)
 
 
 def test_positive_roots_are_those_the_polynomial_was_made_of():

@@ -23,6 +23,8 @@ _AXIS = 1e-12
 _TURN = 2.0 * np.pi
 _SAME = 1e-6
 """A pole that is due within this phase [rad] begins on the axis, to rounding."""
+STEPS, CLOSE = 4, 1e-6
+"""How often a root of the squares is moved, and how far, over its frequency."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,7 @@ def stability(loop: Rational) -> Stability:
     on_axis = np.abs(np.real(poles)) <= slack
     at_zero = np.any(on_axis & (np.abs(poles) <= slack), axis=-1)
     frequencies, rising = _crossovers(loop, 1.0)
+    frequencies = _polished(loop, frequencies)
     above, below = _undelayed(loop, frequencies)
     with np.errstate(invalid="ignore"):
         due = np.angle(-above / below) % _TURN
@@ -101,6 +104,18 @@ def _crossovers(loop: Rational, size: float) -> tuple[FloatArray, NDArray[np.boo
     with np.errstate(invalid="ignore"):
         slope = polynomials.value(polynomials.derivative(squares), frequencies**2)
     return frequencies, np.asarray(slope > 0.0)
+
+
+def _polished(loop: Rational, omega: FloatArray) -> FloatArray:
+    """Newton's steps on ln |L| itself: its squares have half the digits beside undamped poles."""
+    slopes = [polynomials.derivative(p) for p in (loop.numerator, loop.denominator)]
+    with np.errstate(all="ignore"):
+        for _ in range(STEPS):
+            above, below = _undelayed(loop, omega)
+            rises = [polynomials.value(slope, 1j * omega) for slope in slopes]
+            step = np.log(np.abs(above / below)) / np.imag(rises[1] / below - rises[0] / above)
+            omega = np.where(np.abs(step) <= CLOSE * omega, omega - step, omega)
+    return omega
 
 
 def _undelayed(loop: Rational, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:

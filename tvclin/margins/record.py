@@ -183,8 +183,8 @@ def loop_margins(loop: Loop) -> Margins:
     -----
     Stability is decided by the roots of D + N and, with a delay, by counting what crosses the
     imaginary axis as it grows: exactly, not by an approximation of the delay. Gain crossovers are
-    roots of |N|^2 - |D|^2. Phase crossovers and peaks are bracketed on a grid laid around all
-    poles and zeros and refined to rounding.
+    roots of |N|^2 - |D|^2. Phase crossovers and peaks are bracketed between frequencies laid
+    around all poles and zeros, and refined to rounding.
 
     Examples
     --------

@@ -17,7 +17,7 @@ from tvclin.kernels.compiled.loop_crossings import (
 )
 from tvclin.kernels.compiled.loop_peaks import peaks_of_one
 from tvclin.kernels.compiled.polynomials import add_on_axis, degree_of, positive_roots, value
-from tvclin.kernels.compiled.stability import UNSURE, moved_by_delay, unstable_roots
+from tvclin.kernels.compiled.stability import UNSURE, moved_by_delay, polished, unstable_roots
 from tvclin.kernels.rational import Rational
 from tvclin.kernels.threads import in_slices
 
@@ -162,7 +162,7 @@ def _gain_crossings(
         room.sum[k] = room.below_squared[k] - room.above_squared[k]
     count = positive_roots(room.sum, room.work, room.edges, room.roots)
     for i in range(count):
-        omega = math.sqrt(room.roots[i])
+        omega = polished(above, m, below, n, math.sqrt(room.roots[i]))
         point = -value(above, m, 1j * omega) * value(below, n, 1j * omega).conjugate()
         due = math.atan2(point.imag, point.real)
         found.gains[case, i] = omega

@@ -22,7 +22,7 @@ _STEP, _TURN = 0.25, 0.5
 """A step, over the distance to the nearest root, and the phase [rad] the delay turns in it."""
 _FIRST = 1e-3
 """The first step, over the others: at zero itself every slope is zero."""
-_ON_AXIS, _AT_ZERO = 1e-6, 1e-12
+_ON_AXIS, _AT_ZERO = 1e-9, 1e-12
 """A root is nowhere nearer than the first of its size; the second of the largest is at zero."""
 _FAR, _BEYOND, _PAST = 1e7, 1e2, 10.0
 """Zeros farther out than the first times the fastest pole are rounding. Without a delay the

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.polynomials import value_and_slope
+from tvclin.kernels.stability import CLOSE, STEPS
 
 FloatArray = NDArray[np.float64]
 
@@ -18,6 +20,8 @@ _SLOW = 1e-8
 _TURN = 2.0 * math.pi
 _SAME, _WHOLE = 1e-6, 1e-9
 """A pole that is due within the first [rad] of phase, or of turns within the second, is unsure."""
+_NEARLY = 1e-9
+"""After such a step of Newton, over the frequency, the next would be rounding."""
 
 
 @compiled
@@ -67,6 +71,24 @@ def _has_slow_root(p: FloatArray, degree: int) -> bool:
     for k in range(degree, 0, -1):
         rest = (rest + abs(p[k])) * _SLOW * fastest
     return abs(p[0]) <= rest
+
+
+@compiled
+def polished(above: FloatArray, m: int, below: FloatArray, n: int, omega: float) -> float:
+    """Return a gain crossover after Newton's steps on ln |L| itself, as the numpy twin."""
+    for _ in range(STEPS):
+        a, a_slope = value_and_slope(above, m, 1j * omega)
+        b, b_slope = value_and_slope(below, n, 1j * omega)
+        a_square, b_square = a.real**2 + a.imag**2, b.real**2 + b.imag**2
+        growth = (b_slope * b.conjugate()).imag / b_square
+        growth -= (a_slope * a.conjugate()).imag / a_square
+        step = 0.5 * math.log(a_square / b_square) / growth
+        if not abs(step) <= CLOSE * omega:
+            break
+        omega -= step
+        if abs(step) <= _NEARLY * omega:
+            break
+    return omega
 
 
 @compiled
