@@ -23,8 +23,8 @@ FloatArray = NDArray[np.float64]
 
 _TOGETHER = 256
 """So many loops are worked on at a time, to bound the memory."""
-_CROSSINGS, _PEAKS = 2e-4, 3e-4
-"""About what numpy takes for one loop [s]."""
+_SECONDS = 5e-4
+"""About what numpy takes for crossings and peaks of one loop."""
 _HIGHEST = 12
 """The compiled twin trusts the squared polynomials of loops up to this order."""
 
@@ -54,7 +54,7 @@ class LoopCrossings:
 
 def loop_crossings(loop: Rational) -> LoopCrossings:
     """Return the verdict and all crossings of a batch of one axis, ``(k,)``."""
-    twin = _twin(loop, _CROSSINGS)
+    twin = _twin(loop)
     if twin is None:
         return _joined([_crossings(part) for part in _chunks(loop)])
     arrays, doubtful = twin.loop_crossings(loop)
@@ -87,16 +87,16 @@ def loop_peaks(loop: Rational) -> FloatArray:
 
     Each with its frequency [rad/s], which is infinite where the value is approached there.
     """
-    twin = _twin(loop, _PEAKS)
+    twin = _twin(loop)
     if twin is not None:
         return np.asarray(twin.loop_peaks(loop))
     found = [peaks(part, frequencies(part, stability(part).crossovers)) for part in _chunks(loop)]
     return np.concatenate(found, axis=-1)
 
 
-def _twin(loop: Rational, seconds: float) -> Any:
+def _twin(loop: Rational) -> Any:
     low = loop.denominator.shape[-1] - 1 <= _HIGHEST
-    return compiled_twin("loop_margins", seconds * len(loop.delay)) if low else None
+    return compiled_twin("loop_margins", _SECONDS * len(loop.delay)) if low else None
 
 
 def _chunks(loop: Rational) -> Iterator[Rational]:

@@ -160,6 +160,8 @@ def _gain_crossings(
         return UNSURE
     for k in range(_SIZE):
         room.sum[k] = room.below_squared[k] - room.above_squared[k]
+        if not math.isfinite(room.sum[k]):
+            return UNSURE
     count = positive_roots(room.sum, room.work, room.edges, room.roots)
     for i in range(count):
         omega = polished(above, m, below, n, math.sqrt(room.roots[i]))
