@@ -22,7 +22,7 @@ STEPS = 1500
 @pytest.fixture
 def bare():
     initial = {"h-sl-ft": 0.0, "theta-rad": VEHICLE.attitude, "u-fps": VEHICLE.velocity / FOOT}
-    engine = Engine(model_xml(VEHICLE, "pitch"), initial, 0.01, planet=planet_xml())
+    engine = Engine(model_xml(VEHICLE), initial, 0.01, planet=planet_xml())
 
     def run():
         engine.reset()

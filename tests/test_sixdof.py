@@ -14,7 +14,7 @@ from tvclin.closed_forms import rectangular_limit, triangular_limit
 from tvclin.closed_responses import triangular_attitude
 from tvclin.flight.sixdof.engine import Engine
 from tvclin.flight.sixdof.fly import SixDof
-from tvclin.flight.sixdof.model import DEFLECTION, model_xml, planet_xml
+from tvclin.flight.sixdof.model import DEFLECTIONS, model_xml, planet_xml
 from tvclin.units import FOOT
 
 pytest.importorskip("jsbsim")
@@ -36,8 +36,8 @@ def drifting(vehicle, plane="pitch"):
 def steering(vehicle, deflection=0.001, plane="pitch"):
     """Return an engine with the nozzle turned for a second, and its readers."""
     initial = {"h-sl-ft": 0.0, "theta-rad": vehicle.attitude, "u-fps": vehicle.velocity / FOOT}
-    engine = Engine(model_xml(vehicle, plane), initial, 0.01, planet=planet_xml())
-    engine.writer(DEFLECTION)(deflection)
+    engine = Engine(model_xml(vehicle), initial, 0.01, planet=planet_xml())
+    engine.writer(DEFLECTIONS[plane])(deflection)
     for _ in range(100):
         engine.run()
     return engine.reader
@@ -208,6 +208,44 @@ def test_a_part_of_the_thrust_may_be_what_is_turned(configuration_i):
     np.testing.assert_allclose(flown[0], exact[0], atol=1e-3 * np.abs(exact[0]).max())
 
 
+EARTH = tv.Earth(latitude=-0.5, heading=2.0)
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(configuration_i, plane):
+    """Left alone it is that flight bit for bit; in a wind it is nearly that over a flat planet."""
+    wind, times = triangle(configuration_i), np.linspace(0.0, 8.0, 41)
+    alone = tv.fly_sixdof(configuration_i, 0.0 * wind, 0.0 * wind, times, plane=plane, earth=EARTH)
+    control = tv.ReportControl(0.5)
+    blown, flat = (
+        tv.fly_sixdof(
+            configuration_i, control, wind, times, deflection_limit=0.0011, plane=plane, earth=earth
+        )
+        for earth in (EARTH, None)
+    )
+
+    assert not np.any(alone.outputs)
+    for label in flat.output_labels:
+        size = np.abs(flat.outputs[label]).max()
+        np.testing.assert_allclose(
+            blown.outputs[label], flat.outputs[label], atol=0.05 * size
+        )  # what differs has grown by e^4
+    assert np.abs(blown.outputs - flat.outputs).max() > 1e-6
+
+
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_the_turning_earth_moves_the_frozen_boundary_by_less_than_a_part_in_500(
+    configuration_i, plane
+):
+    wind = triangle(configuration_i)
+    over, flat = (
+        tv.flown_boundary(configuration_i, wind, 0.5, plane=plane, earth=earth).limit
+        for earth in (EARTH, None)
+    )
+
+    assert over == pytest.approx(flat, rel=2e-3)
+
+
 def flight(vehicle):
     """Return one flight, for other processes too."""
     wind, times = triangle(vehicle), np.linspace(0.0, 5.0, 51)
@@ -348,6 +386,8 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "lost its numbers at t = 0 s: deflection is not finite": lambda: fly(Lost()),
         "deflection_limit must be finite": lambda: fly(deflection_limit=np.inf),
         "deflection_limit must be positive": lambda: fly(deflection_limit=-0.1),
+        "earth must be an Earth": lambda: fly(earth="round"),
+        "latitude must be between": lambda: tv.Earth(latitude=28.5),
         "plane must be one of pitch, yaw": lambda: fly(plane="roll"),
         "control must be a Law": lambda: fly(0.3),
         "belong to a law or an autopilot": lambda: fly(0.0 * wind, rate_limit=0.1),

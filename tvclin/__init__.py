@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from tvclin.deflections import trim_deflection as trim_deflection
     from tvclin.deflections import trim_then_hold as trim_then_hold
     from tvclin.errors import InputError as InputError
+    from tvclin.flight import Earth as Earth
     from tvclin.flight import FlownBoundary as FlownBoundary
     from tvclin.flight import ReportControl as ReportControl
     from tvclin.flight import flown_boundary as flown_boundary
@@ -125,7 +126,14 @@ _ROOMS = {
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
-    "flight": ("FlownBoundary", "ReportControl", "flown_boundary", "fly_planar", "fly_sixdof"),
+    "flight": (
+        "Earth",
+        "FlownBoundary",
+        "ReportControl",
+        "flown_boundary",
+        "fly_planar",
+        "fly_sixdof",
+    ),
     "forecast_free": ("ForecastFreeLimit", "forecast_free_limit"),
     "histories": ("History",),
     "law_trials": ("LawTrial", "law_trials", "standard_laws", "standard_winds"),

@@ -12,12 +12,13 @@ from tvclin.flight.condition import FlightCondition, load_flight_condition
 from tvclin.flight.control import ReportControl
 from tvclin.flight.flown_boundary import ENGINES, FlownBoundary, flown_boundary
 from tvclin.flight.planar import fly_planar
-from tvclin.flight.sixdof import fly_sixdof
+from tvclin.flight.sixdof import Earth, fly_sixdof
 from tvclin.flight.trajectory import NominalFlight, nominal_flight
 
 __all__ = [
     "ENGINES",
     "Air",
+    "Earth",
     "FlightCondition",
     "FlownBoundary",
     "NominalFlight",

@@ -80,7 +80,7 @@ def flown_boundary(
         The limit is known to this part of |B alpha_w,max|.
     **options
         What else the engine takes: "planar" drift and condition, as of `fly_planar`; "sixdof"
-        drift and step, as of `fly_sixdof`.
+        drift, step and earth, as of `fly_sixdof`.
 
     Returns
     -------

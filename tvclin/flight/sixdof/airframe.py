@@ -1,29 +1,38 @@
-"""One vehicle in the engine: stepped, measured in its plane, and told of wind and deflection."""
+"""One vehicle in the engine: stepped, steered, and measured against its nominal flight."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import asin, cos, sin
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.coefficients import Coefficients
 from tvclin.flight.answer import FARTHEST, OUTPUTS
+from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.engine import Engine
-from tvclin.flight.sixdof.model import DEFLECTION, model_xml, planet_xml
+from tvclin.flight.sixdof.model import DEFLECTIONS, model_xml, planet_xml
+from tvclin.flight.sixdof.senses import senses, wind_setter
 from tvclin.flight.sixdof.steering import Steering
 from tvclin.laws import Seen
 from tvclin.units import FOOT
 from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
+Row = tuple[float, ...]
 
 
-_WIND = {"pitch": "atmosphere/wind-north-fps", "yaw": "atmosphere/wind-east-fps"}
-_Two = Callable[[], tuple[float, float]]
+_STIFF = 4.0
+"""Natural frequency of the hold of the nominal flight, over that of the airframe."""
+_LEAST = 1.0
+"""The same [rad/s] for an airframe with hardly any moment."""
 
 
 class Airframe:
-    """A vehicle with frozen parameters in JSBSim, which stays in its nominal flight by itself.
+    """A vehicle with frozen parameters in JSBSim.
+
+    Over a flat planet its nominal flight is straight and needs no control. Over the Earth it is
+    flown first: the nose is held to the flight path, in the other plane in every flight.
 
     Parameters
     ----------
@@ -35,20 +44,30 @@ class Airframe:
         Whether the flight path may turn.
     step : float
         Step [s].
+    earth : Earth, optional
+        Without it the planet is flat and at rest.
     """
 
-    def __init__(self, vehicle: Vehicle, plane: str, drift: bool, step: float) -> None:
+    def __init__(
+        self, vehicle: Vehicle, plane: str, drift: bool, step: float, earth: Earth | None
+    ) -> None:
+        heading = earth.heading if earth else 0.0
         initial = {
-            "h-sl-ft": 0.0,
+            "lat-geod-rad": earth.latitude if earth else 0.0,
+            "h-sl-ft": (earth.altitude if earth else 0.0) / FOOT,
+            "psi-true-rad": heading,
             "theta-rad": float(vehicle.attitude),
             "u-fps": float(vehicle.velocity) / FOOT,
         }
-        model = model_xml(vehicle, plane)
-        self._engine = Engine(model, initial, step, planet=planet_xml(), drift=drift)
-        self._step = step
-        self._bend = self._engine.writer(DEFLECTION)
-        self._blow = self._engine.writer(_WIND[plane])
-        self._angles, self._rates, self._alpha = _senses(self._engine, plane)
+        planet = None if earth else planet_xml()
+        model = model_xml(vehicle, heading)
+        engine = Engine(model, initial, step, planet=planet, drift=drift)
+        self._engine, self._step = engine, step
+        self._bend = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
+        self._senses = {name: senses(engine, name, heading) for name in DEFLECTIONS}
+        self._blow, self._plane = wind_setter(engine, plane, heading), plane
+        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if earth else None
+        self._nominal: list[Row] = []
 
     def fly(self, steering: Steering, speeds: FloatArray, angles: FloatArray) -> FloatArray:
         """Return a flight from the nominal state, up to where its attitude is beyond 25 deg.
@@ -58,7 +77,8 @@ class Airframe:
         steering : callable
             Gives the deflection.
         speeds : ndarray
-            Wind speed [m/s] at each step, towards north or east, ``(n,)``; the first is zero.
+            Wind speed [m/s] at each step, along the flight or to its right, ``(n,)``; the first
+            is zero.
         angles : ndarray
             The same as wind angle [rad].
 
@@ -68,16 +88,44 @@ class Airframe:
             The `OUTPUTS` [rad, rad/s] as deviations from the nominal flight, ``(m, 5)``, m <= n.
             If m is below n, the last row is the one that is beyond, or not finite.
         """
-        self._bend(0.0)  # the reset evaluates what acts, and does not put the nozzle back
+        return self._flown(steering, speeds, angles, self._nominal_rows(len(speeds)))
+
+    def _nominal_rows(self, count: int) -> Iterator[Row]:
+        """Return the outputs of the nominal flight, step by step."""
+        attitude, path = self._begin()
+        start = (attitude, 0.0, path, 0.0, 0.0)
+        if self._gains is None:
+            return repeat(start)
+        if len(self._nominal) < count:
+            hold, still = _held(*self._gains), np.zeros(count)
+            self._nominal = [
+                tuple(row)
+                for row in (self._flown(hold, still, still, repeat(start)) + start).tolist()
+            ]
+        return iter(self._nominal)
+
+    def _begin(self) -> tuple[float, float]:
+        """Go back to the start, and return attitude and flight path angle there [rad]."""
+        for bend in self._bend.values():  # a reset evaluates what acts, and leaves the nozzle
+            bend(0.0)
         self._engine.reset()
-        h, run, attitude_and_path, rates = self._step, self._engine.run, self._angles, self._rates
-        measured_alpha = self._alpha
-        attitude0, path0 = attitude_and_path()
-        attitude = path = path_before = rate = push = push_before = 0.0
+        return self._senses[self._plane].angles()
+
+    def _flown(
+        self, steering: Steering, speeds: FloatArray, angles: FloatArray, nominal: Iterator[Row]
+    ) -> FloatArray:
+        attitude, path = self._begin()
+        attitude_and_path, rates, measured_alpha = self._senses[self._plane]
+        h, run, bend, blow = self._step, self._engine.run, self._bend[self._plane], self._blow
+        hold_other = self._other_hold()
+        path_before, rate, push, push_before = path, 0.0, 0.0, 0.0
         alpha = blown = deflection = 0.0
-        rows = [(0.0,) * len(OUTPUTS)]
-        gusts = zip((speeds[1:] / FOOT).tolist(), angles[1:].tolist(), strict=True)
-        for k, (speed, angle) in enumerate(gusts, start=1):
+        next(nominal)
+        rows: list[Row] = [(0.0,) * len(OUTPUTS)]
+        gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
+        for k, (speed, angle, (attitude_n, rate_n, path_n, alpha_n, deflection_n)) in enumerate(
+            gusts, start=1
+        ):
             # What acts at the end of a step is set before the step, so the state at its end is
             # foreseen: the rate by the engine's own rule, the angles to second order.
             rate_ahead = rate + h * (1.5 * push - 0.5 * push_before)
@@ -86,37 +134,70 @@ class Airframe:
             deflection = steering(
                 k,
                 Seen(
-                    attitude + turn,
-                    rate_ahead,
-                    path + path_turn,
-                    alpha + turn - path_turn - (angle - blown),
+                    attitude + turn - attitude_n,
+                    rate_ahead - rate_n,
+                    path + path_turn - path_n,
+                    alpha + turn - path_turn - (angle - blown) - alpha_n,
                     deflection,
                 ),
             )
-            self._bend(deflection)
-            self._blow(speed)
+            hold_other()
+            bend(deflection_n + deflection)
+            blow(speed)
             run()
             push_before, path_before, blown = push, path, angle
             attitude, path = attitude_and_path()
-            attitude, path = attitude - attitude0, path - path0
             (rate, push), alpha = rates(), measured_alpha()
-            rows.append((attitude, rate, path, alpha, deflection))
-            if not abs(attitude) <= FARTHEST:
+            off = attitude - attitude_n
+            rows.append((off, rate - rate_n, path - path_n, alpha - alpha_n, deflection))
+            if not abs(off) <= FARTHEST:
                 break
         return np.array(rows)
 
+    def _other_hold(self) -> Callable[[], None]:
+        """Return what holds the nose to the path in the other plane, before each step."""
+        if self._gains is None:
+            return _nothing
+        (other,) = set(DEFLECTIONS) - {self._plane}
+        (angles, rates, _), bend = self._senses[other], self._bend[other]
+        on_lean, on_rate = self._gains
 
-_IDLE: dict[tuple[Vehicle, str, bool, float], list[Airframe]] = {}
+        def hold() -> None:
+            attitude, path = angles()
+            bend(on_lean * (attitude - path) + on_rate * rates()[0])
+
+        return hold
+
+
+def _nothing() -> None:
+    """Do nothing."""
+
+
+def _hold(c: Coefficients) -> tuple[float, float]:
+    """Return gains on the lean of the nose off the path, and on its rate, with damping one."""
+    frequency = max(_STIFF * abs(float(c.mu_alpha)) ** 0.5, _LEAST)
+    return (frequency**2 + float(c.mu_alpha)) / float(c.mu_delta), 2.0 * frequency / float(
+        c.mu_delta
+    )
+
+
+def _held(on_lean: float, on_rate: float) -> Steering:
+    return lambda k, seen: (
+        on_lean * (seen.attitude - seen.flight_path_angle) + on_rate * seen.attitude_rate
+    )
+
+
+_Case = tuple[Vehicle, str, bool, float, Earth | None]
+_IDLE: dict[_Case, list[Airframe]] = {}
 _KEPT = 8
 
 
 @contextmanager
-def borrowed(vehicle: Vehicle, plane: str, drift: bool, step: float) -> Iterator[Airframe]:
+def borrowed(*case: *_Case) -> Iterator[Airframe]:
     """Lend an airframe, for it takes a third of a flight to make one; a flight begins it anew.
 
     While one is out another is made, so that threads, and laws that fly ahead, have their own.
     """
-    case = (vehicle, plane, drift, step)
     try:
         airframe = _IDLE[case].pop()
     except (KeyError, IndexError):
@@ -125,24 +206,3 @@ def borrowed(vehicle: Vehicle, plane: str, drift: bool, step: float) -> Iterator
     if case not in _IDLE and len(_IDLE) >= _KEPT:
         _IDLE.pop(next(iter(_IDLE)), None)
     _IDLE.setdefault(case, []).append(airframe)
-
-
-def _senses(engine: Engine, plane: str) -> tuple[_Two, _Two, Callable[[], float]]:
-    """Return what reads attitude and flight path, rate and acceleration, and angle of attack."""
-    if plane == "pitch":
-        theta, gamma = engine.reader("attitude/theta-rad"), engine.reader("flight-path/gamma-rad")
-        q, q_dot = (
-            engine.reader("velocities/q-rad_sec"),
-            engine.reader("accelerations/qdot-rad_sec2"),
-        )
-        alpha = engine.reader("aero/alpha-rad")
-        return lambda: (theta(), gamma()), lambda: (q(), q_dot()), alpha
-    theta, psi = engine.reader("attitude/theta-rad"), engine.reader("attitude/psi-rad")
-    east, speed = engine.reader("velocities/v-east-fps"), engine.reader("velocities/vt-fps")
-    r, r_dot = engine.reader("velocities/r-rad_sec"), engine.reader("accelerations/rdot-rad_sec2")
-    sideslip = engine.reader("aero/beta-rad")
-    return (
-        lambda: (asin(cos(theta()) * sin(psi())), asin(east() / speed())),
-        lambda: (r(), r_dot()),
-        lambda: -sideslip(),
-    )

@@ -21,6 +21,7 @@ from tvclin.flight.answer import (
 )
 from tvclin.flight.control import Control, ReportControl, law_and_actuator
 from tvclin.flight.sixdof.airframe import borrowed
+from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
@@ -45,13 +46,14 @@ def fly_sixdof(
     plane: str = "pitch",
     drift: bool = True,
     step: float = 0.01,
+    earth: Earth | None = None,
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
 ) -> "TimeResponseData":
     """Return a flight with six degrees of freedom in a wind, flown by JSBSim.
 
     The parameters of the vehicle are frozen as in the linear theory: mass, forces and speed stay
-    what they are, over a flat planet without rotation. Nothing else is linear.
+    what they are. Nothing else is linear.
 
     Parameters
     ----------
@@ -74,6 +76,8 @@ def fly_sixdof(
         Whether the flight path may turn; without drift the velocity stays as it is.
     step : float
         Step of the engine and of the law [s], 0.0001 to 0.02.
+    earth : Earth, optional
+        Flies over the rotating Earth. Without it the planet is flat and at rest.
     actuator : Actuator, optional
         Between a law and the nozzle; an autopilot brings its own.
     rate_limit : float
@@ -109,7 +113,7 @@ def fly_sixdof(
     -0.092
     0.092
     """
-    case = SixDof(vehicle, plane, drift, step)
+    case = SixDof(vehicle, plane, drift, step, earth)
     times = flight_times(timepts)
     air = case.air(wind, float(times.min()), float(times.max()))
     steering = _steering(case, control, air, deflection_limit, actuator, rate_limit)
@@ -127,7 +131,8 @@ class Air:
     times : ndarray
         Times of the steps [s], ``(n,)``; the first lies before the flight.
     angles, speeds : ndarray
-        Means over each step: wind angle [rad], and wind speed [m/s] to the north or east.
+        Means over each step: wind angle [rad], and wind speed [m/s] along the flight or to its
+        right.
     """
 
     wind: History
@@ -142,7 +147,7 @@ class SixDof:
 
     Parameters
     ----------
-    vehicle, plane, drift, step
+    vehicle, plane, drift, step, earth
         As of `fly_sixdof`.
     """
 
@@ -150,6 +155,7 @@ class SixDof:
     plane: str = "pitch"
     drift: bool = True
     step: float = 0.01
+    earth: Earth | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -158,6 +164,8 @@ class SixDof:
             raise InputError(
                 f"a flight is of one vehicle; got a batch of shape {self.coefficients.batch}"
             )
+        if self.earth is not None:
+            instance("earth", self.earth, Earth, "or None for a flat planet")
         step = within("step", self.step, _SHORTEST, _LONGEST, "s")
         object.__setattr__(self, "step", number("step", step))
 
@@ -179,7 +187,9 @@ class SixDof:
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
-        with borrowed(self.vehicle, self.plane, bool(self.drift), self.step) as airframe:
+        with borrowed(
+            self.vehicle, self.plane, bool(self.drift), self.step, self.earth
+        ) as airframe:
             rows = airframe.fly(steering, air.speeds, air.angles)
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:

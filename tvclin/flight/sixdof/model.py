@@ -11,8 +11,11 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 from tvclin.units import FOOT, POUND_FORCE
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
 
-DEFLECTION = "tvclin/deflection-rad"
-"""The property that turns the nozzle."""
+DEFLECTIONS = {
+    "pitch": "tvclin/pitch-deflection-rad",
+    "yaw": "tvclin/yaw-deflection-rad",
+}
+"""The properties that turn the nozzle. Positive ones push the tail up, and to the right."""
 
 _SLUG = POUND_FORCE / FOOT
 _POUNDS_PER_SLUG = 32.174049
@@ -21,9 +24,6 @@ _SLENDER = 20.0
 """Transverse moment of inertia over that of the roll, in which nothing moves."""
 _FLAT = 1e13
 """Radius [m] at which a planet is flat, and positions still have digits for it."""
-_SIDE = {"pitch": (0.0, 0.0, -1.0), "yaw": (0.0, 1.0, 0.0)}
-"""Where a positive deflection pushes the tail, in body axes: the nose turns the other way."""
-
 _ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 Direction = tuple[float, float, float]
@@ -42,7 +42,7 @@ def planet_xml() -> str:
     return tostring(planet, encoding="unicode")
 
 
-def model_xml(vehicle: Vehicle, plane: str) -> str:
+def model_xml(vehicle: Vehicle, heading: float = 0.0) -> str:
     """Return the model of one vehicle whose parameters are frozen.
 
     Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
@@ -54,8 +54,8 @@ def model_xml(vehicle: Vehicle, plane: str) -> str:
     ----------
     vehicle : Vehicle
         One vehicle.
-    plane : {"pitch", "yaw"}
-        The plane in which the nozzle turns.
+    heading : float
+        Nominal direction of flight [rad], from north over east.
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
     _metrics(root, vehicle)
@@ -63,9 +63,10 @@ def model_xml(vehicle: Vehicle, plane: str) -> str:
     SubElement(root, "ground_reactions")
     _aerodynamics(root, vehicle)
     reactions = SubElement(root, "external_reactions")
-    _text(reactions, "property", DEFLECTION)
-    _nozzle(reactions, vehicle, _SIDE[plane])
-    _frozen(reactions, vehicle)
+    for name in DEFLECTIONS.values():
+        _text(reactions, "property", name)
+    _nozzle(reactions, vehicle)
+    _frozen(reactions, vehicle, heading)
     return tostring(root, encoding="unicode")
 
 
@@ -104,31 +105,35 @@ def _aerodynamics(root: Element, vehicle: Vehicle) -> None:
     SubElement(aerodynamics, "axis", name="ROLL")  # or JSBSim remarks that there is no moment
 
 
-def _nozzle(reactions: Element, vehicle: Vehicle, side: Direction) -> None:
+def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
     """Turn as much of the thrust as makes the control force; the rest stays along the body."""
     thrust, turned = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
-    along: Tree = ("sum", thrust - turned, ("product", turned, ("cos", DEFLECTION)))
-    across: Tree = ("product", turned, ("sin", DEFLECTION))
-    _function(reactions, along, name="tvclin/along-lbs")
-    _function(reactions, across, name="tvclin/across-lbs")
-    arm = float(vehicle.control_arm)
-    _force(reactions, "nozzle-along", "BODY", "tvclin/along-lbs", _ALONG["x"], arm)
-    _force(reactions, "nozzle-across", "BODY", "tvclin/across-lbs", side, arm)
-    held = [("product", part, "tvclin/across-lbs") for part in side]
-    for axis, nozzle in zip("xyz", ("tvclin/along-lbs", *held[1:]), strict=True):
-        both: Tree = ("sum", f"tvclin/aerodynamic-{axis}-lbs", nozzle)
+    pitch, yaw = DEFLECTIONS["pitch"], DEFLECTIONS["yaw"]
+    forces: dict[str, Tree] = {
+        "x": ("sum", thrust - turned, ("product", turned, ("cos", pitch), ("cos", yaw))),
+        "y": ("product", turned, ("sin", yaw)),
+        "z": ("product", -turned, ("sin", pitch)),
+    }
+    for axis, force in forces.items():
+        name = f"tvclin/nozzle-{axis}-lbs"
+        both: Tree = ("sum", f"tvclin/aerodynamic-{axis}-lbs", name)
+        _function(reactions, force, name=name)
         _function(reactions, both, name=f"tvclin/without-weight-{axis}-lbs")
+        _force(reactions, f"nozzle-{axis}", "BODY", name, _ALONG[axis], float(vehicle.control_arm))
 
 
-def _frozen(reactions: Element, vehicle: Vehicle) -> None:
+def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     """Hold the nominal flight straight, and the speed of every flight."""
     weight = float(vehicle.weight) / POUND_FORCE
     sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
-    _force(reactions, "straight", "LOCAL", weight * cosine, (-sine, 0.0, -cosine), 0.0)
+    north, east = cos(heading), sin(heading)
+    upright = (-sine * north, -sine * east, -cosine)
+    _force(reactions, "straight", "LOCAL", weight * cosine, upright, 0.0)
     # With that force the weight acts as W sin(Theta_n) against the nominal direction of flight.
     forward: Tree = (
         "sum",
-        ("product", cosine, "velocities/v-north-fps"),
+        ("product", cosine * north, "velocities/v-north-fps"),
+        ("product", cosine * east, "velocities/v-east-fps"),
         ("product", -sine, "velocities/v-down-fps"),
     )
     speeds = {"x": "velocities/u-fps", "y": "velocities/v-fps", "z": "velocities/w-fps"}

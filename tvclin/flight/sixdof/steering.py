@@ -40,6 +40,8 @@ def by_history(history: History, times: FloatArray, step: float, limit: float) -
 class TrimThenHold:
     """The report's control: trim until K times the limit is asked for, then the limit for ever.
 
+    Without a dead band the wind alone says when.
+
     Parameters
     ----------
     B : float
@@ -66,6 +68,7 @@ class TrimThenHold:
         step: float,
     ) -> None:
         self._B, self._limit, self._level = B, limit, max(dead_band, _ONSET) * limit
+        self._at_onset = dead_band == 0.0
         self._wind, self._times, self._step = wind, times, step
         self._means = step_means(wind, times, step).tolist()
         self._ends = wind(times + 0.5 * step).tolist()
@@ -75,7 +78,7 @@ class TrimThenHold:
         """Return the deflection at a step."""
         if self._held is not None:
             return self._held
-        still = seen.angle_of_attack + self._means[k]
+        still = 0.0 if self._at_onset else seen.angle_of_attack + self._means[k]
         if abs(self._B * (still - self._ends[k])) < self._level:
             return self._B * seen.angle_of_attack
         return self._leaving(k, still)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tvclin.errors import InputError
+from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.fly import SixDof
 from tvclin.flight.sixdof.steering import TrimThenHold
 from tvclin.histories import History
@@ -25,6 +26,7 @@ def sixdof_verdict(
     frozen: bool = True,
     drift: bool = True,
     step: float = 0.01,
+    earth: Earth | None = None,
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its flight survives.
 
@@ -33,7 +35,7 @@ def sixdof_verdict(
 
     Parameters
     ----------
-    vehicle, wind, plane, drift, step
+    vehicle, wind, plane, drift, step, earth
         As of `fly_sixdof`; the wind ends.
     dead_band : float
         K.
@@ -48,7 +50,7 @@ def sixdof_verdict(
     """
     if not frozen:
         raise InputError('engine "sixdof" flies frozen parameters only')
-    case = SixDof(vehicle, plane, drift, step)
+    case = SixDof(vehicle, plane, drift, step, earth)
     beta, B = float(case.coefficients.beta), float(case.coefficients.B)
     air = case.air(wind, min(0.0, float(wind.onset)), float(wind.end) + _PATIENCE / beta)
     side, still = -np.sign(float(wind.peak)), _STILL * beta * abs(float(wind.peak))
