@@ -42,6 +42,6 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group test --group lint
-	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow --editable ".[fast,campaign]" \
+	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,sixdof]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
 	touch $@

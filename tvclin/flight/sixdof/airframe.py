@@ -106,8 +106,6 @@ class Airframe:
 
     def _begin(self) -> tuple[float, float]:
         """Go back to the start, and return attitude and flight path angle there [rad]."""
-        for bend in self._bend.values():  # a reset evaluates what acts, and leaves the nozzle
-            bend(0.0)
         self._engine.reset()
         return self._senses[self._plane].angles()
 
@@ -118,7 +116,8 @@ class Airframe:
         attitude_and_path, rates, measured_alpha = self._senses[self._plane]
         h, run, bend, blow = self._step, self._engine.run, self._bend[self._plane], self._blow
         hold_other = self._other_hold()
-        path_before, rate, push, push_before = path, 0.0, 0.0, 0.0
+        (rate, push), path_before = rates(), path
+        push_before = push
         alpha = blown = deflection = 0.0
         next(nominal)
         rows: list[Row] = [(0.0,) * len(OUTPUTS)]

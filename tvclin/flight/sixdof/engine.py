@@ -63,7 +63,7 @@ class Engine:
         self.reset()
 
     def reset(self) -> None:
-        """Go back to the initial state; the next flight is bit for bit as from a new engine."""
+        """Go back to the initial state, all inputs at zero, as if the engine were new."""
         self._jsbsim.reset_to_initial_conditions(0)
         for name, number in {**_INTEGRATORS, **self._kept}.items():
             self._jsbsim[f"simulation/integrator/{name}"] = number
