@@ -33,6 +33,10 @@ def drifting(vehicle, plane="pitch"):
     return tv.Plant.from_vehicle(vehicle, model="drift-exact", plane=plane)
 
 
+def in_jsbsim(*case, **options):
+    return tv.flown_boundary(*case, **{"engine": "sixdof"} | options)
+
+
 def steering(vehicle, deflection=0.001, plane="pitch"):
     """Return an engine with the nozzle turned for a second, and its readers."""
     initial = {"h-sl-ft": 0.0, "theta-rad": vehicle.attitude, "u-fps": vehicle.velocity / FOOT}
@@ -45,7 +49,7 @@ def steering(vehicle, deflection=0.001, plane="pitch"):
 
 @pytest.mark.parametrize("dead_band", BANDS)
 def test_the_boundary_without_drift_is_that_of_the_closed_form(configuration_i, dead_band):
-    flown = tv.flown_boundary(
+    flown = in_jsbsim(
         configuration_i, triangle(configuration_i), dead_band, drift=False, tolerance=5e-6
     )
 
@@ -69,7 +73,7 @@ def test_the_boundary_with_drift_is_that_of_the_cubic_model(
     plant, wind = drifting(vehicle, plane), triangle(vehicle)
     for dead_band, other in zip(BANDS, OTHERS[name], strict=True):
         exact = tv.boundary_limit(plant, wind, dead_band, switch="literal").limit
-        flown = tv.flown_boundary(vehicle, wind, dead_band, plane=plane)
+        flown = in_jsbsim(vehicle, wind, dead_band, plane=plane)
 
         assert flown.limit == pytest.approx(exact, abs=1.1e-4 if plane == "yaw" else 5e-4)
         assert flown.limit == pytest.approx(other, abs=1e-3)
@@ -81,8 +85,7 @@ def test_what_is_not_linear_grows_with_the_wind_and_turns_with_its_sign(configur
         drifting(configuration_i), triangle(configuration_i), switch="literal"
     ).limit
     off = [
-        tv.flown_boundary(configuration_i, triangle(configuration_i, peak), tolerance=2e-5).limit
-        - exact
+        in_jsbsim(configuration_i, triangle(configuration_i, peak), tolerance=2e-5).limit - exact
         for peak in (2 * DEGREE, -2 * DEGREE, 4 * DEGREE)
     ]
 
@@ -93,7 +96,7 @@ def test_what_is_not_linear_grows_with_the_wind_and_turns_with_its_sign(configur
 def test_a_rectangular_wind_that_jumps_between_two_steps(configuration_i):
     beta = tv.Coefficients.from_vehicle(configuration_i).beta
     wind = tv.RectangularWind(peak=DEGREE, duration=4.0 / beta).shift(0.0037)
-    flown = tv.flown_boundary(configuration_i, wind, drift=False)
+    flown = in_jsbsim(configuration_i, wind, drift=False)
 
     assert flown.limit == pytest.approx(rectangular_limit(4.0), abs=1.5e-4)
 
@@ -241,7 +244,7 @@ def test_the_turning_earth_moves_the_frozen_boundary_by_less_than_a_part_in_500(
 ):
     wind = triangle(configuration_i)
     over, flat = (
-        tv.flown_boundary(configuration_i, wind, 0.5, plane=plane, earth=earth).limit
+        in_jsbsim(configuration_i, wind, 0.5, plane=plane, earth=earth).limit
         for earth in (EARTH, None)
     )
 
@@ -428,18 +431,14 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
             wind=tv.TriangularWind(peak=-0.9, duration=1.0)
         ),
         "dead_band must be between 0 and 1": lambda: tv.ReportControl(1.1),
-        "engine must be one of sixdof": lambda: tv.flown_boundary(
+        "engine must be one of planar, sixdof": lambda: in_jsbsim(
             configuration_i, wind, engine="seven"
         ),
-        "flies frozen parameters only": lambda: tv.flown_boundary(
-            configuration_i, wind, frozen=False
-        ),
-        "1.5 times the largest trim deflection": lambda: tv.flown_boundary(
+        "flies frozen parameters only": lambda: in_jsbsim(configuration_i, wind, frozen=False),
+        "1.5 times the largest trim deflection": lambda: in_jsbsim(
             configuration_i, wind, engine=lambda *given, **named: lambda limit: False
         ),
-        "wind must be one wind": lambda: tv.flown_boundary(
-            configuration_i, tv.HeldDeflection(limit=0.1)
-        ),
+        "wind must be one wind": lambda: in_jsbsim(configuration_i, tv.HeldDeflection(limit=0.1)),
     }
     for said, bad in cases.items():
         with pytest.raises(tv.InputError, match=re.escape(said)):

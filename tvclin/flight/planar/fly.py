@@ -96,8 +96,8 @@ def fly_planar(
     >>> for limit in (0.00120, 0.00126):
     ...     flown = tv.fly_planar(vehicle, control, wind, [0, 15], deflection_limit=limit)
     ...     print(flown.outputs["attitude"][-1].round(3))
-    -0.091
-    0.092
+    -0.093
+    0.091
     """
     times = flight_times(timepts)
     span = (float(times.min()), float(times.max()))
