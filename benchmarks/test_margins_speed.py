@@ -3,9 +3,9 @@
 import control
 import numpy as np
 import pytest
+from peers import ratio
 
 import tvclin as tv
-from benchmarks.peers import ratio
 from tvclin.kernels.loop_margins import classical_margins, loop_crossings
 from tvclin.kernels.rational import Rational
 from tvclin.margins import loop_margins
