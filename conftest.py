@@ -1,8 +1,13 @@
-"""What pytest may not collect: compiled kernels without a compiler, flights without an engine."""
+"""What pytest may not collect where something is not installed."""
 
 from importlib.util import find_spec
 
+_NEEDED = {
+    "numba": ["tvclin/kernels/compiled/*"],
+    "jsbsim": ["tvclin/flight/sixdof/*", "docs/six-*"],
+    "pyarrow": ["docs/campaigns.md", "tvclin/campaign/engine.py"],
+}
+
 collect_ignore_glob = [
-    *([] if find_spec("numba") else ["tvclin/kernels/compiled/*"]),
-    *([] if find_spec("jsbsim") else ["tvclin/flight/sixdof/*", "docs/six-*"]),
+    pattern for module, some in _NEEDED.items() if not find_spec(module) for pattern in some
 ]

@@ -93,6 +93,17 @@ def test_the_quantile_bound_is_missed_as_seldom_as_it_promises():
     assert 0.9 - 0.02 < below < 0.97
 
 
+@pytest.mark.parametrize("n", [1, 2, 44, 45, 46, 229, 230, 3001])
+@pytest.mark.parametrize(("p", "c"), [(0.99, 0.9), (0.95, 0.9), (0.5, 0.99), (0.02, 0.6)])
+def test_the_ranks_of_the_bounds_are_the_first_and_last_that_hold(n, p, c):
+    ranks = np.arange(1, n + 1)
+    at_least = np.array([stats.binom.cdf(r - 1, n, p) for r in ranks])  # rank r is no smaller
+    above, below = ranks[at_least >= c], ranks[1.0 - at_least >= c]
+    found = quantile_bound(ranks[::-1], p, c)
+    assert found.upper == (above[0] if above.size else np.inf)
+    assert found.lower == (below[-1] if below.size else -np.inf)
+
+
 def test_a_sample_too_small_has_no_upper_bound():
     needed = zero_failure_size(0.99)
     sample = np.arange(needed, dtype=float)
@@ -154,6 +165,23 @@ def test_one_bad_case_has_its_own_status(nominal):
     assert found.required.cases == 400 - bad.sum()
 
 
+@pytest.mark.parametrize(
+    ("parameter", "nominal", "possible"),
+    [
+        ("thrust", 1.0, lambda x: x > 0),
+        ("control_force_slope", 1.0, lambda x: x > 0),
+        ("axial_force", 1.0, lambda x: x >= 0),
+        ("control_arm", -1.0, lambda x: x < 0),
+        ("attitude", 1.0, lambda x: np.abs(x) < np.pi / 2),
+        ("aerodynamic_arm", 1.0, np.isfinite),
+    ],
+)
+def test_what_cannot_be_is_told(parameter, nominal, possible):
+    wide = tv.Dispersions((tv.Dispersion(parameter, "normal", 0.7, relative=False),))
+    found = wide.apply({parameter: nominal}, draw(1, 0, 2000, 1))
+    np.testing.assert_array_equal(found.possible, possible(found.values[parameter]))
+
+
 def test_the_command_line_says_the_same(nominal):
     arguments = ["study", "--disperse", "--cases", "1800", "--seed", "2", "--limit-deg", "0.42"]
     text = CliRunner().invoke(app, arguments).output
@@ -180,6 +208,14 @@ def test_the_command_line_says_the_same(nominal):
         (
             lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((1.0,),)),
             "symmetric matrix of 2 rows",
+        ),
+        (
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:1]).apply({"thrust": 0.0}, [[0.5]]),
+            "no part of zero can be its spread",
+        ),
+        (
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:1]).apply({}, [[0.5]]),
+            "thrust is dispersed, but has no nominal value",
         ),
         (lambda: draw(0.5, 0, 1, 1), "seed must be an integer"),
         (lambda: draw(0, 0, 1, 1, method="halton"), "method must be one of"),

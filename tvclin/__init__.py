@@ -22,10 +22,18 @@ if TYPE_CHECKING:
     from tvclin.boundary import is_sufficient as is_sufficient
     from tvclin.boundary import survivable_peak as survivable_peak
     from tvclin.boundary import triangle_error as triangle_error
+    from tvclin.campaign import Campaign as Campaign
+    from tvclin.campaign import CampaignResults as CampaignResults
     from tvclin.campaign import DispersedStudy as DispersedStudy
     from tvclin.campaign import Dispersion as Dispersion
     from tvclin.campaign import Dispersions as Dispersions
+    from tvclin.campaign import ShapedWind as ShapedWind
+    from tvclin.campaign import WindEnsemble as WindEnsemble
     from tvclin.campaign import disperse_study as disperse_study
+    from tvclin.campaign import load_campaign as load_campaign
+    from tvclin.campaign import open_campaign as open_campaign
+    from tvclin.campaign import resume_campaign as resume_campaign
+    from tvclin.campaign import run_campaign as run_campaign
     from tvclin.closed_loop import ClosedLoopBoundary as ClosedLoopBoundary
     from tvclin.closed_loop import closed_loop_boundary as closed_loop_boundary
     from tvclin.closed_loop import fly as fly
@@ -120,7 +128,20 @@ _ROOMS = {
         "survivable_peak",
         "triangle_error",
     ),
-    "campaign": ("DispersedStudy", "Dispersion", "Dispersions", "disperse_study"),
+    "campaign": (
+        "Campaign",
+        "CampaignResults",
+        "DispersedStudy",
+        "Dispersion",
+        "Dispersions",
+        "ShapedWind",
+        "WindEnsemble",
+        "disperse_study",
+        "load_campaign",
+        "open_campaign",
+        "resume_campaign",
+        "run_campaign",
+    ),
     "closed_loop": ("ClosedLoopBoundary", "closed_loop_boundary", "fly"),
     "coefficients": ("Coefficients",),
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),

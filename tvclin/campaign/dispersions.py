@@ -1,6 +1,6 @@
 """What is uncertain, and by how much: from numbers in (0, 1) to vehicles and winds."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -14,6 +14,7 @@ FloatArray = NDArray[np.float64]
 
 SHAPES = ("normal", "uniform", "truncated")
 WIND = ("wind_peak", "wind_duration")
+GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
 _CUT = 3.0
 """A truncated normal distribution ends at so many standard deviations."""
 
@@ -25,7 +26,7 @@ class Dispersion:
     Attributes
     ----------
     parameter : str
-        A field of `Vehicle`, or "wind_peak" or "wind_duration".
+        A field of `Vehicle`, "wind_peak" or "wind_duration", or a gain of `Autopilot`.
     shape : str
         "normal", "uniform" or "truncated" (normal, cut at three standard deviations).
     spread : float
@@ -65,7 +66,7 @@ class Dispersed:
     values : dict of str to ndarray
         By parameter [SI].
     possible : ndarray of bool
-        False where a number has lost its sign: a thrust below zero is no vehicle.
+        False where a number cannot be: a thrust below zero is no vehicle.
     """
 
     values: dict[str, FloatArray]
@@ -113,6 +114,11 @@ class Dispersions:
             The nominal value of each parameter [SI].
         numbers : array_like
             Numbers in (0, 1), ``(n, parameters)``; see `draw`.
+
+        Raises
+        ------
+        InputError
+            For a parameter that has no nominal value, and a part of a nominal value of zero.
         """
         from scipy.special import ndtri
 
@@ -121,13 +127,26 @@ class Dispersions:
             normal = normal @ self._factor.T
         values, possible = {}, np.ones(len(normal), dtype=bool)
         for column, one in zip(normal.T, self.each, strict=True):
-            centre = float(nominal[one.parameter])
+            centre = self._centre(nominal, one)
             scale = one.spread * (abs(centre) if one.relative else 1.0)
             value = centre + scale * one.deviates(column)
             values[one.parameter] = value
-            if one.parameter in _SIGNED:
-                possible &= value * centre > 0.0
+            for names, rule in _RULES:
+                if one.parameter in names:
+                    possible &= rule(value, centre)
         return Dispersed(values, possible)
+
+    @staticmethod
+    def _centre(nominal: Mapping[str, Any], one: Dispersion) -> float:
+        if nominal.get(one.parameter) is None:
+            raise InputError(f"{one.parameter} is dispersed, but has no nominal value here")
+        centre = float(nominal[one.parameter])
+        if one.relative and centre == 0.0:
+            raise InputError(
+                f"{one.parameter} is zero, and no part of zero can be its spread; give one in"
+                " its unit"
+            )
+        return centre
 
     @property
     def _factor(self) -> FloatArray:
@@ -143,20 +162,46 @@ class Dispersions:
             raise InputError("correlation must be positive definite") from None
 
 
-_SIGNED = (
+_POSITIVE = (
     "weight",
     "moment_of_inertia",
-    "normal_force_slope",
     "thrust",
-    "control_arm",
     "velocity",
+    "control_force_slope",
     "wind_duration",
+)
+_RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bool_]]], ...] = (
+    (_POSITIVE, lambda value, _: value > 0.0),
+    (("normal_force_slope", "axial_force"), lambda value, _: value >= 0.0),
+    (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),
+    (("attitude", "wind_peak"), lambda value, _: np.abs(value) < np.pi / 2),
 )
 PARAMETERS = (
     *(f.name for f in fields(Vehicle) if f.name not in {"name", "time"}),
     *WIND,
+    *GAINS,
 )
 """What can be dispersed."""
+
+UNITS_OF = {
+    "weight": "N",
+    "moment_of_inertia": "kg m2",
+    "normal_force_slope": "N/rad",
+    "thrust": "N",
+    "aerodynamic_arm": "m",
+    "control_arm": "m",
+    "axial_force": "N",
+    "velocity": "m/s",
+    "attitude": "rad",
+    "control_force_slope": "N/rad",
+    "wind_peak": "rad",
+    "wind_duration": "s",
+    "attitude_gain": "rad/rad",
+    "rate_gain": "s",
+    "alpha_gain": "rad/rad",
+    "integral_gain": "1/s",
+}
+"""Their SI units."""
 
 DEFAULT_DISPERSIONS = Dispersions(
     (

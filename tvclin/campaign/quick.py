@@ -111,9 +111,7 @@ def disperse_study(
     numbers = draw(seed, 0, cases, len(dispersions.each), method=method, size=cases)
     vehicle, wind = study.vehicle, study.wind
     nominal = {**vars(vehicle), "wind_peak": wind.peak, "wind_duration": wind.duration}
-    for name in dispersions.parameters:
-        if nominal[name] is None:
-            nominal[name] = vehicle.control_force
+    nominal["control_force_slope"] = vehicle.control_force
     dispersed = dispersions.apply(nominal, numbers)
     good = dispersed.possible
     if not np.any(good):

@@ -39,7 +39,11 @@ class Quantile:
     @property
     def converged(self) -> bool:
         """Whether both bounds lie within one percent of the estimate: more cases change little."""
-        return bool(self.upper - self.lower <= 0.01 * abs(self.estimate))
+        return self.within(0.01)
+
+    def within(self, part: float) -> bool:
+        """Return whether both bounds lie within a part of the estimate of each other."""
+        return bool(self.upper - self.lower <= part * abs(self.estimate))
 
 
 @dataclass(frozen=True)
@@ -113,16 +117,15 @@ def quantile_bound(
         raise InputError("values must be a sample of one number or more, without NaN")
     p, c = _fraction("probability", probability), _fraction("confidence", confidence)
     n = sample.size
-    ranks = np.arange(1, n + 1)
-    below = binom.cdf(ranks - 1, n, p)  # that the rank-th value is at least the quantile
-    upper = np.flatnonzero(below >= c)
-    lower = np.flatnonzero(1.0 - binom.cdf(ranks - 1, n, p) >= c)
+    upper = int(binom.ppf(c, n, p))  # counted from zero, as `sample` is
+    lower = int(binom.ppf(1.0 - c, n, p))
+    lower -= int(binom.sf(lower, n, p) < c)
     return Quantile(
         p,
         c,
         float(np.quantile(sample, p, method="inverted_cdf")),
-        float(sample[upper[0]]) if upper.size else np.inf,
-        float(sample[lower[-1]]) if lower.size else -np.inf,
+        float(sample[upper]) if upper < n else np.inf,
+        float(sample[lower]) if lower >= 0 else -np.inf,
         n,
     )
 
@@ -165,12 +168,17 @@ def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str,
     Notes
     -----
     Spearman's coefficient: its square is about the part of the variance of the ranks that the
-    input explains alone, when inputs are independent.
+    input explains alone, when inputs are independent. Zero where one of the two is constant.
     """
     from scipy.stats import spearmanr
 
     result = finite("output", output)
-    found = {name: float(spearmanr(values, result).statistic) for name, values in inputs.items()}
+    found = {
+        name: float(spearmanr(values, result).statistic)
+        if np.ptp(values) and np.ptp(result)
+        else 0.0
+        for name, values in inputs.items()
+    }
     return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
 
 

@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from tvclin.cli.autopilot import autopilot
 from tvclin.cli.boundary import boundary
+from tvclin.cli.campaign import campaign
 from tvclin.cli.laws import laws
 from tvclin.cli.margins import margins
 from tvclin.cli.optimum import optimum
@@ -63,6 +64,7 @@ for command in (
     init,
 ):
     app.command()(command)
+app.add_typer(campaign, name="campaign")
 
 
 def _say_once(message: str, said: set[str]) -> None:

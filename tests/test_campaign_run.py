@@ -1,0 +1,286 @@
+"""Campaigns: the same bits however they are run, and nothing finished is ever lost."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.campaign import chunks as chunks_room
+from tvclin.campaign.chunks import chunk_file, flaw
+from tvclin.campaign.engine import checkpoints, damaged
+from tvclin.campaign.manifest import NAME, check_versions, new_manifest, read_manifest
+
+pytest.importorskip("pyarrow")
+
+SPREAD = tv.Dispersions(
+    (
+        tv.Dispersion("thrust", "truncated", 0.02),
+        tv.Dispersion("normal_force_slope", "normal", 0.05),
+        tv.Dispersion("wind_duration", "uniform", 0.3),
+    ),
+    correlation=((1.0, 0.3, 0.0), (0.3, 1.0, 0.0), (0.0, 0.0, 1.0)),
+)
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return tv.Campaign(
+        vehicle=tv.load_vehicle("configuration-i"),
+        wind=tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5),
+        dispersions=SPREAD,
+        outputs=("boundary", "minimum"),
+        dead_bands=(1.0, 0.5),
+        cases=700,
+        chunk=128,
+        seed=11,
+        limit=np.radians(0.42),
+        probability=0.9,
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(plan, tmp_path_factory):
+    return tv.run_campaign(plan, tmp_path_factory.mktemp("whole") / "results")
+
+
+def same(first, second):
+    names = (*first.campaign.dispersions.parameters, *first.outputs, "case", "status")
+    for name in names:
+        np.testing.assert_array_equal(first.column(name), second.column(name), err_msg=name)
+
+
+@pytest.mark.parametrize("chunk", [97, 256, 700, 5000])
+def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
+    same(whole, tv.run_campaign(replace(plan, chunk=chunk), tmp_path))
+
+
+def test_cases_are_those_of_single_studies(plan, whole):
+    for case in (0, 255, 256, 699):
+        drawn = {name: float(whole.column(name)[case]) for name in SPREAD.parameters}
+        duration = drawn.pop("wind_duration")
+        study = tv.Study.from_vehicle(
+            plan.vehicle.replace(**drawn), duration=duration, peak=np.radians(5), dead_band=0.5
+        )
+        found = {name: whole.column(name)[case] for name in whole.outputs}
+        row = study.boundaries["fixed-path"].deflection
+        assert found["boundary_K0.5"] == pytest.approx(study.required_deflection, rel=1e-12)
+        assert found["boundary_K1"] == pytest.approx(abs(row[0]), rel=1e-12)
+        assert found["minimum"] == pytest.approx(study.minima["fixed-path"], rel=1e-12)
+
+
+def test_an_executor_out_of_order_changes_no_bit(plan, whole, tmp_path):
+    told = []
+    with ThreadPoolExecutor(3) as pool:
+        found = tv.run_campaign(
+            plan, tmp_path, executor=pool, progress=lambda *now: told.append(now)
+        )
+    same(whole, found)
+    assert told[-1] == (700, 700)
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+def test_shards_make_up_the_whole(plan, whole, tmp_path):
+    parts = [tv.run_campaign(plan, tmp_path, shard=f"{i}/3") for i in (3, 1, 2)]
+    assert [one.cases for one in parts] == [128 + 60, 3 * 128 + 60, 700]
+    assert [one.complete for one in parts] == [False, False, True]
+    same(whole, parts[-1])
+
+
+def test_a_killed_run_goes_on_where_it_was(plan, whole, tmp_path):
+    folder = tmp_path / "results"
+    code = f"""
+import time, tvclin as tv
+from pathlib import Path
+from tvclin.campaign import engine
+from tvclin.campaign.manifest import read_manifest
+plan = read_manifest(Path({str(whole.folder)!r})).campaign
+inner = engine.run_chunk
+def slow(*arguments):
+    time.sleep(0.2)
+    return inner(*arguments)
+engine.run_chunk = slow
+tv.run_campaign(plan, {str(folder)!r})
+"""
+    child = subprocess.Popen([sys.executable, "-c", code])
+    while len(list(folder.glob("chunks/0*.parquet"))) < 2 and child.poll() is None:
+        time.sleep(0.02)
+    child.send_signal(signal.SIGKILL)
+    child.wait()
+    kept = {file: file.stat().st_mtime_ns for file in folder.glob("chunks/0*.parquet")}
+    assert 2 <= len(kept) < plan.chunks
+    same(whole, tv.resume_campaign(folder))
+    assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
+
+
+def test_any_flipped_bit_is_found_or_changes_nothing(plan, whole, tmp_path):
+    manifest = new_manifest(plan)
+    good = chunk_file(whole.folder, 1).read_bytes()
+    before = {name: whole.column(name)[128:256] for name in (*whole.outputs, "status")}
+    file = chunk_file(tmp_path, 1)
+    file.parent.mkdir()
+    rng = np.random.default_rng(5)
+    found = 0
+    for at in rng.integers(0, 8 * len(good), 300):
+        bad = bytearray(good)
+        bad[at // 8] ^= 1 << (at % 8)
+        file.write_bytes(bad)
+        if flaw(tmp_path, manifest, 1) is None:
+            for name, values in before.items():
+                read = chunks_room.read_columns(tmp_path, manifest, 1, [name])[name]
+                np.testing.assert_array_equal(read, values)
+        else:
+            found += 1
+    assert found > 200
+
+
+def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp_path):
+    tv.run_campaign(plan, tmp_path)
+    other = tv.run_campaign(replace(plan, seed=12), tmp_path / "other")
+    short = chunk_file(tmp_path, 0)
+    short.write_bytes(short.read_bytes()[:-100])
+    chunk_file(tmp_path, 2).write_bytes(chunk_file(other.folder, 2).read_bytes())
+    chunk_file(tmp_path, 3).write_bytes(chunk_file(tmp_path, 4).read_bytes())
+    said = damaged(tmp_path, read_manifest(tmp_path))
+    assert sorted(said) == [0, 2, 3]
+    assert "00000000.parquet is damaged" in said[0]
+    assert "is not chunk 2 of this campaign" in said[2]
+    with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
+        tv.open_campaign(tmp_path).quantile()
+    same(whole, tv.resume_campaign(tmp_path))
+
+
+def test_a_changed_manifest_is_refused(plan, tmp_path):
+    tv.run_campaign(plan, tmp_path, shard="1/3")
+    with pytest.raises(tv.InputError, match="holds another campaign, or this one before"):
+        tv.run_campaign(replace(plan, seed=12), tmp_path)
+    file = tmp_path / NAME
+    text = file.read_text()
+    file.write_text(text.replace('"seed": 11', '"seed": 12'))
+    for attempt in (tv.resume_campaign, tv.open_campaign):
+        with pytest.raises(tv.InputError, match="was changed after the campaign began"):
+            attempt(tmp_path)
+    file.write_text(text[:50])
+    with pytest.raises(tv.InputError, match="is damaged: it is no manifest"):
+        tv.open_campaign(tmp_path)
+    file.write_text(text)
+    assert tv.resume_campaign(tmp_path).complete
+
+
+def test_other_versions_do_not_go_on(plan):
+    manifest = new_manifest(plan, compiled=False)
+    check_versions(manifest)
+    old = replace(manifest, versions=manifest.versions | {"numpy": "1.0"})
+    with pytest.raises(tv.InputError, match=r"was begun with numpy 1\.0, and here is"):
+        check_versions(old)
+
+
+def test_a_worker_without_a_compiler_refuses(plan, monkeypatch):
+    monkeypatch.setattr("tvclin.campaign.manifest.available", lambda: False)
+    compiled = replace(new_manifest(plan), versions=new_manifest(plan).versions | {"numba": "9"})
+    with pytest.raises(tv.InputError, match=r"uses compiled kernels \(numba 9\).* install"):
+        check_versions(compiled)
+
+
+def test_a_full_disk_is_one_sentence_and_keeps_what_is_done(plan, whole, tmp_path, monkeypatch):
+    import pyarrow.parquet
+
+    inner, calls = pyarrow.parquet.write_table, []
+
+    def full(table, target, **options):
+        calls.append(target)
+        inner(table, target, **options)
+        if len(calls) > 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pyarrow.parquet, "write_table", full)
+        with pytest.raises(tv.InputError, match="cannot be written: No space left on device"):
+            tv.run_campaign(plan, tmp_path)
+    assert tv.open_campaign(tmp_path).cases == 256
+    assert len(list((tmp_path / "chunks").iterdir())) == 2  # no temporary file stays behind
+    same(whole, tv.resume_campaign(tmp_path))
+
+
+def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path):
+    wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
+    found = tv.run_campaign(replace(plan, dispersions=wild), tmp_path)
+    bad = found.column("thrust") <= 0.0
+    assert 0 < bad.sum() < 80
+    np.testing.assert_array_equal(found.column("status") == "impossible vehicle or wind", bad)
+    np.testing.assert_array_equal(np.isnan(found.column("boundary_K1")), bad)
+    assert found.statuses() == {"ok": 700 - bad.sum(), "impossible vehicle or wind": bad.sum()}
+    assert found.quantile().cases == 700 - bad.sum()
+
+
+def test_a_stable_case_needs_nothing(plan, tmp_path):
+    either = tv.Dispersions((tv.Dispersion("aerodynamic_arm", "normal", 1.0),))
+    every = ("boundary", "minimum", "forecast-free")
+    found = tv.run_campaign(replace(plan, dispersions=either, outputs=every), tmp_path)
+    stable = found.column("aerodynamic_arm") <= 0.0
+    np.testing.assert_array_equal(found.column("status") == "no unstable pole", stable)
+    for name in found.outputs:
+        np.testing.assert_array_equal(found.column(name) == 0.0, stable)
+
+
+def test_it_stops_when_converged_and_at_the_same_place(plan, tmp_path):
+    until = replace(plan, until=0.01, cases=20_000, chunk=64)
+    first = tv.run_campaign(until, tmp_path / "one")
+    assert first.converged
+    assert first.complete
+    assert 64 <= first.cases < 20_000
+    bound = first.quantile()
+    assert bound.upper - bound.lower <= 0.01 * bound.estimate
+    ends = list(checkpoints(until.chunks))
+    assert ends.index(len(first.chunks)) > 0
+    earlier = replace(first, chunks=first.chunks[: ends[ends.index(len(first.chunks)) - 1]])
+    assert not earlier.converged
+    with ThreadPoolExecutor(3) as pool:
+        again = tv.run_campaign(until, tmp_path / "two", executor=pool)
+    assert again.chunks == first.chunks
+    assert tv.resume_campaign(tmp_path / "two").chunks == first.chunks
+
+
+def test_checkpoints_rise_to_the_end():
+    for chunks in (1, 2, 11, 37, 1000):
+        ends = list(checkpoints(chunks))
+        assert ends == sorted(set(ends))
+        assert ends[-1] == chunks
+    assert len(list(checkpoints(100_000))) < 130
+
+
+@pytest.mark.parametrize(
+    ("shard", "message"),
+    [("0/3", "i from 1 to n"), ("4/3", "i from 1 to n"), ("a", "must be i/n"), ("-1/3", "i/n")],
+)
+def test_a_shard_that_is_none(plan, tmp_path, shard, message):
+    with pytest.raises(tv.InputError, match=message):
+        tv.run_campaign(plan, tmp_path, shard=shard)
+
+
+def test_a_shard_cannot_see_convergence(plan, tmp_path):
+    with pytest.raises(tv.InputError, match="cannot see when the whole has converged"):
+        tv.run_campaign(replace(plan, until=0.1), tmp_path, shard="1/2")
+
+
+def test_without_pyarrow_the_extra_is_named(plan, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(tv.InputError, match=r"need pyarrow; install tvclin\[campaign\]"):
+        tv.run_campaign(plan, tmp_path)
+
+
+def test_a_folder_without_a_campaign(tmp_path):
+    with pytest.raises(tv.InputError, match="holds no campaign"):
+        tv.open_campaign(tmp_path)
+    file = Path(tmp_path / "file")
+    file.write_text("")
+    with pytest.raises(tv.InputError, match="holds no campaign"):
+        tv.resume_campaign(file)

@@ -1,0 +1,137 @@
+"""From the index of a case to its numbers, vehicle and wind, and to the answers.
+
+Cases are computed in blocks that begin at multiples of `BLOCK`, whatever the chunk: each case
+always stands in the same company, and so has the same bits.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.campaign.dispersions import GAINS, WIND
+from tvclin.campaign.draws import draw
+from tvclin.campaign.outputs import Batch, columns, compute
+from tvclin.campaign.plan import Campaign
+from tvclin.campaign.winds import WindEnsemble
+from tvclin.errors import InputError
+from tvclin.modes import unstable_modes
+from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+BLOCK = 256
+OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """What was drawn for some cases.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray
+        Dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
+    possible : ndarray of bool
+        Which of the cases can be.
+    """
+
+    values: dict[str, NDArray[Any]]
+    possible: NDArray[np.bool_]
+
+    def take(self, which: slice | NDArray[Any]) -> "Cases":
+        """Return some of the cases."""
+        return Cases({k: v[which] for k, v in self.values.items()}, self.possible[which])
+
+
+def draw_cases(campaign: Campaign, first: int, count: int) -> Cases:
+    """Return what is drawn for the cases `first` to `first + count`."""
+    each = len(campaign.dispersions.each)
+    dimension = each + (1 if campaign.wind.count else 0)
+    numbers = draw(
+        campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases
+    )
+    found = campaign.dispersions.apply(campaign.nominal, numbers[:, :each])
+    values: dict[str, NDArray[Any]] = dict(found.values)
+    if isinstance(campaign.wind, WindEnsemble):
+        values["wind"] = campaign.wind.chosen(numbers[:, each])
+    return Cases(values, found.possible)
+
+
+def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[Any]]:
+    """Return the columns of the cases `first` to `first + count`, ``(count,)`` each.
+
+    They are "case", what was dispersed, the outputs and "status".
+    """
+    begin = first - first % BLOCK
+    end = min(-(-(first + count) // BLOCK) * BLOCK, campaign.cases)
+    numbers = [
+        (at, draw_cases(campaign, at, min(BLOCK, end - at))) for at in range(begin, end, BLOCK)
+    ]
+    rows = [_block(campaign, at, cases) for at, cases in numbers]
+    part = slice(first - begin, first - begin + count)
+    return {name: np.concatenate([row[name] for row in rows])[part] for name in rows[0]}
+
+
+def draw_case(campaign: Campaign, case: int) -> Cases:
+    """Return one case, to the bits that it has in its block."""
+    begin = case - case % BLOCK
+    block = draw_cases(campaign, begin, min(BLOCK, campaign.cases - begin))
+    return block.take(slice(case - begin, case - begin + 1))
+
+
+def batch(campaign: Campaign, cases: Cases) -> Batch:
+    """Return plant, wind and gains of possible cases.
+
+    Raises
+    ------
+    InputError
+        When one of the cases is no vehicle or no wind.
+    """
+    changes = {k: v for k, v in cases.values.items() if k not in (*WIND, *GAINS, "wind")}
+    vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
+    plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
+    wind = campaign.wind.history(cases.values)
+    return Batch(plant, wind, cases.possible.size)
+
+
+def _block(campaign: Campaign, first: int, cases: Cases) -> dict[str, NDArray[Any]]:
+    count = cases.possible.size
+    answers = {name: np.full(count, np.nan) for name in columns(campaign)}
+    status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
+    good = np.flatnonzero(cases.possible)
+
+    def answer(which: NDArray[np.intp]) -> None:
+        made = batch(campaign, cases.take(which))
+        for name, values in compute(campaign, made).items():
+            answers[name][which] = values
+        poles = unstable_modes(made.plant).poles
+        unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
+        status[which[~unstable]] = STABLE
+
+    def refused(case: np.intp, error: InputError) -> None:
+        status[case] = str(error)
+
+    if good.size:
+        _divide(answer, refused, good)
+    index = np.arange(first, first + count, dtype=np.int64)
+    return {"case": index, **cases.values, **answers, "status": status}
+
+
+def _divide(
+    work: Callable[[NDArray[np.intp]], None],
+    refused: Callable[[np.intp, InputError], None],
+    which: NDArray[np.intp],
+) -> None:
+    """Do the work for all at once, or halve what is refused until the bad cases stand alone."""
+    try:
+        work(which)
+    except InputError as error:
+        if which.size == 1:
+            refused(which[0], error)
+            return
+        middle = which.size // 2
+        _divide(work, refused, which[:middle])
+        _divide(work, refused, which[middle:])

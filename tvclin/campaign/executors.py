@@ -1,0 +1,80 @@
+"""Executors to run a campaign with: processes of this machine, or a Dask cluster that is there."""
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from typing import Any
+
+from tvclin.campaign.draws import whole_number
+from tvclin.errors import InputError
+from tvclin.kernels.threads import VARIABLE
+
+_PATIENCE = 5.0
+"""Seconds in which a scheduler must answer."""
+_MOST = 4096
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[Executor]:
+    """Lend so many processes of this machine, each with one thread.
+
+    Parameters
+    ----------
+    workers : int
+        How many, from 1.
+
+    Raises
+    ------
+    InputError
+        For a number of workers that is none.
+    """
+    if not 1 <= whole_number("workers", workers) <= _MOST:
+        raise InputError(f"workers must be from 1 to {_MOST}; got {workers}")
+    context = get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_thread) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Executor]:
+    """Lend the workers of a Dask scheduler.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as "tcp://10.0.0.1:8786".
+
+    Raises
+    ------
+    InputError
+        When no scheduler answers there within five seconds, or it or its workers are lost for
+        good.
+    """
+    try:
+        import distributed
+    except ImportError:
+        raise InputError("a scheduler needs distributed; install tvclin[campaign]") from None
+    connect: Any = distributed.Client
+    try:
+        client = connect(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"no Dask scheduler answers at {address}: {reason}") from None
+    with client:
+        try:
+            yield client.get_executor(pure=False)
+        except (distributed.KilledWorker, CancelledError):
+            raise InputError(
+                f"the workers or the scheduler at {address} were lost; what was finished is kept,"
+                " go on with: tvclin campaign resume"
+            ) from None
+
+
+def _one_thread() -> None:
+    os.environ[VARIABLE] = "1"

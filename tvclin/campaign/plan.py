@@ -1,0 +1,124 @@
+"""What a campaign is: one frozen value that says everything its numbers depend on."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
+from tvclin.campaign.draws import METHODS, whole_number
+from tvclin.campaign.winds import ShapedWind, WindEnsemble
+from tvclin.coefficients import Coefficients
+from tvclin.errors import InputError, instance, number, one_of, positive, within
+from tvclin.plant import MODELS
+from tvclin.vehicle import Vehicle
+
+OUTPUTS = ("boundary", "forecast-free", "minimum")
+_MOST = 10**10
+_MOST_LATIN = 10**7
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """Many dispersed cases of one vehicle, to be run chunk by chunk.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        The nominal vehicle, one.
+    wind : ShapedWind or WindEnsemble
+        Its winds.
+    dispersions : Dispersions
+        What is uncertain; the default ones are assumed, not any programme's.
+    cases : int
+        How many cases at most.
+    seed : int
+        Case i is drawn from the seed and i alone.
+    model, plane : str
+        Of the plant, as of `Plant.from_vehicle`.
+    outputs : tuple of str
+        What is computed for each case: "boundary" (the report's limit at each dead band),
+        "forecast-free" (the least of any law without a forecast), "minimum" (appendix C).
+    dead_bands : tuple of float
+        K of "boundary", each in [0, 1].
+    method : str
+        How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
+    chunk : int
+        Cases in one file.
+    limit : float, optional
+        A capability [rad] to be judged.
+    probability, confidence : float
+        Of the deflection asked for, as of `quantile_bound`.
+    until : float, optional
+        Stop when both bounds of the first output lie within this part of its quantile.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, unknown names, and a parameter that is dispersed but has no
+        nominal value.
+    """
+
+    vehicle: Vehicle
+    wind: ShapedWind | WindEnsemble
+    dispersions: Dispersions = DEFAULT_DISPERSIONS
+    cases: int
+    seed: int = 0
+    model: str = "fixed-path"
+    plane: str = "pitch"
+    outputs: tuple[str, ...] = ("boundary",)
+    dead_bands: tuple[float, ...] = (1.0,)
+    method: str = "plain"
+    chunk: int = 1024
+    limit: float | None = None
+    probability: float = 0.99865
+    confidence: float = 0.9
+    until: float | None = None
+
+    def __post_init__(self) -> None:
+        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        if Coefficients.from_vehicle(self.vehicle, self.plane).batch:
+            raise InputError("vehicle must be one vehicle; got a batch")
+        one_of("model", self.model, MODELS)
+        one_of("method", self.method, METHODS)
+        _some("outputs", self.outputs)
+        for name in self.outputs:
+            one_of("outputs", name, OUTPUTS)
+        _some("dead_bands", self.dead_bands)
+        bands = tuple(float(within("dead_bands", K, 0.0, 1.0)) for K in self.dead_bands)
+        object.__setattr__(self, "dead_bands", bands)
+        whole_number("seed", self.seed)
+        for name in ("cases", "chunk"):
+            if not 0 < whole_number(name, getattr(self, name)) <= _MOST:
+                raise InputError(f"{name} must be from 1 to 1e10; got {getattr(self, name)}")
+        if self.method == "latin" and self.cases > _MOST_LATIN:
+            raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
+        for name in ("probability", "confidence"):
+            if not 0.0 < number(name, getattr(self, name)) < 1.0:
+                raise InputError(f"{name} must be above 0 and below 1; got {getattr(self, name)}")
+        for name in ("limit", "until"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, number(name, getattr(self, name), positive))
+        self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
+
+    @property
+    def nominal(self) -> dict[str, Any]:
+        """Nominal values [SI] of everything that can be dispersed here."""
+        held = {f.name: getattr(self.vehicle, f.name) for f in fields(Vehicle)}
+        held |= {"control_force_slope": self.vehicle.control_force}
+        return held | self.wind.nominal
+
+    @property
+    def chunks(self) -> int:
+        """How many chunks make up all cases."""
+        return -(-self.cases // self.chunk)
+
+    def span(self, chunk: int) -> tuple[int, int]:
+        """Return the first case of a chunk and how many it has."""
+        first = chunk * self.chunk
+        return first, min(self.chunk, self.cases - first)
+
+
+def _some(name: str, given: tuple[Any, ...]) -> None:
+    if not isinstance(given, tuple) or not given or len(set(given)) < len(given):
+        raise InputError(f"{name} must be a tuple of one or more different values; got {given!r}")

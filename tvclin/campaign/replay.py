@@ -1,0 +1,134 @@
+"""One case of a campaign in full: its numbers, its plant and wind, and its exact response."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.campaign.cases import batch, draw_case, evaluate
+from tvclin.campaign.draws import whole_number
+from tvclin.campaign.plan import Campaign
+from tvclin.deflections import trim_then_hold
+from tvclin.errors import InputError
+from tvclin.histories import History
+from tvclin.kernels.choice import pinned
+from tvclin.plant import Plant
+from tvclin.response import attitude_response
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """One case of a campaign.
+
+    Attributes
+    ----------
+    case : int
+        Its number.
+    inputs : dict of str to float
+        What was drawn for it [SI].
+    outputs : dict of str to float
+        What was found [SI]; the same bits as in the campaign.
+    status : str
+        "ok", or in words what is different.
+    dead_band : float
+        K of `response`.
+    plant, wind : Plant and History, or None
+        Its plant and wind; None where the case cannot be.
+    """
+
+    case: int
+    inputs: dict[str, float]
+    outputs: dict[str, float]
+    status: str
+    dead_band: float
+    plant: Plant | None
+    wind: History | None
+
+    @cached_property
+    def boundary(self) -> float:
+        """The deflection [rad] on the boundary at `dead_band`, its sign opposing the wind."""
+        from tvclin.boundary import boundary_limit
+
+        plant, wind = self._flown()
+        return float(boundary_limit(plant, wind, self.dead_band).deflection)
+
+    def response(self, capability: float = 1.0, points: int = 401) -> "TimeResponseData":
+        """Return the exact response to the wind and to trim until the dead band is left.
+
+        Parameters
+        ----------
+        capability : float
+            Deflection limit over that of the boundary, positive. With more than one the limit
+            that is held for ever drives the attitude away to the other side.
+        points : int
+            How many times, from the onset of the wind to twice its duration.
+
+        Raises
+        ------
+        InputError
+            When the case cannot be, or needs no deflection.
+        """
+        plant, wind = self._flown()
+        if self.boundary == 0.0:
+            raise InputError(f"case {self.case} needs no deflection")
+        deflection = trim_then_hold(plant, wind, capability * self.boundary, self.dead_band)
+        start, end = float(wind.onset), float(wind.end)
+        return attitude_response(
+            plant, deflection, wind, np.linspace(start, 2.0 * end - start, points)
+        )
+
+    def _flown(self) -> tuple[Plant, History]:
+        if self.plant is None or self.wind is None:
+            raise InputError(f"case {self.case} cannot be flown: {self.status}")
+        return self.plant, self.wind
+
+
+def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
+    """Return one case of a campaign, computed anew.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    case : int
+        Which case.
+    compiled : bool
+        Whether compiled kernels are used.
+
+    Raises
+    ------
+    InputError
+        For a case that the campaign does not have.
+    """
+    if whole_number("case", case) >= campaign.cases:
+        raise InputError(
+            f"case must be below {campaign.cases}, the size of the campaign; got {case}"
+        )
+    with pinned(compiled):
+        row = evaluate(campaign, case, 1)
+    drawn = draw_case(campaign, case)
+    plant: Plant | None = None
+    wind: History | None = None
+    if drawn.possible[0]:
+        try:
+            made = batch(campaign, drawn)
+            plant, wind = made.each()[0]
+        except InputError:  # its status says why
+            pass
+    found: dict[str, Any] = {name: values[0] for name, values in row.items()}
+    status = str(found.pop("status"))
+    del found["case"]
+    inputs = {name: float(found.pop(name)) for name in drawn.values}
+    return Replay(
+        case,
+        inputs,
+        {k: float(v) for k, v in found.items()},
+        status,
+        campaign.dead_bands[0],
+        plant,
+        wind,
+    )

@@ -1,0 +1,223 @@
+"""What a campaign has found: columns read chunk by chunk, and what they prove."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.campaign.chunks import chunk_file, read_columns
+from tvclin.campaign.dispersions import UNITS_OF
+from tvclin.campaign.manifest import Manifest, read_manifest
+from tvclin.campaign.outputs import columns
+from tvclin.campaign.plan import Campaign
+from tvclin.campaign.replay import Replay, replay_case
+from tvclin.campaign.statistics import (
+    Quantile,
+    Success,
+    quantile_bound,
+    sensitivities,
+    success_probability,
+)
+from tvclin.errors import InputError, one_of
+
+if TYPE_CHECKING:
+    import xarray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignResults:
+    """The finished chunks of a campaign. Columns are read when they are asked for.
+
+    Attributes
+    ----------
+    folder : Path
+        Where the campaign lies.
+    manifest : Manifest
+        What it is.
+    chunks : tuple of int
+        Which chunks were there when this was opened.
+    """
+
+    folder: Path
+    manifest: Manifest
+    chunks: tuple[int, ...]
+
+    @classmethod
+    def read(cls, folder: Path) -> "CampaignResults":
+        """Return what lies in a folder; see `open_campaign`."""
+        manifest = read_manifest(folder)
+        every = range(manifest.campaign.chunks)
+        return cls(folder, manifest, tuple(k for k in every if chunk_file(folder, k).exists()))
+
+    @property
+    def campaign(self) -> Campaign:
+        """The campaign."""
+        return self.manifest.campaign
+
+    @property
+    def cases(self) -> int:
+        """How many cases are there."""
+        return sum(self.campaign.span(k)[1] for k in self.chunks)
+
+    @property
+    def complete(self) -> bool:
+        """Whether no chunk is left to do: all are there, or the answer has converged."""
+        return len(self.chunks) == self.campaign.chunks or self.converged
+
+    @property
+    def converged(self) -> bool:
+        """Whether the rule of the campaign says that the chunks so far are enough."""
+        until = self.campaign.until
+        if until is None or self.chunks != tuple(range(len(self.chunks))) or not self.chunks:
+            return False
+        try:
+            return self.quantile().within(until)
+        except InputError:  # no case has an answer yet
+            return False
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the columns that were computed; the first is the answer."""
+        return tuple(columns(self.campaign))
+
+    def column(self, name: str) -> NDArray[Any]:
+        """Return one column of all finished cases, in the order of the cases.
+
+        Parameters
+        ----------
+        name : str
+            "case", "status", what was dispersed, or one of `outputs`. [SI]
+
+        Raises
+        ------
+        InputError
+            For an unknown name, and for a chunk that is damaged or of another campaign.
+        """
+        one_of("column", name, self._names)
+        parts = [read_columns(self.folder, self.manifest, k, [name])[name] for k in self.chunks]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def statuses(self) -> dict[str, int]:
+        """Return how many cases have each status, the most frequent first."""
+        found: dict[str, int] = {}
+        for k in self.chunks:
+            column = read_columns(self.folder, self.manifest, k, ["status"])["status"]
+            for said, count in zip(*np.unique(column, return_counts=True), strict=True):
+                found[str(said)] = found.get(str(said), 0) + int(count)
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+    def quantile(
+        self,
+        output: str | None = None,
+        probability: float | None = None,
+        confidence: float | None = None,
+    ) -> Quantile:
+        """Return the value of an output that covers a part of all cases; see `quantile_bound`.
+
+        Parameters
+        ----------
+        output : str, optional
+            One of `outputs`; the first without it.
+        probability, confidence : float, optional
+            Those of the campaign without them.
+
+        Raises
+        ------
+        InputError
+            For an unknown output, numbers outside (0, 1), and when no case has an answer.
+        """
+        return quantile_bound(self.answers(output), *self._asked(probability, confidence))
+
+    def success(
+        self, limit: float | None = None, output: str | None = None, confidence: float | None = None
+    ) -> Success | None:
+        """Return how probable it is that a limit [rad] is enough; None where none is asked about.
+
+        Parameters
+        ----------
+        limit : float, optional
+            That of the campaign without it.
+        output, confidence
+            As of `quantile`.
+        """
+        asked = self.campaign.limit if limit is None else limit
+        if asked is None:
+            return None
+        found = self.answers(output)
+        sure = self._asked(None, confidence)[1]
+        return success_probability(int(np.sum(found <= asked)), found.size, sure)
+
+    def drivers(self, output: str | None = None) -> dict[str, float]:
+        """Return the rank correlation of what was dispersed with an output, the strongest first."""
+        values = self.column(self._output(output))
+        good = np.isfinite(values)
+        if not np.any(good):
+            return {}
+        inputs = {name: self.column(name)[good] for name in self.campaign.dispersions.parameters}
+        return sensitivities(inputs, values[good])
+
+    def convergence(self, output: str | None = None) -> tuple[Quantile, ...]:
+        """Return the quantile of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all."""
+        found = self.answers(output)
+        sizes = sorted({max(found.size >> k, 1) for k in range(5)}) if found.size else []
+        return tuple(quantile_bound(found[:n], *self._asked(None, None)) for n in sizes)
+
+    def worst(self, count: int = 5, output: str | None = None) -> NDArray[np.int64]:
+        """Return the numbers of the cases that need the most, the worst first."""
+        values = self.column(self._output(output))
+        order = np.argsort(-np.nan_to_num(values, nan=-np.inf), kind="stable")[:count]
+        return np.asarray(self.column("case")[order[~np.isnan(values[order])]])
+
+    def replay(self, case: int) -> Replay:
+        """Return one case in full; see `Replay`."""
+        return replay_case(self.campaign, case, self.manifest.compiled)
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Return all finished cases as an `xarray.Dataset` along the dimension "case".
+
+        Units are in the attributes of each variable.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise InputError("a Dataset needs xarray; install tvclin[campaign]") from None
+        units = UNITS_OF | columns(self.campaign)
+        data = {
+            name: ("case", self.column(name), {"units": units[name]} if name in units else {})
+            for name in self._names
+            if name != "case"
+        }
+        about = {
+            "vehicle": self.campaign.vehicle.name,
+            "model": self.campaign.model,
+            "plane": self.campaign.plane,
+            "seed": self.campaign.seed,
+            "sha256": self.manifest.seal,
+        }
+        return xarray.Dataset(data, coords={"case": self.column("case")}, attrs=about)
+
+    def answers(self, output: str | None = None) -> FloatArray:
+        """Return an output of the cases that have an answer, in the order of the cases."""
+        values = self.column(self._output(output))
+        return np.asarray(values[~np.isnan(values)])
+
+    def _output(self, name: str | None) -> str:
+        return self.outputs[0] if name is None else one_of("output", name, self.outputs)
+
+    def _asked(self, probability: float | None, confidence: float | None) -> tuple[float, float]:
+        plan = self.campaign
+        return (
+            plan.probability if probability is None else probability,
+            plan.confidence if confidence is None else confidence,
+        )
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        drawn = self.campaign.dispersions.parameters
+        wind = ("wind",) if self.campaign.wind.count else ()
+        return ("case", *drawn, *wind, *self.outputs, "status")

@@ -1,0 +1,317 @@
+"""`tvclin campaign`: many dispersed cases, run, gone on with, shown, and replayed."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.options import AsJson
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from tvclin.campaign import CampaignResults
+
+campaign = typer.Typer(
+    no_args_is_help=True,
+    help="Many dispersed cases of one vehicle: how much deflection covers them?",
+    epilog="First steps: tvclin campaign init my.toml | tvclin campaign run my.toml -o results",
+)
+
+Folder = Annotated[Path, typer.Argument(help="The folder of the campaign.")]
+Workers = Annotated[
+    int | None, typer.Option(help="So many processes of this machine; without it, this one.")
+]
+Scheduler = Annotated[
+    str | None, typer.Option(help="A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
+]
+Shard = Annotated[
+    str | None, typer.Option(help="Only this part of the chunks, i/n; for job arrays.")
+]
+Output = Annotated[
+    str | None, typer.Option("--output", help="Of this output; the first one without it.")
+]
+
+
+@campaign.command()
+def init(
+    file: Annotated[Path, typer.Argument(help="The campaign file to write, such as my.toml.")],
+) -> None:
+    """Write a commented campaign file to fill in."""
+    from tvclin.campaign.file import template
+    from tvclin.errors import InputError
+    from tvclin.files import write_text
+
+    if file.exists() and not file.is_dir():
+        raise InputError(f"{file} exists already; name another file or move it away")
+    write_text(file, template())
+    typer.echo(f"Wrote {file}. Change what differs, then: tvclin campaign run {file} -o results")
+
+
+@campaign.command()
+def run(
+    file: Annotated[Path, typer.Argument(help="The campaign file (see: tvclin campaign init).")],
+    folder: Annotated[Path, typer.Option("-o", "--folder", help="Where the results go.")],
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    shard: Shard = None,
+    until_converged: Annotated[
+        float | None,
+        typer.Option(help="Stop when both bounds lie within so many percent of the answer."),
+    ] = None,
+) -> None:
+    """Run a campaign; into a folder where it has begun already, go on with it.
+
+    Exit code 0: done; 2: bad input, or stopped by what one sentence says.
+    """
+    from dataclasses import replace
+
+    from tvclin.campaign import load_campaign, run_campaign
+
+    plan = load_campaign(file)
+    if until_converged is not None:
+        plan = replace(plan, until=until_converged / 100.0)
+    with _executor(workers, scheduler) as executor, _bar() as progress:
+        found = run_campaign(plan, folder, executor=executor, shard=shard, progress=progress)
+    _print_done(found)
+
+
+@campaign.command()
+def resume(
+    folder: Folder, workers: Workers = None, scheduler: Scheduler = None, shard: Shard = None
+) -> None:
+    """Go on with a campaign; damaged and foreign chunks are named and computed anew.
+
+    Exit code 0: done; 2: bad input, or stopped by what one sentence says.
+    """
+    from tvclin.campaign import resume_campaign
+    from tvclin.campaign.engine import damaged
+    from tvclin.campaign.manifest import read_manifest
+
+    for said in damaged(folder, read_manifest(folder)).values():
+        typer.echo(f"Warning: {said}", err=True)
+    with _executor(workers, scheduler) as executor, _bar() as progress:
+        found = resume_campaign(folder, executor=executor, shard=shard, progress=progress)
+    _print_done(found)
+
+
+@campaign.command()
+def show(
+    folder: Folder,
+    output: Output = None,
+    limit_deg: Annotated[
+        float | None, typer.Option(help="How probable is it that this limit, in deg, is enough?")
+    ] = None,
+    probability: Annotated[
+        float | None, typer.Option(help="Part of all flights to be covered, below 1.")
+    ] = None,
+    confidence: Annotated[float | None, typer.Option(help="Of every bound, below 1.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Print what a campaign has found so far.
+
+    Exit code 0: answered; 2: bad input.
+    """
+    from math import radians
+
+    from tvclin.campaign import open_campaign
+    from tvclin.cli.output import print_json
+    from tvclin.errors import number, positive
+
+    limit = (
+        None if limit_deg is None else radians(number("--limit-deg", limit_deg, positive, "deg"))
+    )
+    found = open_campaign(folder)
+    document = _summary(found, output, limit, probability, confidence)
+    if as_json:
+        print_json(document)
+    else:
+        _print_summary(document)
+
+
+@campaign.command()
+def replay(
+    folder: Folder,
+    case: Annotated[int, typer.Argument(help="The number of the case.")],
+    as_json: AsJson = False,
+) -> None:
+    """Compute one case anew and print it in full, with its exact response.
+
+    The response is that on its boundary: to trim until the dead band is left, then the limit.
+
+    Exit code 0: answered; 2: bad input.
+    """
+    from tvclin.campaign import open_campaign
+    from tvclin.campaign.dispersions import UNITS_OF
+    from tvclin.campaign.outputs import columns
+    from tvclin.cli.output import print_json, print_pairs
+
+    found = open_campaign(folder)
+    one = found.replay(case)
+    units = UNITS_OF | columns(found.campaign)
+    flown = _flown(one)
+    if as_json:
+        head = {"case": case, "status": one.status, "inputs": one.inputs, "outputs": one.outputs}
+        print_json(head | {"units": units, "response": flown})
+        return
+    inputs = [(k, f"{v:.7g} {units.get(k, '')}") for k, v in one.inputs.items()]
+    print_pairs(f"Case {case}: {one.status}", inputs)
+    print_pairs("\nIt needs", [(k, _degrees(v)) for k, v in one.outputs.items()], columns=1)
+    if flown:
+        said = [(k.replace("_", " "), f"{v:.4f}") for k, v in flown.items()]
+        print_pairs(f"\nResponse on the boundary, K = {one.dead_band:g}", said, columns=1)
+
+
+def _flown(one: Any) -> dict[str, float]:
+    """What stands out in the response; nothing where the case needs no deflection."""
+    import numpy as np
+
+    from tvclin.errors import InputError
+
+    try:
+        response = one.response()
+    except InputError:
+        return {}
+    names = ("attitude", "angle_of_attack", "deflection")
+    values = {
+        name: np.degrees(response.outputs[name]) for name in names if name in response.output_labels
+    }
+    return {f"largest_{name}_deg": float(np.abs(v).max()) for name, v in values.items()} | {
+        "until_s": float(response.time[-1])
+    }
+
+
+@contextmanager
+def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor | None"]:
+    from tvclin.campaign.executors import cluster, processes
+    from tvclin.errors import InputError
+
+    if workers is not None and scheduler is not None:
+        raise InputError("give --workers or --scheduler, not both")
+    if scheduler is not None:
+        with cluster(scheduler) as lent:
+            yield lent
+    elif workers is not None:
+        with processes(workers) as lent:
+            yield lent
+    else:
+        yield None
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[int, int], None] | None]:
+    """A bar with rate and time left on standard error; none where that is no terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    shown = (BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f} cases"))
+    rate = TextColumn("{task.fields[rate]}")
+    with Progress(*shown, rate, TimeRemainingColumn(), console=console) as progress:
+        task = progress.add_task("cases", total=None, rate="", visible=False)
+
+        def tell(done: int, total: int) -> None:
+            speed = progress.tasks[0].speed
+            text = f"{speed:.0f}/s" if speed else ""
+            progress.update(task, completed=done, total=total, rate=text, visible=True)
+
+        yield tell
+
+
+def _print_done(found: "CampaignResults") -> None:
+    of = f"{found.cases} of {found.campaign.cases} cases are done"
+    enough = "; the answer has converged" if found.converged else ""
+    typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {found.folder}")
+
+
+def _summary(
+    found: "CampaignResults",
+    output: str | None,
+    limit: float | None,
+    probability: float | None,
+    confidence: float | None,
+) -> dict[str, Any]:
+    import numpy as np
+
+    plan = found.campaign
+    required = found.quantile(output, probability, confidence)
+    success = found.success(limit, output, confidence)
+    name, asked = output or found.outputs[0], plan.limit if limit is None else limit
+    worst = found.worst(5, output)
+    answers = np.sort(found.answers(output))[::-1][: worst.size]
+    return {
+        "vehicle": plan.vehicle.name,
+        "model": plan.model,
+        "output": name,
+        "cases": found.cases,
+        "cases_planned": plan.cases,
+        "complete": found.complete,
+        "statuses": found.statuses(),
+        "probability": required.probability,
+        "confidence": required.confidence,
+        "median_deg": np.degrees(np.median(found.answers(output))),
+        "estimate_deg": np.degrees(required.estimate),
+        "lower_deg": np.degrees(required.lower),
+        "upper_deg": np.degrees(required.upper),
+        "limit_deg": None if asked is None else np.degrees(asked),
+        "success": None if success is None else vars(success),
+        "drivers": found.drivers(output),
+        "worst": [
+            {"case": int(k), "deg": np.degrees(v)} for k, v in zip(worst, answers, strict=True)
+        ],
+        "convergence": [
+            {
+                "cases": one.cases,
+                "lower_deg": np.degrees(one.lower),
+                "estimate_deg": np.degrees(one.estimate),
+                "upper_deg": np.degrees(one.upper),
+            }
+            for one in found.convergence(output)
+        ],
+    }
+
+
+def _print_summary(d: dict[str, Any]) -> None:
+    from tvclin.cli.output import print_pairs, print_table
+
+    percent, sure = f"{100 * d['probability']:g} %", f"{100 * d['confidence']:g} %"
+    pairs = [
+        ("cases", f"{d['cases']} of {d['cases_planned']}{'' if d['complete'] else ', unfinished'}"),
+        *((f"  {said.split(';')[0]}", str(count)) for said, count in d["statuses"].items()),
+        ("median", f"{d['median_deg']:.4f} deg"),
+        (f"{percent} of the cases", f"{d['estimate_deg']:.4f} deg"),
+        (f"{percent} of flights, {sure} sure", _bound(d["upper_deg"])),
+        ("driven by", ", ".join(f"{k} ({v:+.2f})" for k, v in list(d["drivers"].items())[:5])),
+        ("worst cases", ", ".join(f"{one['case']} ({one['deg']:.4f} deg)" for one in d["worst"])),
+    ]
+    if d["success"] is not None:
+        s = d["success"]
+        of = f"{100 * s['estimate']:.2f} % ({100 * s['lower']:.2f} to {100 * s['upper']:.2f} %)"
+        pairs.insert(-2, (f"{d['limit_deg']:.4f} deg are enough in", of))
+    print_pairs(f"{d['vehicle']}, {d['model']}: {d['output']}", pairs, columns=1)
+    rows = [
+        [f"{row['cases']}", *(_bound(row[k]) for k in ("lower_deg", "estimate_deg", "upper_deg"))]
+        for row in d["convergence"]
+    ]
+    print_table(
+        f"Convergence of {percent}, each bound {sure} sure",
+        ["cases", "not below", "sample", "not above"],
+        rows,
+    )
+
+
+def _bound(value: float) -> str:
+    from math import isinf
+
+    return "too few cases to say" if isinf(value) else f"{value:.4f} deg"
+
+
+def _degrees(value: float) -> str:
+    from math import degrees, isnan
+
+    return "-" if isnan(value) else f"{degrees(value):.4f} deg"
