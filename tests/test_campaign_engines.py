@@ -1,0 +1,120 @@
+"""Campaigns on processes and on a Dask cluster, of which one is killed midway."""
+
+import multiprocessing
+import os
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.campaign.executors import cluster, processes
+from tvclin.cli.app import app
+
+pytest.importorskip("pyarrow")
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return tv.Campaign(
+        vehicle=tv.load_vehicle("configuration-i"),
+        wind=tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5),
+        model="drift",
+        cases=16 * 256,
+        chunk=256,
+        probability=0.9,
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(plan, tmp_path_factory):
+    return tv.run_campaign(plan, tmp_path_factory.mktemp("whole"))
+
+
+def same(first, second):
+    assert second.complete
+    for name in (*first.campaign.dispersions.parameters, *first.outputs, "case", "status"):
+        np.testing.assert_array_equal(first.column(name), second.column(name), err_msg=name)
+
+
+def test_a_killed_process_is_one_sentence_and_the_others_have_done_their_part(
+    plan, whole, tmp_path
+):
+    killed = []
+
+    def kill_one(done, total):
+        del total
+        if done >= 3 * 256 and not killed:
+            killed.append(multiprocessing.active_children()[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    with (
+        pytest.raises(tv.InputError, match=r"a worker process has died .* campaign resume"),
+        processes(2) as pool,
+    ):
+        tv.run_campaign(plan, tmp_path, executor=pool, progress=kill_one)
+    assert 3 * 256 <= tv.open_campaign(tmp_path).cases < plan.cases
+    with processes(1) as pool:
+        same(whole, tv.resume_campaign(tmp_path, executor=pool))
+
+
+def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    killed = []
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as local:
+
+        def kill_one(done, total):
+            del total
+            if done >= 3 * 256 and not killed:
+                killed.append(next(iter(local.workers.values())).pid)
+                os.kill(killed[0], signal.SIGKILL)
+
+        with cluster(local.scheduler_address) as executor:
+            found = tv.run_campaign(plan, tmp_path, executor=executor, progress=kill_one)
+    assert killed
+    same(whole, found)
+
+
+def test_a_scheduler_that_is_not_there(plan, tmp_path):
+    pytest.importorskip("distributed")
+    file = tmp_path / "my.toml"
+    CliRunner().invoke(app, ["campaign", "init", str(file)])
+    arguments = ["campaign", "run", str(file), "-o", str(tmp_path / "results")]
+    result = CliRunner().invoke(app, [*arguments, "--scheduler", "tcp://127.0.0.1:1"])
+    assert result.exit_code == 2
+    assert "Error: no Dask scheduler answers at tcp://127.0.0.1:1" in result.stderr
+    result = CliRunner().invoke(app, [*arguments, "--scheduler", "nonsense", "--workers", "2"])
+    assert result.exit_code == 2
+    assert "give --workers or --scheduler, not both" in result.stderr
+
+
+def test_without_distributed_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
+    with (
+        pytest.raises(tv.InputError, match=r"needs distributed; install tvclin\[campaign\]"),
+        cluster("tcp://127.0.0.1:1"),
+    ):
+        pass
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5, 10**9])
+def test_a_number_of_workers_that_is_none(workers):
+    with pytest.raises(tv.InputError, match="workers must be"), processes(workers):
+        pass
+
+
+def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, monkeypatch):
+    from tvclin.campaign import run_chunk
+    from tvclin.campaign.manifest import begin
+
+    seal = begin(replace(plan, seed=4), tmp_path).seal
+    monkeypatch.setattr(tv, "__version__", "99.0")
+    with pytest.raises(tv.InputError, match=r"was begun with tvclin .*, and here is 99\.0"):
+        run_chunk(str(tmp_path), seal, 0)
+    with pytest.raises(tv.InputError, match="holds another campaign now"):
+        run_chunk(str(tmp_path), "0" * 64, 0)
+    assert not (tmp_path / "chunks").exists()
