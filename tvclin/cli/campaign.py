@@ -174,13 +174,9 @@ def _flown(one: Any) -> dict[str, float]:
         response = one.response()
     except InputError:
         return {}
-    names = ("attitude", "angle_of_attack", "deflection")
-    values = {
-        name: np.degrees(response.outputs[name]) for name in names if name in response.output_labels
-    }
-    return {f"largest_{name}_deg": float(np.abs(v).max()) for name, v in values.items()} | {
-        "until_s": float(response.time[-1])
-    }
+    values = {name: response.outputs[name] for name in ("attitude", "angle_of_attack")}
+    largest = {f"largest_{k}_deg": float(np.degrees(np.abs(v).max())) for k, v in values.items()}
+    return largest | {"until_s": float(response.time[-1])}
 
 
 @contextmanager

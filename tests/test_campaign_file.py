@@ -1,0 +1,247 @@
+"""Campaign files: what they say, and one sentence for what they should not."""
+
+import csv
+import json
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.campaign.cases import evaluate
+from tvclin.campaign.file import document_of, parse_campaign, template
+
+HEAD = {"vehicle": "configuration-i", "cases": 10}
+WIND = {"peak_deg": 5.0, "duration_s": 7.5}
+
+
+def campaign(**tables):
+    return parse_campaign({"campaign": HEAD, "wind": WIND} | tables)
+
+
+def test_the_template_is_a_campaign(tmp_path):
+    file = tmp_path / "my.toml"
+    file.write_text(template())
+    plan = tv.load_campaign(file)
+    assert plan.vehicle == tv.load_vehicle("configuration-i")
+    assert plan.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
+    assert plan.limit == pytest.approx(np.radians(0.42), rel=1e-15)
+    assert plan.dispersions.each[0] == tv.Dispersion("thrust", "truncated", 0.01)
+    arm = tv.Dispersion("aerodynamic_arm", "truncated", 0.47, relative=False)
+    assert plan.dispersions.each[3] == arm
+    correlation = np.array(plan.dispersions.correlation)
+    assert correlation[2, 3] == correlation[3, 2] == -0.3
+    assert np.count_nonzero(correlation) == 5 + 2
+
+
+def test_a_document_makes_the_same_campaign():
+    plan = replace(parse_campaign(tomllib.loads(template())), until=0.07, limit=None)
+    kept = json.loads(json.dumps(document_of(plan)))
+    assert parse_campaign(kept) == plan
+    assert document_of(parse_campaign(kept)) == kept
+
+
+def test_spreads_carry_their_units():
+    rows = [
+        {"parameter": "thrust", "spread_kN": 20.0},
+        {"parameter": "wind_peak", "spread_deg": 0.5, "shape": "uniform"},
+        {"parameter": "velocity", "percent": 3.0},
+    ]
+    each = campaign(dispersion=rows).dispersions.each
+    assert [one.spread for one in each] == pytest.approx([2e4, np.radians(0.5), 0.03], rel=1e-15)
+    assert [one.relative for one in each] == [False, False, True]
+
+
+@pytest.fixture
+def ensemble(tmp_path):
+    rng = np.random.default_rng(2)
+    time = np.linspace(0.0, 30.0, 16)
+    angle = np.abs(np.cumsum(rng.normal(size=(5, 16)), axis=1)) * 0.3
+    with (tmp_path / "winds.csv").open("w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["time_s", *(f"wind {k}" for k in range(5))])
+        writer.writerows(np.column_stack([time, angle.T]).tolist())
+    return tmp_path, time, angle
+
+
+def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
+    folder, time, angle = ensemble
+    every = {"names": ["boundary", "forecast-free", "minimum"]}
+    tables = {"campaign": HEAD | {"cases": 400}, "wind": {"file": "winds.csv"}, "outputs": every}
+    plan = parse_campaign(tables, folder)
+    kept = parse_campaign(json.loads(json.dumps(document_of(plan))))
+    np.testing.assert_array_equal(kept.wind.angle, plan.wind.angle)
+    found = evaluate(plan, 0, 400)
+    counts = np.bincount(found["wind"], minlength=5)
+    assert counts.size == 5
+    assert counts.min() > 400 / 5 - 4 * np.sqrt(400 / 5)
+    plant = tv.Plant.from_vehicle(plan.vehicle)
+    for k in range(5):
+        wind = tv.SampledWind(time=time, angle=np.radians(angle[k]))
+        rows = found["wind"] == k
+        limit = abs(tv.boundary_limit(plant, wind).deflection)
+        np.testing.assert_allclose(found["boundary_K1"][rows], limit, rtol=1e-11)
+        free = abs(tv.forecast_free_limit(plant, wind).deflection)
+        np.testing.assert_allclose(found["forecast_free"][rows], free, rtol=1e-11)
+        least = tv.optimum_deflection(plant, wind).peak
+        np.testing.assert_allclose(found["minimum"][rows], least, rtol=1e-11)
+
+
+def test_a_wind_that_changes_its_sign_is_the_status_of_its_cases_alone(ensemble):
+    folder, _, angle = ensemble
+    good = parse_campaign(
+        {"campaign": HEAD | {"cases": 300}, "wind": {"file": "winds.csv"}}, folder
+    )
+    turned = np.array(good.wind.angle)
+    turned[2, 8] = -0.1
+    bad = replace(good, wind=tv.WindEnsemble(good.wind.time, turned))
+    before, after = evaluate(good, 0, 300), evaluate(bad, 0, 300)
+    hit = before["wind"] == 2
+    assert 0 < hit.sum() < 300
+    assert all(said.startswith("wind must not change its sign") for said in after["status"][hit])
+    assert set(after["status"][~hit]) == {"ok"}
+    assert np.all(np.isnan(after["boundary_K1"][hit]))
+    np.testing.assert_allclose(after["boundary_K1"][~hit], before["boundary_K1"][~hit], rtol=1e-12)
+    assert angle.shape == (5, 16)
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+@pytest.mark.parametrize("shape", ["triangular", "rectangular", "one-minus-cosine"])
+def test_every_output_is_that_of_the_single_case(model, shape):
+    plan = replace(
+        campaign(wind=WIND | {"shape": shape}),
+        dispersions=tv.Dispersions(
+            (tv.Dispersion("thrust", "normal", 0.05), tv.Dispersion("wind_duration", "normal", 0.2))
+        ),
+        model=model,
+        cases=3,
+        outputs=("boundary", "forecast-free", "minimum"),
+        dead_bands=(0.5,),
+    )
+    found = evaluate(plan, 0, 3)
+    for case in range(3):
+        vehicle = plan.vehicle.replace(thrust=float(found["thrust"][case]))
+        plant = tv.Plant.from_vehicle(vehicle, model)
+        wind = tv.campaign.ShapedWind(shape, plan.wind.peak, float(found["wind_duration"][case]))
+        history = wind.history({})
+        expected = [
+            abs(tv.boundary_limit(plant, history, 0.5).deflection),
+            abs(tv.forecast_free_limit(plant, history).deflection),
+            tv.optimum_deflection(plant, history).peak,
+        ]
+        row = [found[name][case] for name in ("boundary_K0.5", "forecast_free", "minimum")]
+        assert row == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"campain": {}}, "unknown table: 'campain'; did you mean campaign?"),
+        ({"campaign": HEAD | {"modle": "drift"}}, "unknown key .*'modle'; did you mean model?"),
+        ({"campaign": {"cases": 3}}, r"a key is missing in \[campaign\]: vehicle"),
+        ({"campaign": {"vehicle": "configuration-i"}}, r"a key is missing .*: cases"),
+        ({"campaign": HEAD | {"vehicle": "configuration-3"}}, "did you mean 'configuration-i"),
+        ({"campaign": HEAD | {"vehicle": {"weight": 3.0}}}, "every number of a Vehicle"),
+        ({"campaign": HEAD | {"vehicle": 3}}, "vehicle must be a name or a path"),
+        ({"campaign": HEAD | {"seed": 1.5}}, "seed must be an integer"),
+        ({"campaign": HEAD | {"seed": "one"}}, "seed must be an integer"),
+        ({"campaign": HEAD | {"cases": 0}}, "cases must be from 1"),
+        ({"campaign": HEAD | {"cases": "many"}}, "cases must be an integer"),
+        ({"campaign": HEAD | {"chunk": -1}}, "chunk must be an integer, zero or positive"),
+        ({"campaign": HEAD | {"model": "drifty"}}, "model must be one of .*'drift'"),
+        ({"campaign": HEAD | {"plane": "roll"}}, "plane must be one of"),
+        ({"campaign": HEAD | {"method": "halton"}}, "method must be one of plain"),
+        ({"campaign": HEAD | {"method": "latin", "cases": 10**8}}, "at most 1e7 cases"),
+        ({"campaign": HEAD | {"until_percent": -3}}, "until must be positive"),
+        ({"campaign": 3}, r"\[campaign\] must be a table"),
+        ({"wind": {"peak": 5.0, "duration_s": 7.5}}, "peak once, as peak_rad or peak_deg"),
+        ({"wind": WIND | {"peak_rad": 0.1}}, "peak once, as peak_rad or peak_deg"),
+        ({"wind": WIND | {"shpe": "triangular"}}, "'shpe'; did you mean shape?"),
+        ({"wind": WIND | {"shape": "square"}}, "shape of the wind must be one of triangular"),
+        ({"wind": WIND | {"peak_deg": 120.0}}, "within 90 degrees"),
+        ({"wind": WIND | {"duration_s": -1.0}}, "duration of the wind must be positive"),
+        ({"wind": {"file": "none.csv"}}, "none.csv cannot be read"),
+        ({"wind": {"file": "none.csv", "unit": "knots"}}, "unit in .wind. must be one of rad"),
+        ({"outputs": {"names": ["bondary"]}}, "did you mean 'boundary'"),
+        ({"outputs": {"names": []}}, "one or more different values"),
+        ({"outputs": {"dead_bands": [1.5]}}, "dead_bands must be between 0 and 1"),
+        ({"outputs": {"dead_bands": 1.0}}, "dead_bands in .outputs. must be a list"),
+        ({"question": {"probability": 1.0}}, "probability must be above 0 and below 1"),
+        ({"question": {"limit_deg": -1.0}}, "limit must be positive"),
+        ({"dispersion": {"parameter": "thrust"}}, r"must be given as \[\[dispersion\]\]"),
+        ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
+        ({"dispersion": [{"parameter": "thrust"}]}, "spread of thrust must be given once"),
+        (
+            {"dispersion": [{"parameter": "thrust", "percent": 1, "spread_N": 2}]},
+            "spread of thrust must be given once",
+        ),
+        (
+            {"dispersion": [{"parameter": "thrust", "spread_deg": 2}]},
+            "unknown key .* of thrust: 'spread_deg'; did you mean spread",
+        ),
+        (
+            {"dispersion": [{"parameter": "thrust", "percent": -2}]},
+            "spread must be positive",
+        ),
+        (
+            {"dispersion": [{"parameter": "thrust", "percent": 1}] * 2},
+            "a parameter is dispersed twice",
+        ),
+        (
+            {
+                "dispersion": [{"parameter": "thrust", "percent": 1}],
+                "correlation": [{"between": ["thrust", "weight"], "coefficient": 0.5}],
+            },
+            "between in .*correlation.* must be one of thrust; got 'weight'",
+        ),
+        (
+            {
+                "dispersion": [{"parameter": p, "percent": 1} for p in ("thrust", "weight")],
+                "correlation": [{"between": ["thrust", "weight"], "coefficient": 1.5}],
+            },
+            "correlation must be positive definite",
+        ),
+    ],
+)
+def test_bad_files_are_one_clear_sentence(tables, message):
+    with pytest.raises(tv.InputError, match=message):
+        campaign(**tables)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "first column time_s"),
+        ("t,a\n0,1\n", "first column time_s"),
+        ("time_s\n0\n1\n", "first column time_s"),
+        ("time_s,a\n0,x\n", "must hold numbers"),
+        ("time_s,a\n0,1\n1\n", "must hold numbers"),
+        ("time_s,a\n0,1\n", "two or more samples"),
+        ("time_s,a\n1,1\n0,1\n", "must not decrease"),
+        ("time_s,a\n0,0\n1,0\n", "not zero throughout"),
+        ("time_s,a\n0,100\n1,0\n", "within 90 degrees"),
+        ("time_s,a\n0,nan\n1,0\n", "must be finite"),
+    ],
+)
+def test_bad_wind_files_are_one_clear_sentence(tmp_path, text, message):
+    (tmp_path / "winds.csv").write_text(text)
+    with pytest.raises(tv.InputError, match=message):
+        parse_campaign({"campaign": HEAD, "wind": {"file": "winds.csv"}}, tmp_path)
+
+
+def test_a_dispersed_wind_needs_a_shape(ensemble):
+    rows = [{"parameter": "wind_peak", "percent": 10}]
+    with pytest.raises(tv.InputError, match="wind_peak is dispersed, but has no nominal value"):
+        parse_campaign(
+            {"campaign": HEAD, "wind": {"file": "winds.csv"}, "dispersion": rows}, ensemble[0]
+        )
+
+
+def test_a_file_that_cannot_be_read(tmp_path):
+    with pytest.raises(tv.InputError, match=r"cannot be read: .* tvclin campaign init"):
+        tv.load_campaign(tmp_path / "none.toml")
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[campaign")
+    with pytest.raises(tv.InputError, match=r"bad\.toml is not valid TOML"):
+        tv.load_campaign(bad)

@@ -1,0 +1,146 @@
+"""The campaign commands: what they print is what the library finds, with exit code 2 for no."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.campaign.chunks import chunk_file
+from tvclin.cli.app import app
+
+pytest.importorskip("pyarrow")
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["campaign", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("campaign")
+    assert run("init", folder / "my.toml").exit_code == 0
+    text = (folder / "my.toml").read_text()
+    small = text.replace("cases = 4096 ", "cases = 600 ").replace("chunk = 1024", "chunk = 256")
+    assert small != text
+    (folder / "my.toml").write_text(small)
+    result = run("run", folder / "my.toml", "-o", folder / "results")
+    assert result.exit_code == 0
+    assert "600 of 600 cases are done" in result.output
+    return folder
+
+
+def test_show_says_what_the_library_finds(place):
+    found = tv.open_campaign(place / "results")
+    document = json.loads(run("show", place / "results", "--json").output)
+    required = found.quantile()
+    assert document["estimate_deg"] == pytest.approx(np.degrees(required.estimate), rel=1e-15)
+    assert document["upper_deg"] is None  # 600 cases prove nothing of 99.865 percent
+    assert document["statuses"] == {"ok": 600}
+    assert document["drivers"] == pytest.approx(found.drivers())
+    assert document["success"] == pytest.approx(vars(found.success()))
+    answers = found.column("boundary_K1")
+    assert document["worst"][0]["case"] == np.argmax(answers)
+    assert document["worst"][0]["deg"] == pytest.approx(np.degrees(answers.max()), rel=1e-15)
+    assert [row["cases"] for row in document["convergence"]] == [37, 75, 150, 300, 600]
+    text = run("show", place / "results").output
+    assert "too few cases to say" in text
+    assert f"{document['median_deg']:.4f} deg" in text
+
+
+def test_show_answers_other_questions(place):
+    options = ["--output", "minimum", "--probability", "0.9", "--limit-deg", "0.2", "--json"]
+    document = json.loads(run("show", place / "results", *options).output)
+    found = tv.open_campaign(place / "results")
+    values = found.column("minimum")
+    assert document["estimate_deg"] == np.degrees(np.quantile(values, 0.9, method="inverted_cdf"))
+    assert document["success"]["estimate"] == np.mean(values <= np.radians(0.2))
+    assert document["lower_deg"] <= document["estimate_deg"] <= document["upper_deg"]
+
+
+def test_replay_is_the_case_to_the_bit(place):
+    found = tv.open_campaign(place / "results")
+    worst = int(found.worst(1)[0])
+    document = json.loads(run("replay", place / "results", worst, "--json").output)
+    for name in found.outputs:
+        assert document["outputs"][name] == found.column(name)[worst]
+    for name in found.campaign.dispersions.parameters:
+        assert document["inputs"][name] == found.column(name)[worst]
+    one = found.replay(worst)
+    assert abs(one.boundary) == pytest.approx(found.column("boundary_K1")[worst], rel=1e-12)
+    # On the boundary the attitude stays bounded for ever; with a little less it does not.
+    attitude, lost = (
+        np.abs(one.response(capability).outputs["attitude"]).max() for capability in (1.0, 0.9)
+    )
+    assert attitude < 2.0 * found.campaign.wind.peak < lost
+    assert document["response"]["largest_attitude_deg"] == np.degrees(attitude)
+    assert f"Case {worst}: ok" in run("replay", place / "results", worst).output
+
+
+def test_resume_names_what_is_damaged_and_mends_it(place, tmp_path):
+    folder = tmp_path / "results"
+    assert run("run", place / "my.toml", "-o", folder, "--shard", "1/2").exit_code == 0
+    text = run("show", folder).output
+    assert "344 of 600, unfinished" in text
+    file = chunk_file(folder, 0)
+    file.write_bytes(file.read_bytes()[:1000])
+    shown = run("show", folder)
+    assert shown.exit_code == 2
+    assert "is damaged; compute it anew with: tvclin campaign resume" in shown.stderr
+    result = run("resume", folder)
+    assert result.exit_code == 0
+    assert "00000000.parquet is damaged" in result.stderr
+    assert "600 of 600" in result.output
+    assert run("show", folder).output == run("show", place / "results").output
+
+
+def test_it_stops_when_converged(place, tmp_path):
+    text = (place / "my.toml").read_text().replace("probability = 0.99865", "probability = 0.5")
+    (tmp_path / "my.toml").write_text(text)
+    result = run("run", tmp_path / "my.toml", "-o", tmp_path / "results", "--until-converged", "10")
+    assert "256 of 600 cases are done; the answer has converged" in result.output
+
+
+def test_a_file_is_not_overwritten(place):
+    result = run("init", place / "my.toml")
+    assert result.exit_code == 2
+    assert "exists already" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "none.toml", "-o", "results"],
+        ["run", "none.toml"],
+        ["show", "nowhere"],
+        ["resume", "nowhere"],
+        ["replay", "nowhere", "1"],
+        ["nonsense"],
+    ],
+)
+def test_bad_input_is_exit_code_two(arguments):
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert isinstance(result.exception, SystemExit)
+    assert result.output.strip()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["show", "RESULTS", "--output", "minimun"], "did you mean 'minimum'"),
+        (["show", "RESULTS", "--probability", "2"], "probability must be"),
+        (["show", "RESULTS", "--limit-deg", "0"], "--limit-deg must be positive"),
+        (["replay", "RESULTS", "600"], "case must be below 600"),
+        (["resume", "RESULTS", "--shard", "3"], "shard must be i/n"),
+        (["resume", "RESULTS", "--workers", "0"], "workers must be from 1"),
+        (["run", "FILE", "-o", "RESULTS", "--until-converged", "-1"], "until must be positive"),
+        (["run", "FILE", "-o", "FILE"], "is a file; name a directory"),
+    ],
+)
+def test_bad_options_are_one_sentence(place, arguments, message):
+    names = {"RESULTS": place / "results", "FILE": place / "my.toml"}
+    result = run(*(names.get(word, word) for word in arguments))
+    assert result.exit_code == 2
+    assert message in result.stderr
