@@ -2,8 +2,10 @@
 
 import csv
 import json
+import re
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -33,6 +35,15 @@ def test_the_template_is_a_campaign(tmp_path):
     correlation = np.array(plan.dispersions.correlation)
     assert correlation[2, 3] == correlation[3, 2] == -0.3
     assert np.count_nonzero(correlation) == 5 + 2
+
+
+def test_the_page_shows_a_campaign():
+    page = (Path(__file__).parents[1] / "docs" / "campaigns.md").read_text()
+    (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
+    plan = parse_campaign(tomllib.loads(text))
+    assert plan.outputs == ("boundary", "forecast-free", "minimum")
+    assert plan.until == 0.01
+    assert plan.dispersions.each[1] == tv.Dispersion("wind_duration", "uniform", 2.0, False)
 
 
 def test_a_document_makes_the_same_campaign():

@@ -15,9 +15,9 @@ import pytest
 
 import tvclin as tv
 from tvclin.campaign import chunks as chunks_room
-from tvclin.campaign.chunks import chunk_file, flaw
+from tvclin.campaign.chunks import chunk_file, flaw, write_chunk
 from tvclin.campaign.engine import checkpoints, damaged
-from tvclin.campaign.manifest import NAME, check_versions, new_manifest, read_manifest
+from tvclin.campaign.manifest import NAME, begin, check_versions, new_manifest, read_manifest
 
 pytest.importorskip("pyarrow")
 
@@ -284,3 +284,33 @@ def test_a_folder_without_a_campaign(tmp_path):
     file.write_text("")
     with pytest.raises(tv.InputError, match="holds no campaign"):
         tv.resume_campaign(file)
+
+
+def test_statistics_of_a_million_cases_take_less_than_a_gibibyte(plan, tmp_path):
+    pytest.importorskip("resource")
+    million = replace(plan, cases=2**20, chunk=2**15, outputs=("boundary",), dead_bands=(1.0,))
+    manifest = begin(million, tmp_path, compiled=False)
+    rng = np.random.default_rng(3)
+    for k in range(million.chunks):
+        first, count = million.span(k)
+        drawn = {name: rng.normal(size=count) for name in SPREAD.parameters}
+        answer = 3.0 * drawn["wind_duration"] - drawn["thrust"]
+        row = {"case": np.arange(first, first + count), **drawn, "boundary_K1": answer}
+        write_chunk(tmp_path, manifest, k, row | {"status": np.full(count, "ok", dtype=object)})
+    code = f"""
+import resource, tvclin as tv
+found = tv.open_campaign({str(tmp_path)!r})
+print(found.cases, found.quantile().estimate, list(found.drivers())[:2], len(found.worst(5)),
+      found.statuses(), len(found.convergence()), sep="|")
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    said, used = out.stdout.split("\n")[:2]
+    cases, estimate, drivers, *others = said.split("|")
+    assert cases == "1048576"
+    # A normal number of variance 10: its 0.9 quantile is 1.2816 times the root of ten.
+    assert float(estimate) == pytest.approx(1.2815515655 * np.sqrt(10.0), rel=5e-3)
+    assert drivers == "['wind_duration', 'thrust']"
+    assert others == ["5", "{'ok': 1048576}", "5"]
+    unit = 1 if sys.platform == "darwin" else 1024
+    assert int(used) * unit < 2**30
