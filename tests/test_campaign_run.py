@@ -267,8 +267,44 @@ def test_a_shard_that_is_none(plan, tmp_path, shard, message):
 
 
 def test_a_shard_cannot_see_convergence(plan, tmp_path):
-    with pytest.raises(tv.InputError, match="cannot see when the whole has converged"):
-        tv.run_campaign(replace(plan, until=0.1), tmp_path, shard="1/2")
+    until = replace(plan, until=0.1)
+    for attempt in (
+        lambda: tv.run_campaign(until, tmp_path, shard="1/2"),
+        lambda: tv.resume_campaign(tmp_path, shard="1/2"),
+    ):
+        with pytest.raises(tv.InputError, match="cannot see when the whole has converged"):
+            attempt()
+
+
+def test_a_campaign_without_a_nominal_answer_does_not_begin(plan, tmp_path):
+    without = replace(plan, model="drift-and-speed", outputs=("forecast-free",))
+    with pytest.raises(tv.InputError, match="needs real unstable poles"):
+        tv.run_campaign(without, tmp_path / "results")
+    assert not (tmp_path / "results").exists()
+
+
+def test_the_nominal_case_is_that_of_the_study(plan, whole):
+    study = tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=np.radians(5))
+    assert whole.nominal["boundary_K1"] == pytest.approx(study.required_deflection, rel=1e-12)
+
+
+def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):
+    begin(plan, tmp_path)
+    found = tv.open_campaign(tmp_path)
+    assert (found.cases, found.complete, found.statuses()) == (0, False, {})
+    with pytest.raises(tv.InputError, match="holds no finished case with an answer"):
+        found.quantile()
+
+
+def test_what_killed_workers_left_is_swept_away_when_it_is_old(plan, tmp_path):
+    tv.run_campaign(plan, tmp_path, shard="1/6")
+    old, young = (tmp_path / "chunks" / f".0000000{k}.parquet.abc" for k in (3, 4))
+    for file in (old, young):
+        file.write_text("half")
+    os.utime(old, (time.time() - 7200, time.time() - 7200))
+    tv.resume_campaign(tmp_path, shard="1/6")
+    assert not old.exists()
+    assert young.exists()
 
 
 def test_without_pyarrow_the_extra_is_named(plan, tmp_path, monkeypatch):

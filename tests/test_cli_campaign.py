@@ -102,6 +102,15 @@ def test_it_stops_when_converged(place, tmp_path):
     assert "256 of 600 cases are done; the answer has converged" in result.output
 
 
+def test_a_terminal_sees_a_bar_and_others_nothing(place, tmp_path):
+    arguments = ["campaign", "run", str(place / "my.toml"), "-o"]
+    quiet = CliRunner().invoke(app, [*arguments, str(tmp_path / "one")])
+    assert quiet.stderr == ""
+    shown = CliRunner().invoke(app, [*arguments, str(tmp_path / "two")], env={"FORCE_COLOR": "1"})
+    assert "600 of 600 cases" in shown.stderr
+    assert "/s" in shown.stderr
+
+
 def test_a_file_is_not_overwritten(place):
     result = run("init", place / "my.toml")
     assert result.exit_code == 2

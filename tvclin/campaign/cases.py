@@ -97,6 +97,21 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
     return Batch(plant, wind, cases.possible.size)
 
 
+def nominal(campaign: Campaign) -> dict[str, float]:
+    """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble.
+
+    Raises
+    ------
+    InputError
+        When they cannot be answered.
+    """
+    if isinstance(campaign.wind, WindEnsemble):
+        return {}
+    plant = Plant.from_vehicle(campaign.vehicle, campaign.model, campaign.plane)
+    found = compute(campaign, Batch(plant, campaign.wind.history({}), 1))
+    return {name: float(values[0]) for name, values in found.items()}
+
+
 def _block(campaign: Campaign, first: int, cases: Cases) -> dict[str, NDArray[Any]]:
     count = cases.possible.size
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}

@@ -6,9 +6,11 @@ found: whatever changes in it either changes what is read, and so the hash, or c
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
+from time import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     import pyarrow
 
 FOLDER = "chunks"
+_OLD = 3600.0
+"""Seconds after which nobody writes to a temporary file any more."""
 _SEAL, _CHUNK, _CONTENT = b"tvclin_campaign", b"tvclin_chunk", b"tvclin_content"
 
 
@@ -75,6 +79,14 @@ def write_chunk(
         chunk_file(folder, chunk),
         lambda target: parquet.write_table(table, target, use_dictionary=["status"], **options),
     )
+
+
+def sweep(folder: Path) -> None:
+    """Remove what killed workers left half written; young files may still be written to."""
+    for file in (folder / FOLDER).glob(".*.parquet.*"):
+        with suppress(OSError):
+            if time() - file.stat().st_mtime > _OLD:
+                file.unlink()
 
 
 def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:

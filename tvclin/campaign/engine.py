@@ -12,7 +12,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from tvclin.campaign.chunks import chunk_file, flaw, run_chunk
+from tvclin.campaign.cases import nominal
+from tvclin.campaign.chunks import chunk_file, flaw, run_chunk, sweep
 from tvclin.campaign.manifest import Manifest, begin, check_versions, read_manifest
 from tvclin.campaign.plan import Campaign
 from tvclin.campaign.results import CampaignResults
@@ -61,8 +62,9 @@ def run_campaign(
     Raises
     ------
     InputError
-        When the folder holds another campaign or cannot be written, when a worker has another
-        version or was killed. What was finished is kept.
+        When not even the nominal case can be answered, the folder holds another campaign or
+        cannot be written, and when a worker has another version or was killed. What was finished
+        is kept.
 
     Examples
     --------
@@ -81,8 +83,7 @@ def run_campaign(
     (300, True, 0.388)
     """
     place = Path(folder)
-    if shard is not None and campaign.until is not None:
-        raise InputError("a shard cannot see when the whole has converged; leave one of them out")
+    nominal(campaign)
     return _work(begin(campaign, place, compiled), place, executor, shard, progress)
 
 
@@ -138,8 +139,11 @@ def _work(
     shard: str | None,
     progress: Progress | None,
 ) -> CampaignResults:
-    check_versions(manifest)
     campaign = manifest.campaign
+    if shard is not None and campaign.until is not None:
+        raise InputError("a shard cannot see when the whole has converged; leave one of them out")
+    check_versions(manifest)
+    sweep(folder)
     first, step = _shard(shard)
     mine = range(first, campaign.chunks, step)
     done = 0

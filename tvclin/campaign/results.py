@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.campaign.cases import nominal
 from tvclin.campaign.chunks import chunk_file, read_columns
 from tvclin.campaign.dispersions import UNITS_OF
 from tvclin.campaign.manifest import Manifest, read_manifest
@@ -81,6 +82,11 @@ class CampaignResults:
             return False
 
     @property
+    def nominal(self) -> dict[str, float]:
+        """The outputs without any dispersion; nothing for a wind ensemble."""
+        return nominal(self.campaign)
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the columns that were computed; the first is the answer."""
         return tuple(columns(self.campaign))
@@ -131,7 +137,10 @@ class CampaignResults:
         InputError
             For an unknown output, numbers outside (0, 1), and when no case has an answer.
         """
-        return quantile_bound(self.answers(output), *self._asked(probability, confidence))
+        found = self.answers(output)
+        if not found.size:
+            raise InputError(f"{self.folder} holds no finished case with an answer")
+        return quantile_bound(found, *self._asked(probability, confidence))
 
     def success(
         self, limit: float | None = None, output: str | None = None, confidence: float | None = None

@@ -250,6 +250,7 @@ def _summary(
         "statuses": found.statuses(),
         "probability": required.probability,
         "confidence": required.confidence,
+        "nominal_deg": np.degrees(found.nominal[name]) if found.nominal else None,
         "median_deg": np.degrees(np.median(found.answers(output))),
         "estimate_deg": np.degrees(required.estimate),
         "lower_deg": np.degrees(required.lower),
@@ -279,6 +280,7 @@ def _print_summary(d: dict[str, Any]) -> None:
     pairs = [
         ("cases", f"{d['cases']} of {d['cases_planned']}{'' if d['complete'] else ', unfinished'}"),
         *((f"  {said.split(';')[0]}", str(count)) for said, count in d["statuses"].items()),
+        *([("nominal", f"{d['nominal_deg']:.4f} deg")] if d["nominal_deg"] is not None else []),
         ("median", f"{d['median_deg']:.4f} deg"),
         (f"{percent} of the cases", f"{d['estimate_deg']:.4f} deg"),
         (f"{percent} of flights, {sure} sure", _bound(d["upper_deg"])),
