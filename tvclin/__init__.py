@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.campaign import DispersedStudy as DispersedStudy
     from tvclin.campaign import Dispersion as Dispersion
     from tvclin.campaign import Dispersions as Dispersions
+    from tvclin.campaign import Flight as Flight
     from tvclin.campaign import ShapedWind as ShapedWind
     from tvclin.campaign import WindEnsemble as WindEnsemble
     from tvclin.campaign import disperse_study as disperse_study
@@ -134,6 +135,7 @@ _ROOMS = {
         "DispersedStudy",
         "Dispersion",
         "Dispersions",
+        "Flight",
         "ShapedWind",
         "WindEnsemble",
         "disperse_study",

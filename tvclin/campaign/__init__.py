@@ -4,8 +4,8 @@ The rooms inside: `draws` gives each case its random numbers, `dispersions` make
 winds of them, `statistics` says what a sample proves, and `quick` answers for one study.
 
 For many cases: `file` reads a `plan`, with its `winds`; `cases` makes vehicles of random numbers
-and `outputs` the answers; `manifest` seals the plan, `chunks` are its files, `engine` runs them,
-`results` reads them, and `replay` shows one case.
+and `outputs` (with `forecast` and `flights`) the answers; `manifest` seals the plan, `chunks` are
+its files, `engine` runs them on `executors`, `results` reads them, and `replay` shows one case.
 """
 
 from tvclin.campaign.chunks import run_chunk
@@ -18,6 +18,7 @@ from tvclin.campaign.dispersions import (
 from tvclin.campaign.draws import draw
 from tvclin.campaign.engine import open_campaign, resume_campaign, run_campaign
 from tvclin.campaign.file import load_campaign
+from tvclin.campaign.flights import Flight
 from tvclin.campaign.plan import Campaign
 from tvclin.campaign.quick import DispersedStudy, disperse_study
 from tvclin.campaign.replay import Replay, replay_case
@@ -40,6 +41,7 @@ __all__ = [
     "DispersedStudy",
     "Dispersion",
     "Dispersions",
+    "Flight",
     "Quantile",
     "Replay",
     "ShapedWind",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tvclin.campaign.dispersions import GAINS, WIND
 from tvclin.campaign.draws import draw
-from tvclin.campaign.outputs import Batch, columns, compute
+from tvclin.campaign.outputs import REGISTRY, Batch, columns, compute
 from tvclin.campaign.plan import Campaign
 from tvclin.campaign.winds import WindEnsemble
 from tvclin.errors import InputError
@@ -24,6 +24,7 @@ FloatArray = NDArray[np.float64]
 
 BLOCK = 256
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
+UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +68,8 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[An
     """
     begin = first - first % BLOCK
     end = min(-(-(first + count) // BLOCK) * BLOCK, campaign.cases)
-    numbers = [
-        (at, draw_cases(campaign, at, min(BLOCK, end - at))) for at in range(begin, end, BLOCK)
-    ]
-    rows = [_block(campaign, at, cases) for at, cases in numbers]
+    wanted = range(first, first + count)
+    rows = [_block(campaign, at, min(BLOCK, end - at), wanted) for at in range(begin, end, BLOCK)]
     part = slice(first - begin, first - begin + count)
     return {name: np.concatenate([row[name] for row in rows])[part] for name in rows[0]}
 
@@ -94,7 +93,7 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     wind = campaign.wind.history(cases.values)
-    return Batch(plant, wind, cases.possible.size)
+    return Batch(plant, wind, _gains(campaign, cases.values), cases.possible.size)
 
 
 def nominal(campaign: Campaign) -> dict[str, float]:
@@ -107,31 +106,42 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     """
     if isinstance(campaign.wind, WindEnsemble):
         return {}
-    plant = Plant.from_vehicle(campaign.vehicle, campaign.model, campaign.plane)
-    found = compute(campaign, Batch(plant, campaign.wind.history({}), 1))
+    batch = Batch(campaign.plant, campaign.wind.history({}), _gains(campaign, {}), 1)
+    found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
     return {name: float(values[0]) for name, values in found.items()}
 
 
-def _block(campaign: Campaign, first: int, cases: Cases) -> dict[str, NDArray[Any]]:
-    count = cases.possible.size
+def _gains(campaign: Campaign, values: dict[str, NDArray[Any]]) -> dict[str, Any]:
+    nominal = campaign.nominal
+    return {name: values.get(name, nominal[name]) for name in GAINS if name in nominal}
+
+
+def _block(campaign: Campaign, first: int, count: int, wanted: range) -> dict[str, NDArray[Any]]:
+    """The columns of one block; what is computed alone only for the cases that are wanted."""
+    cases = draw_cases(campaign, first, count)
+    index = np.arange(first, first + count, dtype=np.int64)
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
-    good = np.flatnonzero(cases.possible)
 
-    def answer(which: NDArray[np.intp]) -> None:
+    def answer(which: NDArray[np.intp], alone: bool) -> None:
         made = batch(campaign, cases.take(which))
-        for name, values in compute(campaign, made).items():
+        for name, values in compute(campaign, made, alone=alone).items():
             answers[name][which] = values
-        poles = unstable_modes(made.plant).poles
-        unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
-        status[which[~unstable]] = STABLE
+        if not alone:
+            poles = unstable_modes(made.plant).poles
+            unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
+            status[which[~unstable]] = STABLE
 
     def refused(case: np.intp, error: InputError) -> None:
         status[case] = str(error)
 
-    if good.size:
-        _divide(answer, refused, good)
-    index = np.arange(first, first + count, dtype=np.int64)
+    _divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
+    if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
+        good = cases.possible & ((index >= wanted.start) & (index < wanted.stop))
+        for case in np.flatnonzero(good):
+            _divide(lambda which: answer(which, True), refused, np.array([case]))
+    if "flight" in campaign.outputs:
+        status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED
     return {"case": index, **cases.values, **answers, "status": status}
 
 
@@ -141,6 +151,8 @@ def _divide(
     which: NDArray[np.intp],
 ) -> None:
     """Do the work for all at once, or halve what is refused until the bad cases stand alone."""
+    if not which.size:
+        return
     try:
         work(which)
     except InputError as error:

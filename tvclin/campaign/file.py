@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.campaign.dispersions import PARAMETERS, Dispersion, Dispersions
+from tvclin.campaign.flights import Flight
 from tvclin.campaign.plan import Campaign
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.errors import InputError, number, one_of
@@ -20,7 +21,7 @@ from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import list_vehicles, load_vehicle
 
-_TABLES = ("campaign", "wind", "outputs", "question", "dispersion", "correlation")
+_TABLES = ("campaign", "wind", "outputs", "question", "flight", "dispersion", "correlation")
 _PLAIN = ("model", "plane", "cases", "seed", "method", "chunk")
 _ANGLE, _TIME = UNITS["angle"], UNITS["time"]
 _SPREADS = {
@@ -36,6 +37,17 @@ _SPREADS = {
     "control_force_slope": "force slope",
     "wind_peak": "angle",
     "wind_duration": "time",
+}
+_FLIGHT: dict[str, dict[str, float]] = {
+    "deflection_limit": UNITS["angle"],
+    "rate_limit": {f"{unit}_per_s": factor for unit, factor in UNITS["angle"].items()},
+    "sample_rate": {"Hz": 1.0},
+    "attitude_gain": {"": 1.0},
+    "rate_gain": {"s": 1.0},
+    "alpha_gain": {"": 1.0},
+    "integral_gain": {"per_s": 1.0},
+    "natural_frequency": {"rad_per_s": 1.0},
+    "damping": {"": 1.0},
 }
 _PERCENT = 100.0
 
@@ -104,6 +116,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
         wind=_wind(dict(document.get("wind", {})), folder),
         dispersions=_dispersions(document.get("dispersion", []), document.get("correlation", [])),
         limit=limit,
+        flight=_flight(dict(document["flight"])) if "flight" in document else None,
         until=until,
         **given,
         **asked,
@@ -125,7 +138,8 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     }
     wind = campaign.wind
     question = {"probability": campaign.probability, "confidence": campaign.confidence}
-    return {
+    flown = {} if campaign.flight is None else {"flight": _flight_table(campaign.flight)}
+    return flown | {
         "campaign": head | ({} if until is None else {"until_part": until}),
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}
         if isinstance(wind, WindEnsemble)
@@ -174,6 +188,30 @@ def _wind(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     return ShapedWind(shape, float(peak or 0.0), float(duration or 0.0))
 
 
+def _flight(table: dict[str, Any]) -> Flight:
+    law = table.pop("law", "autopilot")
+    given: dict[str, Any] = {}
+    for name, units in _FLIGHT.items():
+        value = _quantity("[flight]", table, name, units, required=name == "deflection_limit")
+        if value is not None:
+            given[name] = value
+    _known("key in [flight]", table, ("law", *_keys(_FLIGHT)))
+    return Flight(law=law, **given)
+
+
+def _flight_table(flight: Flight) -> dict[str, Any]:
+    return {"law": flight.law} | {
+        key: getattr(flight, name)
+        for name, units in _FLIGHT.items()
+        for key in _keys({name: units})[:1]
+        if getattr(flight, name) is not None and np.isfinite(getattr(flight, name))
+    }
+
+
+def _keys(quantities: Mapping[str, Mapping[str, float]]) -> list[str]:
+    return [f"{k}_{unit}" if unit else k for k, units in quantities.items() for unit in units]
+
+
 def _read_winds(path: Path) -> tuple[Any, Any]:
     """Times [s] from the first column, and one wind for each further column."""
     try:
@@ -214,7 +252,7 @@ def _dispersion(row: dict[str, Any]) -> Dispersion:
     parameter = one_of("parameter in [[dispersion]]", rest.pop("parameter", None), PARAMETERS)
     units = UNITS[_SPREADS[parameter]] if parameter in _SPREADS else {"": 1.0}
     shape = rest.pop("shape", "normal")
-    keys = {f"spread_{unit}" if unit else "spread": factor for unit, factor in units.items()}
+    keys = dict(zip(_keys({"spread": units}), units.values(), strict=True))
     spreads = {"part": 1.0, "percent": 1.0 / _PERCENT, "spread": 1.0} | keys
     _known(f"key in [[dispersion]] of {parameter}", rest, spreads)
     if len(rest) != 1:
@@ -240,7 +278,7 @@ def _quantity(
     where: str, table: dict[str, Any], name: str, units: Mapping[str, float], required: bool = True
 ) -> float | None:
     """Take a number with its unit in its key out of a table."""
-    keys = {f"{name}_{unit}": factor for unit, factor in units.items()}
+    keys = dict(zip(_keys({name: units}), units.values(), strict=True))
     found = [key for key in keys if key in table]
     if len(found) > 1 or (required and not found):
         raise InputError(f"{where} must give {name} once, as {' or '.join(keys)}")

@@ -2,17 +2,20 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.boundary import boundary_limit
+from tvclin.campaign.flights import COLUMNS, Flight, flown
 from tvclin.campaign.forecast import forecast_free_deflections
 from tvclin.campaign.plan import Campaign
 from tvclin.coefficients import Coefficients
+from tvclin.errors import InputError
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
+from tvclin.laws import Law
 from tvclin.optimum import optimum_deflection
 from tvclin.plant import Plant
 
@@ -31,49 +34,66 @@ class Batch:
         A batch of shape ``(n,)``, or one plant for all.
     wind : History
         A batch of shape ``(n,)``, or one wind for all.
+    gains : dict of str to float or ndarray
+        Gains of the autopilot, if one flies, ``(n,)`` where they are dispersed.
     count : int
         n.
     """
 
     plant: Plant
     wind: History
+    gains: dict[str, Any]
     count: int
 
-    def each(self) -> list[tuple[Plant, History]]:
-        """Return the plant and the wind of each case."""
-        shape = (self.count,)
-        fields = Coefficients.__dataclass_fields__
+    def one(self) -> tuple[Plant, History]:
+        """Return the plant and the wind of the first case, no longer as a batch."""
         held = {
-            name: np.broadcast_to(getattr(self.plant.coefficients, name), shape) for name in fields
+            name: float(np.ravel(getattr(self.plant.coefficients, name))[0])
+            for name in Coefficients.__dataclass_fields__
         }
-        winds = kernel.spread(self.wind.pieces, shape)
-        return [
-            (
-                Plant(Coefficients(**{k: float(v[i]) for k, v in held.items()}), self.plant.model),
-                Piecewise(kernel.Pieces(winds.knots[i], winds.coefficients[i], winds.rates[i])),
-            )
-            for i in range(self.count)
-        ]
+        w = kernel.spread(self.wind.pieces, (self.count,))
+        wind = Piecewise(kernel.Pieces(w.knots[0], w.coefficients[0], w.rates[0]))
+        return Plant(Coefficients(**held), self.plant.model), wind
+
+
+@dataclass(frozen=True)
+class Output:
+    """One kind of answer.
+
+    Attributes
+    ----------
+    columns : callable
+        From a campaign to the names of its columns and their units.
+    work : callable
+        From a campaign and a batch to those columns, ``(n,)`` each or one number for all;
+        `InputError` when one of the cases cannot be answered.
+    alone : callable
+        From a campaign to whether the work takes one case at a time.
+    """
+
+    columns: Callable[[Campaign], dict[str, str]]
+    work: Callable[[Campaign, Batch], dict[str, Any]]
+    alone: Callable[[Campaign], bool] = lambda _: False
 
 
 def columns(campaign: Campaign) -> dict[str, str]:
     """Return the names of the outputs of a campaign and their units."""
-    return {
-        name: unit for output in campaign.outputs for name, unit in _NAMES[output](campaign).items()
-    }
+    every = [REGISTRY[output].columns(campaign) for output in campaign.outputs]
+    return {name: unit for some in every for name, unit in some.items()}
 
 
-def compute(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
-    """Return every output of a batch, ``(n,)`` each.
+def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
+    """Return the outputs of a batch that are computed together or alone, ``(n,)`` each.
 
     Raises
     ------
     InputError
         When one of the cases cannot be answered.
     """
-    found: dict[str, FloatArray] = {}
-    for output in campaign.outputs:
-        found |= _WORK[output](campaign, batch)
+    found: dict[str, Any] = {}
+    for output in (REGISTRY[name] for name in campaign.outputs):
+        if output.alone(campaign) == alone:
+            found |= output.work(campaign, batch)
     return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
 
 
@@ -94,20 +114,39 @@ def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     return {"forecast_free": forecast_free_deflections(batch.plant, batch.wind)}
 
 
-def _minimum(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     """With one unstable pole the deflection of least peak is the one held without a dead band."""
     if campaign.model in _ONE_POLE:
         return {"minimum": np.abs(boundary_limit(batch.plant, batch.wind, 0.0).deflection)}
-    return {"minimum": np.array([optimum_deflection(*one).peak for one in batch.each()])}
+    return {"minimum": optimum_deflection(*batch.one()).peak}
 
 
-_NAMES: dict[str, Callable[[Campaign], dict[str, str]]] = {
-    "boundary": lambda campaign: {boundary_name(K): "rad" for K in campaign.dead_bands},
-    "forecast-free": lambda _: {"forecast_free": "rad"},
-    "minimum": lambda _: {"minimum": "rad"},
+def law_of(campaign: Campaign, batch: Batch) -> Law:
+    """Return the law that flies the first case: the nominal one, or with gains of its own.
+
+    Raises
+    ------
+    InputError
+        For a campaign that flies nothing.
+    """
+    if campaign.flight is None:
+        raise InputError('the campaign flies nothing: it has no output "flight"')
+    gains = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
+    return campaign.flight.designed(campaign.plant, campaign.wind.largest, gains)
+
+
+def _flight(campaign: Campaign, batch: Batch) -> dict[str, float]:
+    return flown(cast(Flight, campaign.flight), law_of(campaign, batch), *batch.one())
+
+
+REGISTRY = {
+    "boundary": Output(
+        lambda campaign: {boundary_name(K): "rad" for K in campaign.dead_bands}, _boundary
+    ),
+    "forecast-free": Output(lambda _: {"forecast_free": "rad"}, _forecast_free),
+    "minimum": Output(
+        lambda _: {"minimum": "rad"}, _minimum, lambda campaign: campaign.model not in _ONE_POLE
+    ),
+    "flight": Output(lambda _: COLUMNS, _flight, lambda _: True),
 }
-_WORK: dict[str, Callable[[Campaign, Batch], Any]] = {
-    "boundary": _boundary,
-    "forecast-free": _forecast_free,
-    "minimum": _minimum,
-}
+"""By the names that a campaign may ask for."""

@@ -7,13 +7,14 @@ import numpy as np
 
 from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.campaign.draws import METHODS, whole_number
+from tvclin.campaign.flights import Flight
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, instance, number, one_of, positive, within
-from tvclin.plant import MODELS
+from tvclin.plant import MODELS, Plant
 from tvclin.vehicle import Vehicle
 
-OUTPUTS = ("boundary", "forecast-free", "minimum")
+OUTPUTS = ("boundary", "forecast-free", "minimum", "flight")
 _MOST = 10**10
 _MOST_LATIN = 10**7
 
@@ -38,7 +39,8 @@ class Campaign:
         Of the plant, as of `Plant.from_vehicle`.
     outputs : tuple of str
         What is computed for each case: "boundary" (the report's limit at each dead band),
-        "forecast-free" (the least of any law without a forecast), "minimum" (appendix C).
+        "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
+        "flight" (what comes of flying it, as `flight` says).
     dead_bands : tuple of float
         K of "boundary", each in [0, 1].
     method : str
@@ -49,6 +51,8 @@ class Campaign:
         A capability [rad] to be judged.
     probability, confidence : float
         Of the deflection asked for, as of `quantile_bound`.
+    flight : Flight, optional
+        How every case is flown; needed for the output "flight".
     until : float, optional
         Stop when both bounds of the first output lie within this part of its quantile.
 
@@ -73,6 +77,7 @@ class Campaign:
     limit: float | None = None
     probability: float = 0.99865
     confidence: float = 0.9
+    flight: Flight | None = None
     until: float | None = None
 
     def __post_init__(self) -> None:
@@ -80,13 +85,22 @@ class Campaign:
         if Coefficients.from_vehicle(self.vehicle, self.plane).batch:
             raise InputError("vehicle must be one vehicle; got a batch")
         one_of("model", self.model, MODELS)
-        one_of("method", self.method, METHODS)
+        self._check_outputs()
+        self._check_numbers()
+        self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
+
+    def _check_outputs(self) -> None:
         _some("outputs", self.outputs)
         for name in self.outputs:
             one_of("outputs", name, OUTPUTS)
+        if ("flight" in self.outputs) != (self.flight is not None):
+            raise InputError('the output "flight" and a [flight] belong together: give both')
         _some("dead_bands", self.dead_bands)
         bands = tuple(float(within("dead_bands", K, 0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
+
+    def _check_numbers(self) -> None:
+        one_of("method", self.method, METHODS)
         whole_number("seed", self.seed)
         for name in ("cases", "chunk"):
             if not 0 < whole_number(name, getattr(self, name)) <= _MOST:
@@ -99,14 +113,19 @@ class Campaign:
         for name in ("limit", "until"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name), positive))
-        self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
 
     @property
     def nominal(self) -> dict[str, Any]:
         """Nominal values [SI] of everything that can be dispersed here."""
         held = {f.name: getattr(self.vehicle, f.name) for f in fields(Vehicle)}
         held |= {"control_force_slope": self.vehicle.control_force}
-        return held | self.wind.nominal
+        gains = {} if self.flight is None else self.flight.gains(self.plant)
+        return held | self.wind.nominal | gains
+
+    @property
+    def plant(self) -> Plant:
+        """The nominal plant, on which laws are designed."""
+        return Plant.from_vehicle(self.vehicle, self.model, self.plane)
 
     @property
     def chunks(self) -> int:

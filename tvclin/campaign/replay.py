@@ -8,11 +8,14 @@ import numpy as np
 
 from tvclin.campaign.cases import batch, draw_case, evaluate
 from tvclin.campaign.draws import whole_number
+from tvclin.campaign.flights import Flight, flight_response
+from tvclin.campaign.outputs import law_of
 from tvclin.campaign.plan import Campaign
 from tvclin.deflections import trim_then_hold
 from tvclin.errors import InputError
 from tvclin.histories import History
 from tvclin.kernels.choice import pinned
+from tvclin.laws import Law
 from tvclin.plant import Plant
 from tvclin.response import attitude_response
 
@@ -38,6 +41,8 @@ class Replay:
         K of `response`.
     plant, wind : Plant and History, or None
         Its plant and wind; None where the case cannot be.
+    flight, law : Flight and Law, or None
+        How it was flown, where the campaign flies.
     """
 
     case: int
@@ -47,6 +52,8 @@ class Replay:
     dead_band: float
     plant: Plant | None
     wind: History | None
+    flight: Flight | None = None
+    law: Law | None = None
 
     @cached_property
     def boundary(self) -> float:
@@ -81,6 +88,19 @@ class Replay:
             plant, deflection, wind, np.linspace(start, 2.0 * end - start, points)
         )
 
+    def flown(self) -> "TimeResponseData":
+        """Return its flight with limits, at the samples of its law.
+
+        Raises
+        ------
+        InputError
+            When the case cannot be, or the campaign flies nothing.
+        """
+        plant, wind = self._flown()
+        if self.flight is None or self.law is None:
+            raise InputError('the campaign flies nothing: it has no output "flight"')
+        return flight_response(self.flight, self.law, plant, wind)
+
     def _flown(self) -> tuple[Plant, History]:
         if self.plant is None or self.wind is None:
             raise InputError(f"case {self.case} cannot be flown: {self.status}")
@@ -113,10 +133,12 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     drawn = draw_case(campaign, case)
     plant: Plant | None = None
     wind: History | None = None
+    law: Law | None = None
     if drawn.possible[0]:
         try:
             made = batch(campaign, drawn)
-            plant, wind = made.each()[0]
+            plant, wind = made.one()
+            law = law_of(campaign, made) if campaign.flight is not None else None
         except InputError:  # its status says why
             pass
     found: dict[str, Any] = {name: values[0] for name, values in row.items()}
@@ -131,4 +153,6 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
         campaign.dead_bands[0],
         plant,
         wind,
+        campaign.flight,
+        law,
     )

@@ -88,8 +88,13 @@ class CampaignResults:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the columns that were computed; the first is the answer."""
+        """Names of the columns that were computed."""
         return tuple(columns(self.campaign))
+
+    @property
+    def angles(self) -> tuple[str, ...]:
+        """Those of `outputs` that are angles [rad]; the first is the answer."""
+        return tuple(name for name, unit in columns(self.campaign).items() if unit == "rad")
 
     def column(self, name: str) -> NDArray[Any]:
         """Return one column of all finished cases, in the order of the cases.
@@ -128,7 +133,7 @@ class CampaignResults:
         Parameters
         ----------
         output : str, optional
-            One of `outputs`; the first without it.
+            One of `angles`; the first without it.
         probability, confidence : float, optional
             Those of the campaign without them.
 
@@ -160,6 +165,21 @@ class CampaignResults:
         found = self.answers(output)
         sure = self._asked(None, confidence)[1]
         return success_probability(int(np.sum(found <= asked)), found.size, sure)
+
+    def survival(self, confidence: float | None = None) -> Success | None:
+        """Return how probable a flight survives; None where nothing was flown.
+
+        Parameters
+        ----------
+        confidence : float, optional
+            As of `quantile`.
+        """
+        if self.campaign.flight is None:
+            return None
+        survived = self.column("flight_survived")
+        known = survived[~np.isnan(survived)]
+        sure = self._asked(None, confidence)[1]
+        return success_probability(int(known.sum()), known.size, sure)
 
     def drivers(self, output: str | None = None) -> dict[str, float]:
         """Return the rank correlation of what was dispersed with an output, the strongest first."""
@@ -216,7 +236,7 @@ class CampaignResults:
         return np.asarray(values[~np.isnan(values)])
 
     def _output(self, name: str | None) -> str:
-        return self.outputs[0] if name is None else one_of("output", name, self.outputs)
+        return self.angles[0] if name is None else one_of("output", name, self.angles)
 
     def _asked(self, probability: float | None, confidence: float | None) -> tuple[float, float]:
         plan = self.campaign

@@ -53,6 +53,11 @@ class ShapedWind:
         """Nominal values of what can be dispersed."""
         return {"wind_peak": self.peak, "wind_duration": self.duration}
 
+    @property
+    def largest(self) -> float:
+        """The largest nominal wind angle [rad], without sign."""
+        return abs(self.peak)
+
     def history(self, values: dict[str, Any]) -> History:
         """Return the winds of cases that have these dispersed values."""
         found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
@@ -98,6 +103,11 @@ class WindEnsemble:
     def nominal(self) -> dict[str, float]:
         """Nothing of a sampled wind can be dispersed."""
         return {}
+
+    @property
+    def largest(self) -> float:
+        """The largest wind angle [rad] of all, without sign."""
+        return float(np.abs(self.angle).max())
 
     def chosen(self, numbers: ArrayLike) -> NDArray[np.int64]:
         """Return which wind each of the numbers in (0, 1) draws."""

@@ -117,6 +117,7 @@ def show(
     from math import radians
 
     from tvclin.campaign import open_campaign
+    from tvclin.cli.campaign_summary import print_summary, summary
     from tvclin.cli.output import print_json
     from tvclin.errors import number, positive
 
@@ -124,11 +125,11 @@ def show(
         None if limit_deg is None else radians(number("--limit-deg", limit_deg, positive, "deg"))
     )
     found = open_campaign(folder)
-    document = _summary(found, output, limit, probability, confidence)
+    document = summary(found, output, limit, probability, confidence)
     if as_json:
         print_json(document)
     else:
-        _print_summary(document)
+        print_summary(document)
 
 
 @campaign.command()
@@ -158,7 +159,8 @@ def replay(
         return
     inputs = [(k, f"{v:.7g} {units.get(k, '')}") for k, v in one.inputs.items()]
     print_pairs(f"Case {case}: {one.status}", inputs)
-    print_pairs("\nIt needs", [(k, _degrees(v)) for k, v in one.outputs.items()], columns=1)
+    angles = [(k, _degrees(v)) for k, v in one.outputs.items() if units[k] == "rad"]
+    print_pairs("\nIt needs", angles, columns=1)
     if flown:
         said = [(k.replace("_", " "), f"{v:.4f}") for k, v in flown.items()]
         print_pairs(f"\nResponse on the boundary, K = {one.dead_band:g}", said, columns=1)
@@ -223,90 +225,6 @@ def _print_done(found: "CampaignResults") -> None:
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""
     typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {found.folder}")
-
-
-def _summary(
-    found: "CampaignResults",
-    output: str | None,
-    limit: float | None,
-    probability: float | None,
-    confidence: float | None,
-) -> dict[str, Any]:
-    import numpy as np
-
-    plan = found.campaign
-    required = found.quantile(output, probability, confidence)
-    success = found.success(limit, output, confidence)
-    name, asked = output or found.outputs[0], plan.limit if limit is None else limit
-    worst = found.worst(5, output)
-    answers = np.sort(found.answers(output))[::-1][: worst.size]
-    return {
-        "vehicle": plan.vehicle.name,
-        "model": plan.model,
-        "output": name,
-        "cases": found.cases,
-        "cases_planned": plan.cases,
-        "complete": found.complete,
-        "statuses": found.statuses(),
-        "probability": required.probability,
-        "confidence": required.confidence,
-        "nominal_deg": np.degrees(found.nominal[name]) if found.nominal else None,
-        "median_deg": np.degrees(np.median(found.answers(output))),
-        "estimate_deg": np.degrees(required.estimate),
-        "lower_deg": np.degrees(required.lower),
-        "upper_deg": np.degrees(required.upper),
-        "limit_deg": None if asked is None else np.degrees(asked),
-        "success": None if success is None else vars(success),
-        "drivers": found.drivers(output),
-        "worst": [
-            {"case": int(k), "deg": np.degrees(v)} for k, v in zip(worst, answers, strict=True)
-        ],
-        "convergence": [
-            {
-                "cases": one.cases,
-                "lower_deg": np.degrees(one.lower),
-                "estimate_deg": np.degrees(one.estimate),
-                "upper_deg": np.degrees(one.upper),
-            }
-            for one in found.convergence(output)
-        ],
-    }
-
-
-def _print_summary(d: dict[str, Any]) -> None:
-    from tvclin.cli.output import print_pairs, print_table
-
-    percent, sure = f"{100 * d['probability']:g} %", f"{100 * d['confidence']:g} %"
-    pairs = [
-        ("cases", f"{d['cases']} of {d['cases_planned']}{'' if d['complete'] else ', unfinished'}"),
-        *((f"  {said.split(';')[0]}", str(count)) for said, count in d["statuses"].items()),
-        *([("nominal", f"{d['nominal_deg']:.4f} deg")] if d["nominal_deg"] is not None else []),
-        ("median", f"{d['median_deg']:.4f} deg"),
-        (f"{percent} of the cases", f"{d['estimate_deg']:.4f} deg"),
-        (f"{percent} of flights, {sure} sure", _bound(d["upper_deg"])),
-        ("driven by", ", ".join(f"{k} ({v:+.2f})" for k, v in list(d["drivers"].items())[:5])),
-        ("worst cases", ", ".join(f"{one['case']} ({one['deg']:.4f} deg)" for one in d["worst"])),
-    ]
-    if d["success"] is not None:
-        s = d["success"]
-        of = f"{100 * s['estimate']:.2f} % ({100 * s['lower']:.2f} to {100 * s['upper']:.2f} %)"
-        pairs.insert(-2, (f"{d['limit_deg']:.4f} deg are enough in", of))
-    print_pairs(f"{d['vehicle']}, {d['model']}: {d['output']}", pairs, columns=1)
-    rows = [
-        [f"{row['cases']}", *(_bound(row[k]) for k in ("lower_deg", "estimate_deg", "upper_deg"))]
-        for row in d["convergence"]
-    ]
-    print_table(
-        f"Convergence of {percent}, each bound {sure} sure",
-        ["cases", "not below", "sample", "not above"],
-        rows,
-    )
-
-
-def _bound(value: float) -> str:
-    from math import isinf
-
-    return "too few cases to say" if isinf(value) else f"{value:.4f} deg"
 
 
 def _degrees(value: float) -> str:

@@ -1,0 +1,155 @@
+"""Campaigns that fly a law with limits, and disperse its gains."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.campaign.cases import evaluate
+from tvclin.campaign.file import document_of, parse_campaign
+from tvclin.cli.app import app
+
+LIMIT = np.radians(0.36)
+HEAD = {"vehicle": "configuration-i", "cases": 12, "seed": 3}
+TABLES = {
+    "campaign": HEAD,
+    "wind": {"peak_deg": 5.0, "duration_s": 7.5},
+    "outputs": {"names": ["boundary", "flight"]},
+    "flight": {"law": "trim", "deflection_limit_deg": 0.36, "sample_rate_Hz": 25},
+    "dispersion": [{"parameter": "wind_duration", "shape": "uniform", "percent": 60}],
+}
+
+
+@pytest.fixture(scope="module")
+def trimmed():
+    return evaluate(parse_campaign(TABLES), 0, 12)
+
+
+def test_trim_survives_where_the_boundary_says(trimmed):
+    needed = trimmed["boundary_K1"]
+    clear = np.abs(needed / LIMIT - 1.0) > 0.05  # samples cost a little
+    assert clear.sum() >= 8
+    survived = trimmed["flight_survived"] == 1.0
+    np.testing.assert_array_equal(survived[clear], (needed <= LIMIT)[clear])
+    assert 0 < survived.sum() < 12
+
+
+def test_a_lost_flight_is_worse_than_any_number(trimmed):
+    lost = trimmed["flight_survived"] == 0.0
+    for name in ("attitude", "angle_of_attack", "deflection"):
+        np.testing.assert_array_equal(np.isinf(trimmed[f"flight_peak_{name}"]), lost)
+    assert np.all(trimmed["flight_peak_deflection"][~lost] <= LIMIT * (1 + 1e-12))
+
+
+def test_a_case_flies_with_its_own_gains_and_plant():
+    flight = tv.Flight(
+        deflection_limit=np.radians(0.8), rate_limit=0.5, natural_frequency=20.0, sample_rate=50.0
+    )
+    spread = (
+        tv.Dispersion("attitude_gain", "normal", 0.1),
+        tv.Dispersion("rate_gain", "uniform", 0.2),
+        tv.Dispersion("thrust", "normal", 0.03),
+    )
+    plan = replace(
+        parse_campaign(TABLES),
+        outputs=("flight",),
+        flight=flight,
+        dispersions=tv.Dispersions(spread),
+        model="drift",
+        cases=3,
+    )
+    nominal = tv.canonical_gains(plan.plant.coefficients)
+    found = evaluate(plan, 0, 3)
+    assert np.all(np.abs(found["attitude_gain"] / nominal.attitude_gain - 1.0) < 0.4)
+    assert len(set(found["rate_gain"])) == 3
+    for i in range(3):
+        gains = {k: float(found[k][i]) for k in ("attitude_gain", "rate_gain")}
+        plant = tv.Plant.from_vehicle(
+            plan.vehicle.replace(thrust=float(found["thrust"][i])), "drift"
+        )
+        flown = tv.fly(
+            plant,
+            tv.SaturatedLaw(tv.Autopilot(**gains)),
+            plan.wind.history({}),
+            np.arange(0.0, 45.0, 0.02),
+            deflection_limit=flight.deflection_limit,
+            rate_limit=0.5,
+            actuator=tv.Actuator(natural_frequency=20.0, damping=0.7),
+            sample_rate=50.0,
+        )
+        assert found["flight_survived"][i] == 1.0
+        for name in ("attitude", "angle_of_attack", "deflection"):
+            peak = np.abs(np.asarray(flown.outputs[name])).max()
+            assert found[f"flight_peak_{name}"][i] == pytest.approx(peak, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", ["dead-band", "recoverable-attitude"])
+def test_laws_that_lean_survive_where_trim_does_not(trimmed, law):
+    plan = parse_campaign(TABLES | {"flight": TABLES["flight"] | {"law": law}})
+    found = evaluate(plan, 0, 12)
+    survived = found["flight_survived"] == 1.0
+    assert np.all(survived | (trimmed["flight_survived"] == 0.0))
+    if law == "recoverable-attitude":
+        assert survived.sum() > (trimmed["flight_survived"] == 1.0).sum()
+
+
+def test_a_document_keeps_the_flight():
+    rows = [{"parameter": "rate_gain", "percent": 5}]
+    flight = {
+        "law": "autopilot",
+        "deflection_limit_rad": 0.01,
+        "rate_limit_deg_per_s": 5.0,
+        "attitude_gain": 0.2,
+        "rate_gain_s": 0.3,
+        "natural_frequency_rad_per_s": 20.0,
+    }
+    plan = parse_campaign(TABLES | {"flight": flight, "dispersion": rows})
+    assert plan.flight.rate_limit == np.radians(5.0)
+    assert plan.nominal["rate_gain"] == 0.3
+    assert parse_campaign(json.loads(json.dumps(document_of(plan)))) == plan
+
+
+def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, trimmed):
+    pytest.importorskip("pyarrow")
+    plan = replace(parse_campaign(TABLES), cases=4)
+    found = tv.run_campaign(plan, tmp_path)
+    few = {name: values[:4] for name, values in trimmed.items()}
+    np.testing.assert_array_equal(found.column("flight_survived"), few["flight_survived"])
+    share = few["flight_survived"].mean()
+    shown = CliRunner().invoke(app, ["campaign", "show", str(tmp_path), "--json"])
+    assert json.loads(shown.output)["survival"]["estimate"] == share
+    text = CliRunner().invoke(app, ["campaign", "show", str(tmp_path)]).output
+    assert f"{100 * share:.2f} %" in text
+    case = int(np.argmax(few["flight_survived"]))
+    one = found.replay(case)
+    peak = float(np.abs(np.asarray(one.flown().outputs["attitude"])).max())
+    assert peak == few["flight_peak_attitude"][case]
+    refused = CliRunner().invoke(app, ["campaign", "show", str(tmp_path), "--output", "flight"])
+    assert refused.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"flight": {"law": "trimm", "deflection_limit_deg": 1}}, "did you mean 'trim'"),
+        ({"flight": {"law": "trim"}}, "must give deflection_limit once, as deflection_limit_rad"),
+        ({"flight": {"deflection_limit_deg": 1, "rate": 2}}, "unknown key in .flight.: 'rate'"),
+        ({"flight": {"deflection_limit_deg": -1}}, "deflection_limit must be positive"),
+        ({"flight": {"deflection_limit_deg": 1, "attitude_gain": 1}}, "or neither of them"),
+        (
+            {"flight": {"law": "trim", "deflection_limit_deg": 1, "alpha_gain": 1}},
+            'gains belong to the law "autopilot"',
+        ),
+        ({"outputs": {"names": ["boundary"]}}, "belong together"),
+        (
+            {"dispersion": [{"parameter": "rate_gain", "percent": 5}]},
+            "rate_gain is dispersed, but has no nominal value",
+        ),
+    ],
+)
+def test_bad_flights_are_one_clear_sentence(tables, message):
+    with pytest.raises(tv.InputError, match=message):
+        parse_campaign(TABLES | tables)

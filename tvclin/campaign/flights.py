@@ -1,0 +1,170 @@
+"""Flights of a law with limits in every case: the law is designed on the nominal plant."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.autopilot import Actuator, Autopilot, canonical_gains
+from tvclin.closed_loop import fly
+from tvclin.errors import InputError, number, one_of, positive
+from tvclin.histories import History
+from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
+from tvclin.modes import unstable_modes
+from tvclin.plant import Plant
+from tvclin.recoverable import unstable_coordinates
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+FloatArray = NDArray[np.float64]
+
+LAWS = ("autopilot", "trim", "dead-band", "recoverable-attitude")
+COLUMNS = {
+    "flight_survived": "",
+    "flight_peak_attitude": "rad",
+    "flight_peak_angle_of_attack": "rad",
+    "flight_peak_deflection": "rad",
+}
+_PATIENCE = 20.0
+"""A flight ends so long after its wind, over the fastest unstable pole."""
+_SETTLED = 0.3
+"""It has survived when every unstable coordinate is below this part of its reach by then."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flight:
+    """How every case is flown.
+
+    Attributes
+    ----------
+    law : str
+        "autopilot" (gains, limited), "trim", "dead-band" or "recoverable-attitude", designed on
+        the nominal plant.
+    deflection_limit : float
+        Largest deflection [rad].
+    rate_limit : float
+        Largest deflection rate [rad/s].
+    sample_rate : float
+        Samples of the law in a second [Hz].
+    attitude_gain, rate_gain, alpha_gain, integral_gain : float, optional
+        Of the autopilot, as of `Autopilot`; without the first two the canonical gains.
+    natural_frequency, damping : float, optional
+        Of the actuator, as of `Actuator`; without a frequency the nozzle follows at once.
+
+    Raises
+    ------
+    InputError
+        For an unknown law, gains of a law that has none, and numbers out of range.
+    """
+
+    law: str = "autopilot"
+    deflection_limit: float
+    rate_limit: float = np.inf
+    sample_rate: float = 50.0
+    attitude_gain: float | None = None
+    rate_gain: float | None = None
+    alpha_gain: float = 0.0
+    integral_gain: float = 0.0
+    natural_frequency: float | None = None
+    damping: float = 0.7
+
+    def __post_init__(self) -> None:
+        one_of("law", self.law, LAWS)
+        for name in ("deflection_limit", "sample_rate"):
+            object.__setattr__(self, name, number(name, getattr(self, name), positive))
+        if self.rate_limit != np.inf:
+            object.__setattr__(self, "rate_limit", number("rate_limit", self.rate_limit, positive))
+        if (self.attitude_gain is None) != (self.rate_gain is None):
+            raise InputError("give attitude_gain and rate_gain, or neither of them")
+        if self.law != "autopilot" and (
+            self.attitude_gain is not None or self.alpha_gain or self.integral_gain
+        ):
+            raise InputError(f'gains belong to the law "autopilot"; this is "{self.law}"')
+        _ = self.actuator
+
+    @property
+    def actuator(self) -> Actuator | None:
+        """The actuator, if there is one."""
+        if self.natural_frequency is None:
+            return None
+        return Actuator(natural_frequency=self.natural_frequency, damping=self.damping)
+
+    def gains(self, plant: Plant) -> dict[str, float]:
+        """Return the nominal gains; nothing for a law that has none."""
+        if self.law != "autopilot":
+            return {}
+        attitude, rate = self.attitude_gain, self.rate_gain
+        if attitude is None or rate is None:
+            canonical = canonical_gains(plant.coefficients)
+            attitude, rate = float(canonical.attitude_gain), float(canonical.rate_gain)
+        return {
+            "attitude_gain": attitude,
+            "rate_gain": rate,
+            "alpha_gain": self.alpha_gain,
+            "integral_gain": self.integral_gain,
+        }
+
+    def designed(self, plant: Plant, peak: float, gains: dict[str, Any]) -> Law:
+        """Return the law, designed on a plant and for a peak [rad], or with these gains."""
+        if self.law == "autopilot":
+            return SaturatedLaw(Autopilot(**gains))
+        if self.law == "recoverable-attitude":
+            return RecoverableAttitudeLaw(plant, design_peak=peak)
+        return {"trim": TrimLaw, "dead-band": DeadBandLaw}[self.law](plant)
+
+
+def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "TimeResponseData":
+    """Return the flight of one case at the samples of its law, long enough to be judged.
+
+    Raises
+    ------
+    InputError
+        As `fly`.
+    """
+    poles = np.real(unstable_modes(plant).poles)
+    end = float(wind.end) + (_PATIENCE / float(poles.max()) if poles.size else 0.0)
+    count = int(np.ceil((end - float(wind.onset)) * flight.sample_rate)) + 1
+    return fly(
+        plant,
+        law,
+        wind,
+        float(wind.onset) + np.arange(count) / flight.sample_rate,
+        deflection_limit=flight.deflection_limit,
+        rate_limit=flight.rate_limit,
+        actuator=flight.actuator,
+        sample_rate=flight.sample_rate,
+    )
+
+
+def flown(flight: Flight, law: Law, plant: Plant, wind: History) -> dict[str, float]:
+    """Return the columns of one case; its peaks are infinite where the vehicle is lost.
+
+    `flight_survived` is one or zero, and NaN where neither is certain when the flight ends.
+
+    Raises
+    ------
+    InputError
+        For a plant whose unstable poles are more than two or a pair, and as `fly`.
+    """
+    response = flight_response(flight, law, plant, wind)
+    rows = {name: np.asarray(response.outputs[name]) for name in response.output_labels}
+    survived = _survived(flight, plant, rows)
+    peaks = {
+        f"flight_peak_{name}": np.inf if survived == 0.0 else float(np.abs(rows[name]).max())
+        for name in ("attitude", "angle_of_attack", "deflection")
+    }
+    return {"flight_survived": survived} | peaks
+
+
+def _survived(flight: Flight, plant: Plant, rows: dict[str, FloatArray]) -> float:
+    if not unstable_modes(plant).poles.size:
+        return 1.0
+    modes = unstable_coordinates(plant)
+    names = ("attitude", "attitude_rate", "flight_path_angle")[: modes.rows.shape[1]]
+    z = modes.rows @ np.array([rows[name][-1] for name in names])
+    reach = flight.deflection_limit / abs(float(plant.coefficients.B))
+    if not modes.inside(z, reach):
+        return 0.0
+    return 1.0 if np.all(np.abs(z) < _SETTLED * reach) else np.nan
