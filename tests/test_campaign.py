@@ -160,7 +160,7 @@ def test_one_bad_case_has_its_own_status(nominal):
     found = tv.disperse_study(nominal, wild, cases=400, seed=1)
     bad = found.values["thrust"] <= 0.0
     assert 0 < bad.sum() < 50
-    np.testing.assert_array_equal(found.status == "impossible vehicle", bad)
+    np.testing.assert_array_equal(found.status == "impossible vehicle or wind", bad)
     np.testing.assert_array_equal(np.isnan(found.deflection), bad)
     assert found.required.cases == 400 - bad.sum()
 
@@ -232,11 +232,20 @@ def test_bad_input_is_one_clear_sentence(attempt, message):
         attempt()
 
 
+def test_a_study_in_which_no_case_can_be_says_so(nominal):
+    turned = tv.Dispersions((tv.Dispersion("wind_peak", "normal", 1e9),))
+    with pytest.raises(tv.InputError, match="no case has an answer; the first is: impossible"):
+        tv.disperse_study(nominal, turned, cases=20)
+
+
 def test_bad_input_to_a_dispersed_study(nominal):
     with pytest.raises(tv.InputError, match="cases must be one or more"):
         tv.disperse_study(nominal, cases=0)
     with pytest.raises(tv.InputError, match="seed must be an integer"):
         tv.disperse_study(nominal, seed=-1)
+    gain = tv.Dispersions((tv.Dispersion("rate_gain", "normal", 0.1),))
+    with pytest.raises(tv.InputError, match="rate_gain is dispersed, but has no nominal value"):
+        tv.disperse_study(nominal, gain)
     result = CliRunner().invoke(app, ["study", "--disperse", "--seed", "-3"])
     assert result.exit_code == 2
     assert "Error: seed must be an integer" in result.stderr

@@ -18,6 +18,7 @@ from tvclin.campaign import chunks as chunks_room
 from tvclin.campaign.chunks import chunk_file, flaw, write_chunk
 from tvclin.campaign.engine import checkpoints, damaged
 from tvclin.campaign.manifest import NAME, begin, check_versions, new_manifest, read_manifest
+from tvclin.campaign.outputs import columns
 
 pytest.importorskip("pyarrow")
 
@@ -61,6 +62,20 @@ def same(first, second):
 @pytest.mark.parametrize("chunk", [97, 256, 700, 5000])
 def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
     same(whole, tv.run_campaign(replace(plan, chunk=chunk), tmp_path))
+
+
+@pytest.mark.parametrize("method", ["sobol", "latin"])
+def test_other_ways_to_draw_do_not_know_the_chunk_either(plan, tmp_path, method):
+    first, second = (
+        tv.run_campaign(replace(plan, method=method, chunk=chunk), tmp_path / str(chunk))
+        for chunk in (97, 700)
+    )
+    same(first, second)
+
+
+def test_dead_bands_that_are_nearly_equal_have_names_of_their_own(plan):
+    near = replace(plan, dead_bands=(0.5, 0.5 + 1e-9))
+    assert len(columns(near)) == 3
 
 
 def test_cases_are_those_of_single_studies(plan, whole):

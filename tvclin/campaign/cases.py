@@ -47,17 +47,19 @@ class Cases:
         return Cases({k: v[which] for k, v in self.values.items()}, self.possible[which])
 
 
-def draw_cases(campaign: Campaign, first: int, count: int) -> Cases:
-    """Return what is drawn for the cases `first` to `first + count`."""
+def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
+    """Return the random numbers of the cases `first` to `first + count`, a row for each."""
+    dimension = len(campaign.dispersions.each) + (1 if campaign.wind.count else 0)
+    return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
+
+
+def drawn(campaign: Campaign, rows: FloatArray) -> Cases:
+    """Return the cases that have these random numbers."""
     each = len(campaign.dispersions.each)
-    dimension = each + (1 if campaign.wind.count else 0)
-    numbers = draw(
-        campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases
-    )
-    found = campaign.dispersions.apply(campaign.nominal, numbers[:, :each])
+    found = campaign.dispersions.apply(campaign.nominal, rows[:, :each])
     values: dict[str, NDArray[Any]] = dict(found.values)
     if isinstance(campaign.wind, WindEnsemble):
-        values["wind"] = campaign.wind.chosen(numbers[:, each])
+        values["wind"] = campaign.wind.chosen(rows[:, each])
     return Cases(values, found.possible)
 
 
@@ -69,7 +71,11 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[An
     begin = first - first % BLOCK
     end = min(-(-(first + count) // BLOCK) * BLOCK, campaign.cases)
     wanted = range(first, first + count)
-    rows = [_block(campaign, at, min(BLOCK, end - at), wanted) for at in range(begin, end, BLOCK)]
+    every = numbers(campaign, begin, end - begin)
+    rows = [
+        _block(campaign, begin + at, every[at : at + BLOCK], wanted)
+        for at in range(0, end - begin, BLOCK)
+    ]
     part = slice(first - begin, first - begin + count)
     return {name: np.concatenate([row[name] for row in rows])[part] for name in rows[0]}
 
@@ -77,8 +83,8 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[An
 def draw_case(campaign: Campaign, case: int) -> Cases:
     """Return one case, to the bits that it has in its block."""
     begin = case - case % BLOCK
-    block = draw_cases(campaign, begin, min(BLOCK, campaign.cases - begin))
-    return block.take(slice(case - begin, case - begin + 1))
+    block = numbers(campaign, begin, min(BLOCK, campaign.cases - begin))
+    return drawn(campaign, block).take(slice(case - begin, case - begin + 1))
 
 
 def batch(campaign: Campaign, cases: Cases) -> Batch:
@@ -116,9 +122,11 @@ def _gains(campaign: Campaign, values: dict[str, NDArray[Any]]) -> dict[str, Any
     return {name: values.get(name, nominal[name]) for name in GAINS if name in nominal}
 
 
-def _block(campaign: Campaign, first: int, count: int, wanted: range) -> dict[str, NDArray[Any]]:
+def _block(
+    campaign: Campaign, first: int, rows: FloatArray, wanted: range
+) -> dict[str, NDArray[Any]]:
     """The columns of one block; what is computed alone only for the cases that are wanted."""
-    cases = draw_cases(campaign, first, count)
+    cases, count = drawn(campaign, rows), len(rows)
     index = np.arange(first, first + count, dtype=np.int64)
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)

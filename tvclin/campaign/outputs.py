@@ -99,7 +99,8 @@ def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, Float
 
 def boundary_name(dead_band: float) -> str:
     """Return the name of the column of a dead band."""
-    return f"boundary_K{dead_band:g}"
+    short = f"{dead_band:g}"
+    return f"boundary_K{short if float(short) == dead_band else repr(dead_band)}"
 
 
 def _boundary(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:

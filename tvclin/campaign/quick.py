@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import boundary_limit
-from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, WIND, Dispersions
-from tvclin.campaign.draws import draw
+from tvclin.campaign.cases import evaluate
+from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
+from tvclin.campaign.outputs import boundary_name
+from tvclin.campaign.plan import Campaign
 from tvclin.campaign.statistics import (
     Quantile,
     Success,
@@ -16,13 +17,11 @@ from tvclin.campaign.statistics import (
     sensitivities,
     success_probability,
 )
+from tvclin.campaign.winds import ShapedWind
 from tvclin.errors import InputError, whole_number
-from tvclin.plant import Plant
 from tvclin.study import SHAPES, Study
 
 FloatArray = NDArray[np.float64]
-
-OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle", "no unstable pole"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +42,7 @@ class DispersedStudy:
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
         NaN where there is none.
     status : ndarray of str
-        Of each case: "ok", "no unstable pole" (nothing is needed) or "impossible vehicle".
+        Of each case: "ok", "no unstable pole" (nothing is needed), or why there is no answer.
     required : Quantile
         The deflection [rad] that covers the probability asked for.
     success : Success or None
@@ -108,51 +107,37 @@ def disperse_study(
     """
     if whole_number("cases", cases) == 0:
         raise InputError("cases must be one or more; got 0")
-    numbers = draw(seed, 0, cases, len(dispersions.each), method=method, size=cases)
-    vehicle, wind = study.vehicle, study.wind
-    nominal = {**vars(vehicle), "wind_peak": wind.peak, "wind_duration": wind.duration}
-    nominal["control_force_slope"] = vehicle.control_force
-    dispersed = dispersions.apply(nominal, numbers)
-    good = dispersed.possible
+    wind = study.wind
+    shape = next(name for name, kind in SHAPES.items() if isinstance(wind, kind))  # type: ignore[arg-type]
+    campaign = Campaign(
+        vehicle=study.vehicle,
+        wind=ShapedWind(shape, wind.peak, wind.duration),
+        dispersions=dispersions,
+        cases=cases,
+        seed=seed,
+        model=study.model,
+        plane=study.plane,
+        dead_bands=(study.dead_band,),
+        method=method,
+    )
+    found = evaluate(campaign, 0, cases)
+    deflection = found[boundary_name(study.dead_band)]
+    good = ~np.isnan(deflection)
     if not np.any(good):
-        raise InputError("no case is possible: the dispersions turn the sign of a parameter")
-    deflection = np.full(cases, np.nan)
-    deflection[good], unstable = _required(study, dispersed.values, good)
-    status = np.where(good, OK, IMPOSSIBLE)
-    status[np.flatnonzero(good)[~unstable]] = STABLE
+        raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
+    values = {name: found[name] for name in dispersions.parameters}
     counted = deflection[good]
     limit = study.limit
     return DispersedStudy(
         nominal=study,
         dispersions=dispersions,
         seed=int(seed),
-        values=dispersed.values,
+        values=values,
         deflection=deflection,
-        status=status,
+        status=found["status"].astype(str),
         required=quantile_bound(counted, probability, confidence),
         success=None
         if limit is None
         else success_probability(int(np.sum(counted <= limit)), counted.size, confidence),
-        drivers=sensitivities({k: v[good] for k, v in dispersed.values.items()}, counted),
+        drivers=sensitivities({k: v[good] for k, v in values.items()}, counted),
     )
-
-
-def _required(
-    study: Study, values: dict[str, FloatArray], good: NDArray[np.bool_]
-) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """The required deflections [rad], and which cases have an unstable pole."""
-    changes = {name: value[good] for name, value in values.items() if name not in WIND}
-    vehicle = study.vehicle.replace(**changes) if changes else study.vehicle
-    plant = Plant.from_vehicle(vehicle, study.model, study.plane)
-    shape = next(kind for kind in SHAPES.values() if isinstance(study.wind, kind))  # type: ignore[arg-type]
-    wind = shape(
-        peak=values["wind_peak"][good] if "wind_peak" in values else study.wind.peak,
-        duration=values["wind_duration"][good]
-        if "wind_duration" in values
-        else study.wind.duration,
-    )
-    found = boundary_limit(plant, wind, study.dead_band)
-    count = int(good.sum())
-    deflection = np.broadcast_to(np.abs(found.deflection), (count,))
-    unstable = np.broadcast_to(np.asarray(plant.coefficients.mu_alpha) > 0.0, (count,))
-    return np.nan_to_num(deflection, nan=0.0), unstable
