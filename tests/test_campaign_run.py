@@ -18,7 +18,7 @@ from tvclin.campaign import chunks as chunks_room
 from tvclin.campaign.chunks import chunk_file, flaw, write_chunk
 from tvclin.campaign.engine import checkpoints, damaged
 from tvclin.campaign.manifest import NAME, begin, check_versions, new_manifest, read_manifest
-from tvclin.campaign.outputs import columns
+from tvclin.campaign.outputs import REGISTRY, columns
 
 pytest.importorskip("pyarrow")
 
@@ -234,6 +234,45 @@ def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path)
     np.testing.assert_array_equal(np.isnan(found.column("boundary_K1")), bad)
     assert found.statuses() == {"ok": 700 - bad.sum(), "impossible vehicle or wind": bad.sum()}
     assert found.quantile().cases == 700 - bad.sum()
+
+
+def test_a_case_that_fails_takes_no_other_with_it(plan, whole, tmp_path, monkeypatch):
+    drawn = whole.column("thrust")
+    inner = REGISTRY["boundary"]
+
+    def work(campaign, batch):
+        if np.any(np.isin(drawn[[5, 300]], wanted_thrust(batch))):
+            raise ZeroDivisionError("nothing to divide by")
+        return inner.work(campaign, batch)
+
+    def wanted_thrust(batch):
+        # mu_delta = T l_c / I: only the thrust differs between the cases.
+        c, v = batch.plant.coefficients, plan.vehicle
+        ratio = np.asarray(c.mu_delta) * v.moment_of_inertia / v.control_arm
+        return drawn[np.abs(drawn[:, np.newaxis] / ratio - 1.0).min(axis=-1) < 1e-12]
+
+    monkeypatch.setitem(REGISTRY, "boundary", replace(inner, work=work))
+    found = tv.run_campaign(plan, tmp_path)
+    status = found.column("status")
+    assert np.flatnonzero(status != "ok").tolist() == [5, 300]
+    assert set(status[[5, 300]]) == {"failed: nothing to divide by"}
+    good = status == "ok"
+    assert np.all(np.isnan(found.column("boundary_K1")[~good]))
+    np.testing.assert_allclose(
+        found.column("boundary_K1")[good], whole.column("boundary_K1")[good], rtol=1e-12
+    )
+
+
+def test_a_dataset_has_every_column_with_its_unit(whole):
+    pytest.importorskip("xarray")
+    table = whole.to_xarray()
+    assert dict(table.sizes) == {"case": 700}
+    units = {name: table[name].attrs.get("units") for name in table.data_vars}
+    drawn = {"thrust": "N", "normal_force_slope": "N/rad", "wind_duration": "s"}
+    found = {"boundary_K1": "rad", "boundary_K0.5": "rad", "minimum": "rad", "status": None}
+    assert units == drawn | found
+    for name in units:
+        np.testing.assert_array_equal(table[name].values, whole.column(name))
 
 
 def test_a_stable_case_needs_nothing(plan, tmp_path):

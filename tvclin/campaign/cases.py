@@ -140,8 +140,8 @@ def _block(
             unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
             status[which[~unstable]] = STABLE
 
-    def refused(case: np.intp, error: InputError) -> None:
-        status[case] = str(error)
+    def refused(case: np.intp, error: Exception) -> None:
+        status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
     _divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
     if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
@@ -155,7 +155,7 @@ def _block(
 
 def _divide(
     work: Callable[[NDArray[np.intp]], None],
-    refused: Callable[[np.intp, InputError], None],
+    refused: Callable[[np.intp, Exception], None],
     which: NDArray[np.intp],
 ) -> None:
     """Do the work for all at once, or halve what is refused until the bad cases stand alone."""
@@ -163,7 +163,7 @@ def _divide(
         return
     try:
         work(which)
-    except InputError as error:
+    except (ValueError, ArithmeticError, RuntimeError) as error:
         if which.size == 1:
             refused(which[0], error)
             return
