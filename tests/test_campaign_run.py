@@ -16,9 +16,10 @@ import pytest
 import tvclin as tv
 from tvclin.campaign import chunks as chunks_room
 from tvclin.campaign.chunks import chunk_file, flaw, write_chunk
-from tvclin.campaign.engine import checkpoints, damaged
+from tvclin.campaign.engine import damaged
 from tvclin.campaign.manifest import NAME, begin, check_versions, new_manifest, read_manifest
 from tvclin.campaign.outputs import REGISTRY, columns
+from tvclin.campaign.plan import checkpoints
 
 pytest.importorskip("pyarrow")
 
@@ -101,6 +102,21 @@ def test_an_executor_out_of_order_changes_no_bit(plan, whole, tmp_path):
     same(whole, found)
     assert told[-1] == (700, 700)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+def test_workers_are_told_the_whole_path(plan, whole, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = []
+    with ThreadPoolExecutor(1) as pool:
+        submit = pool.submit
+
+        def listening(function, folder, *rest):
+            told.append(folder)
+            return submit(function, folder, *rest)
+
+        monkeypatch.setattr(pool, "submit", listening)
+        same(whole, tv.run_campaign(plan, "results", executor=pool))
+    assert set(told) == {str(tmp_path / "results")}
 
 
 def test_shards_make_up_the_whole(plan, whole, tmp_path):
@@ -297,6 +313,8 @@ def test_it_stops_when_converged_and_at_the_same_place(plan, tmp_path):
     assert ends.index(len(first.chunks)) > 0
     earlier = replace(first, chunks=first.chunks[: ends[ends.index(len(first.chunks)) - 1]])
     assert not earlier.converged
+    holed = replace(first, chunks=first.chunks[1:])
+    assert not holed.converged
     with ThreadPoolExecutor(3) as pool:
         again = tv.run_campaign(until, tmp_path / "two", executor=pool)
     assert again.chunks == first.chunks

@@ -15,7 +15,7 @@ from typing import Any
 from tvclin.campaign.cases import nominal
 from tvclin.campaign.chunks import chunk_file, flaw, run_chunk, sweep
 from tvclin.campaign.manifest import Manifest, begin, check_versions, read_manifest
-from tvclin.campaign.plan import Campaign
+from tvclin.campaign.plan import Campaign, checkpoints
 from tvclin.campaign.results import CampaignResults
 from tvclin.errors import InputError
 
@@ -146,7 +146,7 @@ def _work(
     sweep(folder)
     first, step = _shard(shard)
     mine = range(first, campaign.chunks, step)
-    done = 0
+    total, done = sum(campaign.span(k)[1] for k in mine), 0
     for group in _groups(campaign, mine):
         todo = []
         for k in group:
@@ -154,10 +154,10 @@ def _work(
                 done += campaign.span(k)[1]
             else:
                 todo.append(k)
-        for k in _each(todo, str(folder), manifest.seal, executor):
+        for k in _each(todo, str(folder.absolute()), manifest.seal, executor):
             done += campaign.span(k)[1]
             if progress is not None:
-                progress(done, sum(campaign.span(k)[1] for k in mine))
+                progress(done, total)
         if campaign.until is not None and CampaignResults.read(folder).converged:
             break
     return CampaignResults.read(folder)
@@ -172,17 +172,6 @@ def _groups(campaign: Campaign, mine: range) -> Iterator[range]:
     for end in checkpoints(campaign.chunks):
         yield range(begin, end)
         begin = end
-
-
-def checkpoints(chunks: int) -> Iterator[int]:
-    """Yield after how many chunks it is asked whether the answer has converged.
-
-    They grow by a tenth, so that asking costs no more than a part of the work.
-    """
-    end = 0
-    while end < chunks:
-        end = min(max(end + 1, end + end // 10), chunks)
-        yield end
 
 
 def _each(chunks: list[int], folder: str, seal: str, executor: Executor | None) -> Iterator[int]:

@@ -1,5 +1,6 @@
 """What a campaign is: one frozen value that says everything its numbers depend on."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -136,6 +137,17 @@ class Campaign:
         """Return the first case of a chunk and how many it has."""
         first = chunk * self.chunk
         return first, min(self.chunk, self.cases - first)
+
+
+def checkpoints(chunks: int) -> Iterator[int]:
+    """Yield after how many chunks it is asked whether the answer has converged.
+
+    They grow by a tenth, so that asking costs no more than a part of the work.
+    """
+    end = 0
+    while end < chunks:
+        end = min(max(end + 1, end + end // 10), chunks)
+        yield end
 
 
 def _some(name: str, given: tuple[Any, ...]) -> None:

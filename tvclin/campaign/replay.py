@@ -34,7 +34,7 @@ class Replay:
     inputs : dict of str to float
         What was drawn for it [SI].
     outputs : dict of str to float
-        What was found [SI]; the same bits as in the campaign.
+        What was found [SI]; with the versions of the manifest the same bits as in the campaign.
     status : str
         "ok", or in words what is different.
     dead_band : float

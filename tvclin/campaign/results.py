@@ -13,7 +13,7 @@ from tvclin.campaign.chunks import chunk_file, read_columns
 from tvclin.campaign.dispersions import UNITS_OF
 from tvclin.campaign.manifest import Manifest, read_manifest
 from tvclin.campaign.outputs import columns
-from tvclin.campaign.plan import Campaign
+from tvclin.campaign.plan import Campaign, checkpoints
 from tvclin.campaign.replay import Replay, replay_case
 from tvclin.campaign.statistics import (
     Quantile,
@@ -73,8 +73,9 @@ class CampaignResults:
     @property
     def converged(self) -> bool:
         """Whether the rule of the campaign says that the chunks so far are enough."""
-        until = self.campaign.until
-        if until is None or self.chunks != tuple(range(len(self.chunks))) or not self.chunks:
+        until, there = self.campaign.until, len(self.chunks)
+        looked = there in checkpoints(self.campaign.chunks)
+        if until is None or not looked or self.chunks != tuple(range(there)):
             return False
         try:
             return self.quantile().within(until)
