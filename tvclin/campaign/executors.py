@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from multiprocessing import get_context
 from typing import Any
 
-from tvclin.campaign.draws import whole_number
-from tvclin.errors import InputError
+from tvclin.errors import InputError, whole_number
 from tvclin.kernels.threads import VARIABLE
 
 _PATIENCE = 5.0

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
-from tvclin.campaign.draws import METHODS, whole_number
+from tvclin.campaign.draws import METHODS
 from tvclin.campaign.flights import Flight
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, number, one_of, positive, within
+from tvclin.errors import InputError, instance, number, one_of, positive, whole_number, within
 from tvclin.plant import MODELS, Plant
 from tvclin.vehicle import Vehicle
 

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.campaign.cases import batch, draw_case, evaluate
-from tvclin.campaign.draws import whole_number
 from tvclin.campaign.flights import Flight, flight_response
 from tvclin.campaign.outputs import law_of
 from tvclin.campaign.plan import Campaign
 from tvclin.deflections import trim_then_hold
-from tvclin.errors import InputError
+from tvclin.errors import InputError, whole_number
 from tvclin.histories import History
 from tvclin.kernels.choice import pinned
 from tvclin.laws import Law
