@@ -5,8 +5,8 @@ import pytest
 from peers import ratio
 
 import tvclin as tv
+from tvclin.flight.sixdof.case import SixDof
 from tvclin.flight.sixdof.engine import Engine
-from tvclin.flight.sixdof.fly import SixDof
 from tvclin.flight.sixdof.model import model_xml, planet_xml
 from tvclin.flight.sixdof.steering import TrimThenHold
 from tvclin.units import FOOT

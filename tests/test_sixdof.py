@@ -12,8 +12,8 @@ import pytest
 import tvclin as tv
 from tvclin.closed_forms import rectangular_limit, triangular_limit
 from tvclin.closed_responses import triangular_attitude
+from tvclin.flight.sixdof.case import SixDof
 from tvclin.flight.sixdof.engine import Engine
-from tvclin.flight.sixdof.fly import SixDof
 from tvclin.flight.sixdof.model import DEFLECTIONS, model_xml, planet_xml
 from tvclin.units import FOOT
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 
 from tvclin.errors import InputError
+from tvclin.flight.sixdof.case import SixDof
 from tvclin.flight.sixdof.earth import Earth
-from tvclin.flight.sixdof.fly import SixDof
 from tvclin.flight.sixdof.steering import TrimThenHold
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle

@@ -1,0 +1,111 @@
+"""What is flown, checked: one vehicle in its plane, and a wind at its steps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.coefficients import PLANES, Coefficients
+from tvclin.errors import InputError, instance, number, one_of, within
+from tvclin.flight.answer import OUTPUTS, begins_in_time
+from tvclin.flight.sixdof.airframe import borrowed
+from tvclin.flight.sixdof.earth import Earth
+from tvclin.flight.sixdof.steering import Steering, step_means
+from tvclin.histories import History
+from tvclin.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+_SHORTEST, _LONGEST = 1e-4, 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Air:
+    """A wind as it is flown.
+
+    Attributes
+    ----------
+    wind : History
+        The wind angle [rad].
+    times : ndarray
+        Times of the steps [s], ``(n,)``; the first lies before the flight.
+    angles, speeds : ndarray
+        Means over each step: wind angle [rad], and wind speed [m/s] along the flight or to its
+        right.
+    """
+
+    wind: History
+    times: FloatArray
+    angles: FloatArray
+    speeds: FloatArray
+
+
+@dataclass(frozen=True)
+class SixDof:
+    """What is flown, checked.
+
+    Parameters
+    ----------
+    vehicle, plane, drift, step, earth
+        As of `fly_sixdof`.
+    """
+
+    vehicle: Vehicle
+    plane: str = "pitch"
+    drift: bool = True
+    step: float = 0.01
+    earth: Earth | None = None
+
+    def __post_init__(self) -> None:
+        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        one_of("plane", self.plane, PLANES)
+        if self.coefficients.batch:
+            raise InputError(
+                f"a flight is of one vehicle; got a batch of shape {self.coefficients.batch}"
+            )
+        if self.earth is not None:
+            instance("earth", self.earth, Earth, "or None for a flat planet")
+        step = within("step", self.step, _SHORTEST, _LONGEST, "s")
+        object.__setattr__(self, "step", number("step", step))
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """The coefficients of the vehicle in this plane."""
+        return Coefficients.from_vehicle(self.vehicle, self.plane)
+
+    def air(self, wind: History, start: float, stop: float) -> Air:
+        """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
+        instance("wind", wind, History, "such as TriangularWind")
+        if wind.batch:
+            raise InputError(f"a flight is in one wind; got a batch of shape {wind.batch}")
+        begins_in_time("wind", wind, start)
+        count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
+        times = start + self.step * np.arange(-1.0, count)
+        angles = step_means(wind, times, self.step)
+        return Air(wind, times, angles, self._speeds(angles))
+
+    def flown(self, steering: Steering, air: Air) -> FloatArray:
+        """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
+        with borrowed(
+            self.vehicle, self.plane, bool(self.drift), self.step, self.earth
+        ) as airframe:
+            rows = airframe.fly(steering, air.speeds, air.angles)
+        lost = np.argwhere(~np.isfinite(rows))
+        if lost.size:
+            raise InputError(
+                f"the flight lost its numbers at t = {air.times[lost[0, 0]]:.6g} s:"
+                f" {OUTPUTS[lost[0, 1]]} is not finite"
+            )
+        return rows
+
+    def _speeds(self, angles: FloatArray) -> FloatArray:
+        """Return the horizontal wind [m/s] that makes these angles on the nominal flight."""
+        path = float(self.vehicle.attitude) if self.plane == "pitch" else np.pi / 2
+        sine = np.sin(path + angles)
+        if np.any(sine * np.sin(path) <= 0.0):
+            raise InputError(
+                "wind must be an angle that a horizontal wind can make, at a flight path of"
+                f" {path:.6g} rad; got {angles[np.argmax(np.abs(angles))]:.6g} rad"
+            )
+        tail = float(self.vehicle.velocity) * np.sin(angles) / sine
+        return tail if self.plane == "pitch" else -tail
