@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.planar import random_vehicle
 from tvclin.closed_forms import rectangular_limit, triangular_limit
 from tvclin.closed_responses import triangular_attitude
 from tvclin.flight.sixdof.case import SixDof
@@ -144,6 +145,26 @@ def test_every_output_tends_to_that_of_the_linear_model(configuration, plane, si
 
     assert off[0] < 0.02
     assert off[1] < 0.003
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_any_vehicle_flies_as_its_linear_model(seed):
+    """Stable ones too, effectors ahead of the centre of gravity, and others than the thrust."""
+    vehicle, _ = random_vehicle(seed)
+    vehicle = vehicle.replace(
+        aerodynamic_arm=vehicle.aerodynamic_arm * (-1.0) ** (seed % 2),
+        control_arm=vehicle.control_arm * (-1.0) ** (seed % 3),
+        control_force_slope=None if seed % 2 else 0.3 * vehicle.thrust,
+    )
+    end = 3.0 / np.sqrt(abs(tv.Coefficients.from_vehicle(vehicle).mu_alpha))
+    wind, times = tv.TriangularWind(peak=1e-3, duration=end / 1.5), np.linspace(0.0, end, 31)
+    bent = tv.HeldDeflection(limit=1e-4, start=end / 5.0)
+    for plane in ("pitch", "yaw"):
+        exact = tv.attitude_response(drifting(vehicle, plane), bent, wind, times).outputs
+        flown = tv.fly_sixdof(vehicle, bent, wind, times, plane=plane).outputs[:4]
+
+        size = np.abs(exact).max(axis=1, keepdims=True)
+        np.testing.assert_allclose(flown / size, exact / size, atol=3e-3)
 
 
 def test_a_positive_deflection_turns_the_nose_down_or_left(configuration_i):
@@ -408,6 +429,9 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "wind must not begin before the flight, at 1 s": lambda: fly(times=[1.0, 2.0]),
         "control must not begin before the flight, at 0 s": lambda: fly(early),
         "step must be at most 0.00555556 s for an actuator of 90 rad/s": lambda: fly(pilot),
+        "step must be at most 0.00303 s for a vehicle that moves with 16.5 rad/s": lambda: fly(
+            vehicle=configuration_i.replace(moment_of_inertia=23100.0)
+        ),
         "step must be between 0.0001 and 0.02": lambda: fly(step=0.1),
         "lost its numbers at t = 0 s: deflection is not finite": lambda: fly(Lost()),
         "deflection_limit must be finite": lambda: fly(deflection_limit=np.inf),

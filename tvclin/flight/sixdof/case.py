@@ -17,6 +17,8 @@ from tvclin.vehicle import Vehicle
 FloatArray = NDArray[np.float64]
 
 _SHORTEST, _LONGEST = 1e-4, 0.02
+_PER_STEP = 0.05
+"""Most that the airframe's own motion may go on in a step; errors are of its square."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +69,12 @@ class SixDof:
             instance("earth", self.earth, Earth, "or None for a flat planet")
         step = within("step", self.step, _SHORTEST, _LONGEST, "s")
         object.__setattr__(self, "step", number("step", step))
+        pace = abs(float(self.coefficients.mu_alpha)) ** 0.5
+        if self.step * pace > _PER_STEP:
+            raise InputError(
+                f"step must be at most {_PER_STEP / pace:.3g} s for a vehicle that moves with"
+                f" {pace:.3g} rad/s; got {self.step:.6g} s"
+            )
 
     @property
     def coefficients(self) -> Coefficients:

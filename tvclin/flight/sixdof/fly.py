@@ -89,8 +89,8 @@ def fly_sixdof(
     ------
     InputError
         For batches, numbers out of range, an engine that is not installed, a wind or a history
-        that begins before the flight, a step too large for the actuator, and a flight whose
-        numbers are lost.
+        that begins before the flight, a step too large for the vehicle or the actuator, and a
+        flight whose numbers are lost.
 
     Warns
     -----
