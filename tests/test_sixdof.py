@@ -438,6 +438,9 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "deflection_limit must be positive": lambda: fly(deflection_limit=-0.1),
         "earth must be an Earth": lambda: fly(earth="round"),
         "latitude must be between": lambda: tv.Earth(latitude=28.5),
+        "timepts must end before the nominal flight has turned by 25 deg": lambda: fly(
+            vehicle=configuration_i.replace(velocity=20.0), times=[0.0, 200.0], earth=EARTH
+        ),
         "plane must be one of pitch, yaw": lambda: fly(plane="roll"),
         "control must be a Law": lambda: fly(0.3),
         "belong to a law or an autopilot": lambda: fly(0.0 * wind, rate_limit=0.1),

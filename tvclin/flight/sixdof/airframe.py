@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.coefficients import Coefficients
+from tvclin.errors import InputError
 from tvclin.flight.answer import FARTHEST, OUTPUTS
 from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.engine import Engine
@@ -102,6 +103,11 @@ class Airframe:
                 tuple(row)
                 for row in (self._flown(hold, still, still, repeat(start)) + start).tolist()
             ]
+        if len(self._nominal) < count:
+            raise InputError(
+                "timepts must end before the nominal flight has turned by 25 deg, after"
+                f" {len(self._nominal) * self._step:.3g} s"
+            )
         return iter(self._nominal)
 
     def _begin(self) -> tuple[float, float]:
