@@ -379,6 +379,12 @@ def test_an_autopilot_within_its_limit_is_its_own_closed_loop(configuration_i):
         np.testing.assert_allclose(flown.outputs[label], linear.outputs[label], atol=0.01 * size)
 
 
+def test_name_and_time_of_a_vehicle_are_nothing_to_its_flight(configuration_i):
+    other = configuration_i.replace(name="another", time=np.array([66.0, 67.0]))
+
+    np.testing.assert_array_equal(flight(other), flight(configuration_i))
+
+
 def test_a_history_is_limited(configuration_i):
     bent = tv.HeldDeflection(limit=0.01)
     flown = tv.fly_sixdof(

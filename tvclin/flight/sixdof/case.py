@@ -94,9 +94,8 @@ class SixDof:
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
-        with borrowed(
-            self.vehicle, self.plane, bool(self.drift), self.step, self.earth
-        ) as airframe:
+        numbers = self.vehicle.replace(name="", time=None)  # all that the engine knows of it
+        with borrowed(numbers, self.plane, bool(self.drift), self.step, self.earth) as airframe:
             rows = airframe.fly(steering, air.speeds, air.angles)
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:
