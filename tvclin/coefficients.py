@@ -7,6 +7,7 @@ deflection pitches the nose down.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -142,7 +143,7 @@ class Coefficients:
             raise InputError(f"Coefficients has no field {', '.join(sorted(unknown))}")
         return replace(self, **changes)
 
-    @property
+    @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
         return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name, _, _ in _CHECKS))

@@ -14,17 +14,11 @@ from numpy.typing import NDArray
 from tvclin.errors import instance
 from tvclin.histories import History
 from tvclin.kernels import polynomials
+from tvclin.kernels.residues import residues as residues_of_pieces
+from tvclin.kernels.responses import MARGINAL, growing
 from tvclin.plant import INPUTS, Plant
 
 FloatArray = NDArray[np.float64]
-
-_MARGINAL = 1e-12
-"""A pole whose real part is below this part of the largest pole counts as not growing."""
-_EPS = float(np.finfo(float).eps)
-_DEAD = 750.0
-"""e^-750 is nothing: later knots do not count."""
-_ROUNDINGS = 32.0
-"""Roundings in one term of a transform; its knots and its exponent add to them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,12 +147,6 @@ def unstable_modes(plant: Plant) -> Modes:
     return _with_residues(plant, poles)
 
 
-def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which of all the poles ``(..., N)`` of a plant grow; those on the axis do not."""
-    size = np.abs(poles).max(axis=-1, keepdims=True)
-    return np.asarray(np.real(poles) > _MARGINAL * size)
-
-
 def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
     """Return the residue of the attitude response [rad] at each unstable pole, ``(..., N)``.
 
@@ -230,25 +218,8 @@ def residues_at(
     vanish for a late wind nor overflow for an early one; e^(-p start) times them are those of the
     flight as it is. Both have shape ``(..., N)``; NaN at a pole that is NaN.
     """
-    pairs = ((modes.deflection_residues, deflection), (modes.wind_residues, wind))
-    inputs = [(gain, history.shift(-start)) for gain, history in pairs]
-    terms = [gain * _at_poles(h.laplace, modes.poles) for gain, h in inputs]
-    sizes = [np.abs(gain) * _at_poles(h.laplace_magnitude, modes.poles) for gain, h in inputs]
-    roundings = np.asarray(_ROUNDINGS)
-    for _, history in inputs:
-        last = np.abs(history.knots[..., -1])[..., np.newaxis]
-        exponent = np.minimum(np.abs(modes.poles) * last, _DEAD)
-        roundings = roundings + exponent + np.sqrt(history.knots.shape[-1])
-    return np.asarray(terms[0] + terms[1]), _EPS * roundings * np.real(sizes[0] + sizes[1])
-
-
-def _at_poles(transform: Any, poles: NDArray[Any]) -> NDArray[Any]:
-    """Evaluate a transform at each pole; NaN poles stay NaN."""
-    columns = []
-    for pole in np.moveaxis(poles, -1, 0):
-        missing = np.isnan(pole)
-        columns.append(np.where(missing, np.nan, transform(np.where(missing, 1.0, pole))))
-    return np.stack(columns, axis=-1) if columns else np.zeros((*poles.shape[:-1], 0))
+    gains = (modes.deflection_residues, modes.wind_residues)
+    return residues_of_pieces(modes.poles, gains, (deflection.pieces, wind.pieces), start)
 
 
 def _final_attitude(
@@ -286,7 +257,7 @@ def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:
 def _oscillates(plant: Plant) -> Any:
     poles = polynomials.roots(plant.denominator)
     size = np.abs(poles).max(axis=-1, keepdims=True)
-    undamped = (np.abs(np.real(poles)) <= _MARGINAL * size) & (np.imag(poles) != 0.0)
+    undamped = (np.abs(np.real(poles)) <= MARGINAL * size) & (np.imag(poles) != 0.0)
     return np.any(undamped, axis=-1)
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, instance, one_of
 from tvclin.kernels import polynomials
+from tvclin.kernels.responses import System
 from tvclin.vehicle import Vehicle
 
 if TYPE_CHECKING:
@@ -119,6 +120,22 @@ class Plant:
         if self.model != "fixed-path":
             angle = polynomials.add(angle, -self._flight_path(input))
         return polynomials.add(angle, -self.denominator) if input == "wind" else angle
+
+    @cached_property
+    def modal(self) -> System:
+        """The plant as a sum of modes; without meaning where poles are repeated."""
+        poles = polynomials.roots(self.denominator)
+        slope = polynomials.value(polynomials.derivative(self.denominator), poles)
+        slope = np.where(slope == 0.0, np.nan, slope)
+        numerators = [self.numerator("attitude", name) for name in INPUTS]
+        gains = [polynomials.value(numerator, poles) / slope for numerator in numerators]
+        rows = [np.ones_like(poles), poles]
+        if "flight_path_angle" in self.outputs:
+            share = self.path_per_attitude(poles)
+            rows += [share, 1.0 - share]
+        else:
+            rows.append(rows[0])
+        return System(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
 
     def tf(self, output: str = "attitude", input: str = "deflection") -> "control.TransferFunction":
         """Return one transfer function as `control.TransferFunction`.

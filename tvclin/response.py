@@ -11,26 +11,20 @@ e^(p t). A residue that is zero within the rounding of its own sum counts as zer
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import InputError, broadcast, finite, instance, one_of
 from tvclin.histories import History
-from tvclin.kernels import integrals, lags
-from tvclin.modes import Modes, all_modes, first_time, growing, residues_at
+from tvclin.kernels import responses
 from tvclin.plant import INPUTS, Plant
 
 if TYPE_CHECKING:
     from control import TimeResponseData
 
 FloatArray = NDArray[np.float64]
-
-_SEPARATE = 1e-3
-"""Poles nearer to each other than this, over the largest or over the time, count as near."""
-_FORWARD = 20.0
-"""A mode that grows by no more than e^20 may be carried forward."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +105,7 @@ def attitude_response(
         found.time,
         found.outputs,
         None,
-        np.stack([deflection(found.time), wind(found.time)]),
+        responses.values((deflection.pieces, wind.pieces), found.time),
         issiso=False,
         output_labels=list(found.labels),
         input_labels=list(INPUTS),
@@ -149,80 +143,11 @@ def attitude_responses(
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
-    modes = all_modes(plant)
-    near = _near_poles(modes.poles, times.max() - first_time(deflection, wind))
-    with np.errstate(invalid="ignore"):  # near poles have no residues; they are answered below
-        amplitudes = _amplitudes(modes, deflection, wind, times)
-        outputs = _outputs(plant, modes, amplitudes, wind, times, shape)
-    if np.any(near):
+    outputs, near = responses.responses(plant.modal, (deflection.pieces, wind.pieces), times, shape)
+    if near.any():
         lags = _by_lags(plant, deflection, wind, times, shape)
         outputs = np.where(near[..., np.newaxis, np.newaxis], lags, outputs)
     return Responses(times, outputs, plant.outputs)
-
-
-def _amplitudes(
-    modes: Modes, deflection: History, wind: History, times: FloatArray
-) -> NDArray[Any]:
-    """The part of the attitude that each mode makes, ``(..., N, n)``."""
-    unstable = growing(modes.poles)
-    fast = Modes(
-        np.where(unstable, modes.poles, np.nan), modes.deflection_residues, modes.wind_residues
-    )
-    start = first_time(deflection, wind)
-    found, tolerance = residues_at(fast, deflection, wind, start)
-    found = np.where(unstable & (np.abs(found) > tolerance), found, 0.0)
-    columns = []
-    for k in range(modes.poles.shape[-1]):
-        pole, up = modes.poles[..., k], unstable[..., k]
-        weights = (modes.deflection_residues[..., k], modes.wind_residues[..., k])
-        forward = _sum(lags.past, np.where(up, 0.0, pole), weights, (deflection, wind), times)
-        if not np.any(up):
-            columns.append(forward)
-            continue
-        back = _sum(integrals.future, np.where(up, pole, 1.0), weights, (deflection, wind), times)
-        with np.errstate(over="ignore", invalid="ignore"):
-            since = times - start[..., np.newaxis]
-            growth = np.where(up, pole, 0.0)[..., np.newaxis] * since
-            excess = found[..., k, np.newaxis]
-            grown = np.where(excess == 0.0, 0.0, excess * np.exp(growth))
-            grown = np.where(since < 0.0, 0.0, grown - back)
-        columns.append(np.where(up[..., np.newaxis], grown, forward))
-    return np.stack(np.broadcast_arrays(*columns), axis=-2)
-
-
-def _sum(
-    integral: Any,
-    pole: NDArray[Any],
-    weights: tuple[NDArray[Any], ...],
-    histories: tuple[History, ...],
-    times: FloatArray,
-) -> NDArray[Any]:
-    terms = [
-        weight[..., np.newaxis] * integral(history.pieces, pole, times)
-        for weight, history in zip(weights, histories, strict=True)
-    ]
-    return np.asarray(terms[0] + terms[1])
-
-
-def _outputs(
-    plant: Plant,
-    modes: Modes,
-    amplitudes: NDArray[Any],
-    wind: History,
-    times: FloatArray,
-    shape: tuple[int, ...],
-) -> FloatArray:
-    """Each mode of the attitude turns with its pole, and takes its share of flight path along."""
-    poles = modes.poles[..., np.newaxis]
-    attitude = np.real(amplitudes.sum(axis=-2))
-    rows = [attitude, np.real((poles * amplitudes).sum(axis=-2))]
-    angle = attitude - wind(times)
-    if "flight_path_angle" in plant.outputs:
-        share = plant.path_per_attitude(modes.poles)[..., np.newaxis]
-        rows.append(np.real((share * amplitudes).sum(axis=-2)))
-        angle = np.real(((1.0 - share) * amplitudes).sum(axis=-2)) - wind(times)
-    rows.append(angle)
-    return np.stack([np.broadcast_to(row, (*shape, times.size)) for row in rows], axis=-2)
 
 
 def _by_lags(
@@ -237,16 +162,3 @@ def _by_lags(
         ]
         rows.append(np.broadcast_to(parts[0] + parts[1], (*shape, times.size)))
     return np.stack(rows, axis=-2)
-
-
-def _near_poles(poles: NDArray[Any], span: FloatArray) -> NDArray[np.bool_]:
-    """Where two poles are too near for the modes to be told apart within the time span, ``(...)``.
-
-    A plant that grows fast all the same keeps its modes: a chain of lags runs forward.
-    """
-    gaps = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
-    gaps[..., np.arange(poles.shape[-1]), np.arange(poles.shape[-1])] = np.inf
-    gap, size = gaps.min(axis=(-2, -1)), np.abs(poles).max(axis=-1)
-    span = np.maximum(span, 0.0)
-    near = (gap <= _SEPARATE * size) | (gap * span <= _SEPARATE)
-    return near & ((np.real(poles).max(axis=-1) * span <= _FORWARD) | (gap == 0.0))

@@ -40,6 +40,8 @@ class Pieces:
     @property
     def batch(self) -> tuple[int, ...]:
         """The leading axes: one history is the batch of shape ``()``."""
+        if self.knots.ndim == 1 and self.coefficients.ndim == 3 and self.rates.ndim == 1:
+            return ()
         return np.broadcast_shapes(
             self.knots.shape[:-1], self.coefficients.shape[:-3], self.rates.shape[:-1]
         )

@@ -36,7 +36,8 @@ def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> N
         About what all of them take in one thread.
     """
     blocks = -(-cases // _ALIGN)
-    slices = int(min(thread_count(), max(seconds / _WORTH, 1.0), max(blocks, 1)))
+    slices = int(min(seconds / _WORTH, blocks))
+    slices = min(thread_count(), slices) if slices > 1 else 1
     if slices == 1:
         work(0, cases)
         return

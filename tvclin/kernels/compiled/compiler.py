@@ -24,3 +24,18 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function into those that call it, so that their loops run on several elements."""
     return numba.njit(forceinline=True, **_OPTIONS)(function)
+
+
+def lean(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function for others to call, which makes no arrays.
+
+    Nobody counts the views it takes of arrays, which would take longer than what is done with
+    them; and its machine code is kept with that of its callers.
+    """
+    options: Any = {**_OPTIONS, "_nrt": False}
+    return numba.njit(**options)(function)
+
+
+def unfused(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function for others to call, in which products and sums round as in numpy."""
+    return numba.njit(**{**_OPTIONS, "fastmath": False})(function)

@@ -1,0 +1,226 @@
+"""Responses by both twins of the kernel: against each other, and against sixty digits."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.histories import Piecewise
+from tvclin.kernels import pieces as kernel
+from tvclin.kernels import responses
+from tvclin.kernels.choice import pinned
+from tvclin.kernels.pieces import Pieces
+from tvclin.kernels.threads import VARIABLE
+
+MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
+AGREE = 1e-13
+"""Of the largest value of each output, as `kernels.responses` states."""
+
+
+@pytest.fixture(params=[False, True], ids=["numpy", "compiled"])
+def twin(request: pytest.FixtureRequest) -> Iterator[None]:
+    if request.param:
+        pytest.importorskip("numba")
+    with pinned(request.param):
+        yield
+
+
+def dispersed(model: str, seed: int, shape: tuple[int, ...] = ()) -> tv.Plant:
+    rng = np.random.default_rng(seed)
+    beta, b1 = rng.uniform(0.2, 1.0, shape), rng.uniform(0.01, 0.1, shape)
+    c = tv.Coefficients.from_beta(
+        beta=beta,
+        B=rng.uniform(0.05, 0.5, shape),
+        C1=0.9 * b1,
+        C2=beta**2 * rng.uniform(0.005, 0.02, shape),
+        b1=b1,
+        b2=0.5 * b1,
+        q=rng.uniform(1e-4, 4e-4, shape),
+    )
+    return tv.Plant(c, model)
+
+
+def jumping_wind() -> tv.History:
+    return tv.SampledWind(time=[1.0, 2.5, 2.5, 4.0, 6.5], angle=[0.05, 0.02, -0.08, 0.1, 0.0])
+
+
+def rising_exponentials(rates: list[float]) -> tv.History:
+    """Two pieces of c u^k e^(r u), k = 0 ... 2, for each rate."""
+    rng = np.random.default_rng(5)
+    terms = rng.uniform(-0.01, 0.01, (2, len(rates), 3))
+    return Piecewise(Pieces(np.array([0.5, 3.0]), terms, np.array(rates)))
+
+
+def histories(plant: tv.Plant) -> dict[str, tuple[tv.History, tv.History]]:
+    triangle = tv.TriangularWind(peak=0.1, duration=7.0)
+    limit = tv.boundary_limit(plant, triangle).deflection
+    switching = tv.BangBang(limit=0.01, switch_times=[1.5, 4.0], start=0.5)
+    return {
+        "on the boundary": (tv.trim_then_hold(plant, triangle, limit), triangle),
+        "held": (tv.HeldDeflection(limit=-0.004), triangle),
+        "late": (tv.HeldDeflection(limit=-0.004, start=201.0), triangle.shift(200.0)),
+        "jumps": (switching, jumping_wind()),
+        "short": (switching, tv.TrapezoidalWind(peak=0.1, rise=1e-3, hold=0.02, fall=0.0)),
+        "gust": (switching, tv.OneMinusCosineGust(peak=0.1, duration=3.0)),
+        "exponentials": (rising_exponentials([-0.02, -1.7]), rising_exponentials([0.0, -3.0])),
+        "resonant": (rising_exponentials([float(plant.modal.poles.real.min()) + 1e-3]), triangle),
+    }
+
+
+def both_twins(
+    plant: tv.Plant, deflection: tv.History, wind: tv.History, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    pytest.importorskip("numba")
+    with pinned(False):
+        plain = tv.attitude_responses(plant, deflection, wind, times).outputs
+    with pinned(True):
+        return plain, tv.attitude_responses(plant, deflection, wind, times).outputs
+
+
+@pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
+@pytest.mark.parametrize("model", MODELS)
+def test_the_twins_agree(model: str, even: bool) -> None:
+    plant = dispersed(model, 1)
+    times = np.linspace(-1.0, 30.0, 300)
+    times = times if even else times + 0.05 * np.sin(times)
+    for name, (deflection, wind) in histories(plant).items():
+        late = 200.0 if name == "late" else 0.0
+        plain, fast = both_twins(plant, deflection, wind, times + late)
+
+        scale = np.max(np.abs(plain), axis=-1, keepdims=True)
+        assert np.max(np.abs(fast - plain) / scale) < AGREE, name
+
+
+def carried(
+    plant: tv.Plant, inputs: list[tv.History], times: np.ndarray, matrices: list[np.ndarray]
+) -> np.ndarray:
+    """The outputs at rising times from zero on: a matrix exponential with sixty digits a step.
+
+    The inputs are straight lines between their knots; beside the states the exponential carries
+    their values and slopes.
+    """
+    A, B, C, D = (mp.matrix(m.tolist()) for m in matrices)
+    n = A.rows
+    big = mp.zeros(n + 4)
+    big[:n, :n], big[:n, n : n + 2] = A, B
+    big[n, n + 2] = big[n + 1, n + 3] = 1
+    edges = sorted({0.0, *times.tolist(), *(float(k) for h in inputs for k in h.knots)})
+    state, rows = mp.zeros(n, 1), []
+    for start, stop in pairwise([*edges, edges[-1] + 1.0]):
+        lines = mp.zeros(4, 1)
+        for i, history in enumerate(inputs):
+            piece = int(np.searchsorted(history.knots, start, side="right")) - 1
+            if piece >= 0:
+                value, slope = (mp.mpf(float(c)) for c in history.pieces.coefficients[piece, 0])
+                since = mp.mpf(start) - mp.mpf(float(history.knots[piece]))
+                lines[i], lines[i + 2] = value + slope * since, slope
+        if start in times:
+            rows.append([float(v) for v in C * state + D * lines[:2, 0]])
+        state = (mp.expm(big * (mp.mpf(stop) - mp.mpf(start))) * mp.matrix([*state, *lines]))[:n, 0]
+    return np.array(rows).T
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_dispersed_plants_keep_their_digits(model: str, twin: None) -> None:
+    plants = dispersed(model, 7, (3,))
+    deflection = tv.BangBang(limit=0.01, switch_times=[1.5, 4.0], start=0.5)
+    wind, times = jumping_wind(), np.linspace(0.0, 12.0, 25)
+    found = tv.attitude_responses(plants, deflection, wind, times).outputs
+
+    for k in range(3):
+        matrices = [m[k] for m in plants.matrices()]
+        with mp.workdps(60):
+            expected = carried(plants, [deflection, wind], times, matrices)
+        scale = np.max(np.abs(expected), axis=-1, keepdims=True)
+        assert np.max(np.abs(found[k] - expected) / scale) < AGREE
+
+
+@pytest.mark.parametrize("K", [1.0, 0.0])
+def test_all_digits_stay_on_the_boundary_at_any_time(K: float, twin: None) -> None:
+    """Long after the wind the attitude of eq (5) is the held deflection over B, and stays it."""
+    plant = tv.Plant(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    wind = tv.TriangularWind(peak=0.1, duration=20.0)
+    limit = tv.boundary_limit(plant, wind, K).deflection
+    held = tv.trim_then_hold(plant, wind, limit, K)
+    for times in (np.linspace(0.0, 2000.0, 401), np.array([100.0, 333.0, 5000.0])):
+        found = tv.attitude_responses(plant, held, wind, times)["attitude"]
+
+        np.testing.assert_allclose(found[times >= 100.0], limit / 0.1, rtol=AGREE)
+
+
+@pytest.mark.parametrize("mu_alpha", [1e-8, 1e-12])
+def test_poles_nearly_alike_go_by_lags(mu_alpha: float, twin: None) -> None:
+    """Without aerodynamic moment the attitude is the double integral of the deflection."""
+    plants = tv.Plant(tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0))
+    held, wind = tv.HeldDeflection(limit=-0.005), tv.RectangularWind(peak=0.1, duration=5.0)
+    times = np.array([0.5, 3.0, 10.0])
+    found = tv.attitude_responses(plants, held, wind, times)["attitude"]
+    alone = tv.attitude_responses(
+        tv.Plant(tv.Coefficients(mu_alpha=0.3, mu_delta=1.0)), held, wind, times
+    )
+
+    np.testing.assert_allclose(found[0], 0.0025 * times**2, rtol=1e3 * mu_alpha + 1e-13)
+    np.testing.assert_allclose(found[1], alone["attitude"], rtol=AGREE)
+
+
+def test_a_jump_is_seen_at_its_knot_and_nothing_before_the_first(twin: None) -> None:
+    plant, wind = dispersed("drift-exact", 2), jumping_wind()
+    held = tv.HeldDeflection(limit=-0.01, start=0.5)
+    times = np.array([-3.0, 0.499, np.nextafter(2.5, 0.0), 2.5])
+    found = tv.attitude_responses(plant, held, wind, times)
+
+    assert not np.any(found.outputs[:, :2])
+    step = found["angle_of_attack"][3] - found["angle_of_attack"][2]
+    assert step == pytest.approx(0.1, rel=1e-13)
+    np.testing.assert_allclose(found["attitude"][3], found["attitude"][2], rtol=1e-13)
+
+
+def test_the_order_of_the_times_does_not_matter(twin: None) -> None:
+    plant = dispersed("drift", 3)
+    deflection, wind = histories(plant)["jumps"]
+    times = np.linspace(-1.0, 20.0, 80)
+    mixed = np.random.default_rng(0).permutation(80)
+    rising = tv.attitude_responses(plant, deflection, wind, times).outputs
+    found = tv.attitude_responses(plant, deflection, wind, times[mixed]).outputs
+
+    np.testing.assert_allclose(found, rising[:, mixed], rtol=1e-13, atol=1e-17)
+
+
+def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    plants = dispersed("fixed-path", 4, (150, 1))
+    winds = tv.TriangularWind(peak=0.1, duration=np.linspace(2.0, 9.0, 20))
+    held, times = tv.HeldDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
+    with pinned(True):
+        together = tv.attitude_responses(plants, held, winds, times).outputs
+        monkeypatch.setenv(VARIABLE, "1")
+        in_one_thread = tv.attitude_responses(plants, held, winds, times).outputs
+        c = plants.coefficients
+        one = tv.Plant(tv.Coefficients.from_beta(beta=float(c.beta[77, 0]), B=float(c.B[77, 0])))
+        wind = tv.TriangularWind(peak=0.1, duration=float(winds.duration[13]))
+        alone = tv.attitude_responses(one, held, wind, times).outputs
+
+    np.testing.assert_array_equal(in_one_thread, together)
+    np.testing.assert_allclose(together[77, 13], alone, rtol=1e-12, atol=1e-15)
+
+
+def test_inputs_come_to_the_last_bit(twin: None) -> None:
+    times = np.random.default_rng(2).uniform(-1.0, 12.0, 200)
+    for pair in histories(dispersed("fixed-path", 6)).values():
+        inputs = (pair[0].pieces, pair[1].pieces)
+        expected = [np.real(kernel.value(pieces, times)) for pieces in inputs]
+
+        np.testing.assert_array_equal(responses.values(inputs, times), expected)
+
+
+def test_high_powers_of_the_time_are_left_to_numpy() -> None:
+    terms = np.zeros((1, 1, 6))
+    terms[0, 0, 5] = 1e-6
+    wind = Piecewise(Pieces(np.zeros(1), terms, np.array([-1.0])))
+    held = tv.HeldDeflection(limit=-0.01)
+    plain, fast = both_twins(dispersed("drift", 8), held, wind, np.linspace(0.0, 9.0, 30))
+
+    np.testing.assert_array_equal(fast, plain)
