@@ -113,6 +113,8 @@ def together(**arrays: NDArray[Any]) -> None:
 
 def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     """Return the shape to which the named shapes broadcast; `InputError` if there is none."""
+    if not any(shapes.values()):
+        return ()
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:

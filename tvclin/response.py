@@ -144,7 +144,7 @@ def attitude_responses(
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
     outputs, near = responses.responses(plant.modal, (deflection.pieces, wind.pieces), times, shape)
-    if near.any():
+    if near is not None:
         lags = _by_lags(plant, deflection, wind, times, shape)
         outputs = np.where(near[..., np.newaxis, np.newaxis], lags, outputs)
     return Responses(times, outputs, plant.outputs)

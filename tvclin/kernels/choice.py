@@ -1,7 +1,8 @@
 """Which twin of a kernel runs: numpy, or the compiled one where that pays.
 
-Compiled twins need numba (extra `fast`) and some tenths of a second to load. They are taken when
-the work is worth that, and for any work once they are there. Both give the same numbers within
+Compiled twins need numba (extra `fast`), up to half a minute to be compiled for the first time on
+a machine, and some tenths of a second to load from then on. They are taken when the work is worth
+that, and for any work once they are there. Both give the same numbers within
 the rounding each kernel states; nobody above the kernels knows which one ran.
 """
 
@@ -12,10 +13,12 @@ from contextvars import ContextVar
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 
-_WORTH = 0.1
-"""Seconds of work for which the compiler, which takes some tenths to load, is loaded."""
+_LOADING, _COMPILING = 0.1, 10.0
+"""Seconds of work for which a twin is loaded, and for which one is compiled that never was."""
+_CACHE = Path(__file__).parent / "compiled" / "__pycache__"
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
 
@@ -33,8 +36,13 @@ def compiled_twin(name: str, seconds: float) -> ModuleType | None:
     wanted = _pinned.get()
     path = f"tvclin.kernels.compiled.{name}"
     if wanted is None:
-        wanted = seconds > _WORTH or path in sys.modules
+        wanted = path in sys.modules or seconds > (_LOADING if _kept(name) else _COMPILING)
     return import_module(path) if wanted and available() else None
+
+
+def _kept(name: str) -> bool:
+    """Whether machine code of a twin is kept beside the sources."""
+    return next(_CACHE.glob(f"{name}.*.nbi"), None) is not None
 
 
 @cache

@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.compiled.compiler import compiled, lean
+from tvclin.kernels.compiled.compiler import compiled, lean, merged
 
-BLOCK = 128
+BLOCK = 512
 """Times in one block, at most."""
-_FINE = 16
-"""Exponentials in a table are products of two, of which one is so many steps long."""
+_STRIDES = (16, 128, BLOCK)
+"""An exponential in a table is a product of at most three: one for steps up to the first stride,
+one for whole strides up to the next, and so on.
+"""
 _UNEVEN = 1e-14
 """A grid is even where its times, times the fastest exponent, are off by no more than this."""
 _LARGE = 600.0
@@ -39,11 +41,14 @@ class Tables(NamedTuple):
 @compiled
 def room_for_tables(like, exponents, outputs):  # type: ignore[no-untyped-def]
     """Return tables with room for so many exponents, real or complex like `like`."""
+    even = np.empty((2 * exponents + 1, BLOCK))
+    uneven = np.empty((2 * exponents + 1, BLOCK))
+    even[-1], uneven[-1] = 0.0, 0.0
     return Tables(
         np.full(exponents, np.nan, like.dtype),
-        np.zeros((2 * exponents + 1, BLOCK)),
-        np.zeros((2 * exponents + 1, BLOCK)),
-        np.zeros(BLOCK),
+        even,
+        uneven,
+        np.empty(BLOCK),
         np.zeros(exponents, like.dtype),
         np.zeros((outputs, 2 * exponents + 1)),
         np.zeros(2 * exponents + 1, np.int64),
@@ -62,7 +67,7 @@ def grid(times):  # type: ignore[no-untyped-def]
     return step, off
 
 
-@lean
+@merged
 def fill(tables, poles, rates, step, off):  # type: ignore[no-untyped-def]
     """Write the exponentials of an even grid, where they are not there; False for another grid."""
     for e in range(poles.size + rates.size):
@@ -79,18 +84,20 @@ def fill(tables, poles, rates, step, off):  # type: ignore[no-untyped-def]
 
 @lean
 def _powers(z, real, imaginary):  # type: ignore[no-untyped-def]
-    for j in range(_FINE):
+    for j in range(_STRIDES[0]):
         fine = np.exp(z * j)
         real[j], imaginary[j] = np.real(fine), np.imag(fine)
-    for i in range(_FINE, BLOCK, _FINE):
-        coarse = np.exp(z * i)
-        a, b = np.real(coarse), np.imag(coarse)
-        for j in range(_FINE):
-            real[i + j] = a * real[j] - b * imaginary[j]
-            imaginary[i + j] = a * imaginary[j] + b * real[j]
+    for level in range(1, len(_STRIDES)):
+        stride = _STRIDES[level - 1]
+        for i in range(stride, _STRIDES[level], stride):
+            coarse = np.exp(z * i)
+            a, b = np.real(coarse), np.imag(coarse)
+            for j in range(stride):
+                real[i + j] = a * real[j] - b * imaginary[j]
+                imaginary[i + j] = a * imaginary[j] + b * real[j]
 
 
-@lean
+@merged
 def block(times, first, size, even, system, forces, i, length, span, tables, out):  # type: ignore[no-untyped-def]
     """Answer some times of one span."""
     here, begin, modes = forces.knots[i], forces.knots[0], system.poles.size
@@ -121,7 +128,7 @@ def block(times, first, size, even, system, forces, i, length, span, tables, out
             _rising(line, local, span.forced[r, q], modes + q, rows, tables)
 
 
-@lean
+@merged
 def _exponentials(local, even, system, forces, i, span, tables, since):  # type: ignore[no-untyped-def]
     """Write the scale of each exponential at the block's beginning, or all of them."""
     modes, width = system.poles.size, forces.knots[i + 1] - forces.knots[i]
@@ -142,7 +149,7 @@ def _exponentials(local, even, system, forces, i, span, tables, since):  # type:
                 tables.uneven[2 * e + 1, j] = np.imag(found)
 
 
-@lean
+@merged
 def _amplitude(pole, mode, u, width, since, span):  # type: ignore[no-untyped-def]
     """The exponential part of one mode; what would be nothing times infinity is nothing."""
     total = 0.0 * pole
@@ -155,7 +162,7 @@ def _amplitude(pole, mode, u, width, since, span):  # type: ignore[no-untyped-de
     return total
 
 
-@lean
+@merged
 def _line(line, u, powers, length, factors, rows, which, count):  # type: ignore[no-untyped-def]
     """Write a power series and a sum of exponentials, four and two of them at a time."""
     low = 4 * ((length - 1) // 4)
@@ -176,7 +183,7 @@ def _line(line, u, powers, length, factors, rows, which, count):  # type: ignore
         _add(line, factors[k], rows[which[k]], factors[k + 1] if two else 0.0, second)
 
 
-@lean
+@merged
 def _begin(line, u, c0, c1, c2, c3, a, first, b, second):  # type: ignore[no-untyped-def]
     for j in range(line.size):
         line[j] = ((c3 * u[j] + c2) * u[j] + c1) * u[j] + c0 + (a * first[j] + b * second[j])

@@ -36,6 +36,13 @@ def lean(function: Callable[..., Any]) -> Callable[..., Any]:
     return numba.njit(**options)(function)
 
 
+def merged(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile like `lean`, and into the caller: for what takes many arrays, and is called once."""
+    options: Any = {**_OPTIONS, "_nrt": False, "forceinline": True}
+    return numba.njit(**options)(function)
+
+
 def unfused(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function for others to call, in which products and sums round as in numpy."""
-    return numba.njit(**{**_OPTIONS, "fastmath": False})(function)
+    """Compile like `lean`, but let products and sums round as in numpy."""
+    options: Any = {**_OPTIONS, "fastmath": False, "_nrt": False}
+    return numba.njit(**options)(function)

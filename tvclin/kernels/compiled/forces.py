@@ -4,14 +4,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.compiled.compiler import compiled, lean, unfused
+from tvclin.kernels.compiled.compiler import compiled, lean, merged, unfused
 
 
 class Forces(NamedTuple):
     """Both inputs on common knots.
 
     Knots ``(K + 1,)``, the last one at infinity; coefficients ``(K, r, m)`` and the sizes of
-    their terms; rates ``(r,)``, of which the first `own[0]` belong to the deflection.
+    their terms; rates ``(r,)``, of which the first `own[0]` belong to the deflection, and
+    `own[1]` are not zero.
     """
 
     knots: Any
@@ -30,11 +31,11 @@ def room_for_forces(like, knots, rates, degree):  # type: ignore[no-untyped-def]
         np.empty((knots, rates, degree), kind),
         np.empty((knots, rates, degree)),
         np.empty(rates, kind),
-        np.zeros(1, np.int64),
+        np.zeros(2, np.int64),
     )
 
 
-@lean
+@merged
 def merge(first, second, knots):  # type: ignore[no-untyped-def]
     """Write the knots of both, each once and infinity behind them; return how many there are."""
     i, j, count = 0, 0, 0
@@ -50,13 +51,15 @@ def merge(first, second, knots):  # type: ignore[no-untyped-def]
     return count
 
 
-@lean
+@merged
 def put_on_knots(forces, count, before, knots, coefficients, rates):  # type: ignore[no-untyped-def]
     """Write one history behind the `before` rates that are there, on the common knots."""
     degree = coefficients.shape[2]
     piece = -1
+    forces.own[1] = forces.own[1] if before else 0
     for q in range(rates.size):
         forces.rates[before + q] = rates[q]
+        forces.own[1] += rates[q] != 0.0
     for i in range(count):
         while piece + 1 < knots.size and knots[piece + 1] <= forces.knots[i]:
             piece += 1
@@ -108,20 +111,33 @@ def values(times, first, second, out):  # type: ignore[no-untyped-def]
     return True
 
 
-@unfused
+@lean
 def _polynomials(times, knots, coefficients, out):  # type: ignore[no-untyped-def]
-    piece, degree = -1, coefficients.shape[2]
-    for j in range(times.size):
-        if piece >= 0 and times[j] < knots[piece]:
-            piece = -1
-        while piece + 1 < knots.size and knots[piece + 1] <= times[j]:
+    first = 0
+    while first < times.size:
+        piece = -1
+        while piece + 1 < knots.size and knots[piece + 1] <= times[first]:
             piece += 1
-        out[j] = 0.0
-        if piece < 0:
-            continue
-        u = times[j] - knots[piece]
-        for q in range(coefficients.shape[1]):
-            polynomial = coefficients[piece, q, degree - 1]
-            for k in range(degree - 2, -1, -1):
-                polynomial = polynomial * u + coefficients[piece, q, k]
-            out[j] += polynomial
+        low = knots[piece] if piece >= 0 else -np.inf
+        high = knots[piece + 1] if piece + 1 < knots.size else np.inf
+        last = first + 1
+        while last < times.size and low <= times[last] < high:
+            last += 1
+        for j in range(first, last):
+            out[j] = 0.0
+        for q in range(coefficients.shape[1] if piece >= 0 else 0):
+            _add_polynomial(times[first:last], low, coefficients[piece, q], out[first:last])
+        first = last
+
+
+@unfused
+def _add_polynomial(times, start, terms, out):  # type: ignore[no-untyped-def]
+    if terms.size == 2:
+        for j in range(times.size):
+            out[j] += terms[1] * (times[j] - start) + terms[0]
+        return
+    for j in range(times.size):
+        total = terms[terms.size - 1]
+        for k in range(terms.size - 2, -1, -1):
+            total = total * (times[j] - start) + terms[k]
+        out[j] += total

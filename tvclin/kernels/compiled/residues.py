@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tvclin.kernels.compiled.compiler import lean
+from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.forces import filled
 
 _EPS = float(np.finfo(float).eps)
@@ -14,7 +14,7 @@ _NOTHING = 1e-17
 _MOST = 24
 
 
-@lean
+@merged
 def residue(system, mode, forces, count, span, roundings):  # type: ignore[no-untyped-def]
     """Write the discounted future at every knot and the residue; False where it diverges.
 

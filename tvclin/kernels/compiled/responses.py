@@ -2,12 +2,15 @@
 
 Each case is taken apart between its knots (`spans`), and the times of each span are answered in
 blocks (`blocks`). A case needs nothing of its neighbours.
+
+The machine code of `forces`, `residues`, `spans` and `blocks` is kept with this file's, and made
+anew when this file changes: who changes one of those deletes `__pycache__`.
 """
 
 import numpy as np
 
 from tvclin.kernels.compiled.blocks import BLOCK, block, fill, grid, room_for_tables
-from tvclin.kernels.compiled.compiler import compiled, lean
+from tvclin.kernels.compiled.compiler import compiled, lean, merged
 from tvclin.kernels.compiled.forces import merge, put_on_knots, room_for_forces, values
 from tvclin.kernels.compiled.residues import all_roundings, residue
 from tvclin.kernels.compiled.spans import SLOW, System, lay_out, room_for_span
@@ -87,7 +90,7 @@ def _too_near(poles, span, near):  # type: ignore[no-untyped-def]
     return close and (fastest * span <= forward or gap == 0.0)
 
 
-@lean
+@merged
 def _directions(system, forces, count, ahead, first, second, span):  # type: ignore[no-untyped-def]
     """Choose which modes are carried backward, with their residues and futures; False if none is.
 
@@ -108,7 +111,7 @@ def _directions(system, forces, count, ahead, first, second, span):  # type: ign
     return True
 
 
-@lean
+@merged
 def _one(times, step, even, system, forces, count, span, tables, out):  # type: ignore[no-untyped-def]
     """Answer one case, span by span."""
     first, last = 0, times.size
@@ -134,7 +137,7 @@ def _one(times, step, even, system, forces, count, span, tables, out):  # type: 
     return True
 
 
-@lean
+@merged
 def _turn_back(system, forces, i, span):  # type: ignore[no-untyped-def]
     """Set the states of modes carried backward at the beginning of span `i`."""
     for mode in range(system.poles.size):

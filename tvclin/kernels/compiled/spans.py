@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.compiled.compiler import compiled, lean
+from tvclin.kernels.compiled.compiler import compiled, lean, merged
 from tvclin.kernels.compiled.forces import filled
 
 SLOW = 1.0
@@ -85,7 +85,7 @@ def room_for_span(like, modes, outputs, knots, rates, degree):  # type: ignore[n
     )
 
 
-@lean
+@merged
 def lay_out(system, forces, i, reach, span):  # type: ignore[no-untyped-def]
     """Write what the outputs are made of in span `i`, as far as `reach`; and the next state.
 
@@ -95,7 +95,7 @@ def lay_out(system, forces, i, reach, span):  # type: ignore[no-untyped-def]
     for r in range(span.powers.shape[0]):
         for k in range(4 * ((length + 3) // 4)):
             span.powers[r, k] = 0.0
-        for q in range(forces.rates.size):
+        for q in range(forces.rates.size if forces.own[1] else 0):
             for k in range(span.forced.shape[2]):
                 span.forced[r, q, k] = 0.0
     for mode in range(system.poles.size):
@@ -104,13 +104,13 @@ def lay_out(system, forces, i, reach, span):  # type: ignore[no-untyped-def]
     _subtract_wind(forces, i, reach, length, span)
     for q in range(forces.rates.size):
         span.live[system.poles.size + q] = False
-        for r in range(span.forced.shape[0]):
+        for r in range(span.forced.shape[0] if forces.rates[q] != 0.0 else 0):
             if filled(span.forced[r, q]):
                 span.live[system.poles.size + q] = True
     return length
 
 
-@lean
+@merged
 def _length(system, forces, reach, most):  # type: ignore[no-untyped-def]
     """Return how many powers of the time bring every slow exponential to rounding."""
     slowest = 0.0
@@ -125,7 +125,7 @@ def _length(system, forces, reach, most):  # type: ignore[no-untyped-def]
     return degree + more
 
 
-@lean
+@merged
 def _subtract_wind(forces, i, reach, length, span):  # type: ignore[no-untyped-def]
     last = span.powers.shape[0] - 1
     for q in range(forces.own[0], forces.rates.size):
@@ -153,7 +153,7 @@ def _series(target, terms, rate, scale, length):  # type: ignore[no-untyped-def]
             term *= rate / (n - k + 1)
 
 
-@lean
+@merged
 def _answer(system, mode, forces, i, reach, length, span):  # type: ignore[no-untyped-def]
     """What one mode adds to the outputs; its state moves on to the next knot."""
     pole, width = system.poles[mode], forces.knots[i + 1] - forces.knots[i]
@@ -181,7 +181,7 @@ def _answer(system, mode, forces, i, reach, length, span):  # type: ignore[no-un
     return good
 
 
-@lean
+@merged
 def _driven(system, mode, forces, i, reach, length, fast, span):  # type: ignore[no-untyped-def]
     """Sum what drives the mode at rate zero; answer the other rates.
 
@@ -217,14 +217,14 @@ def _driven(system, mode, forces, i, reach, length, fast, span):  # type: ignore
     return True, value, ending
 
 
-@lean
+@merged
 def _force(system, mode, q, span):  # type: ignore[no-untyped-def]
     for r in range(span.forced.shape[0]):
         for k in range(span.particular.size):
             span.forced[r, q, k] += system.outputs[mode, r] * span.particular[k]
 
 
-@lean
+@merged
 def _fast(pole, mode, i, width, value, ending, span):  # type: ignore[no-untyped-def]
     span.start[mode], span.end[mode], span.lift[mode] = 0.0, 0.0, 0.0
     if span.backward[mode]:
@@ -237,7 +237,7 @@ def _fast(pole, mode, i, width, value, ending, span):  # type: ignore[no-untyped
             span.state[mode] = value * np.exp(pole * width) + ending
 
 
-@lean
+@merged
 def _slow(pole, mode, width, value, ending, length, span):  # type: ignore[no-untyped-def]
     span.start[mode], span.end[mode], span.lift[mode] = 0.0, 0.0, 0.0
     answer = span.answer
