@@ -34,10 +34,11 @@ _SEPARATE = 1e-3
 """Poles nearer to each other than this, over the largest or over the time, count as near."""
 _FORWARD = 20.0
 """A mode that grows by no more than e^20 may be carried forward."""
-_PLAIN = (2e-3, 3e-7)
+_PLAIN = (7e-3, 2e-6)
 """Seconds that the numpy twin takes for any call, and for one time of one case."""
 _FAST = (2e-6, 4e-9)
 """Seconds that the compiled twin takes for one case, and for one time of it."""
+_REAL, _COMPLEX = np.dtype(float), np.dtype(complex)
 _DEGREE = 4
 """The compiled twin knows powers of the time up to this one."""
 
@@ -105,9 +106,9 @@ def values(inputs: tuple[Pieces, Pieces], times: FloatArray) -> FloatArray:
     They are those of `pieces.value` to the last bit.
     """
     twin = compiled_twin("responses", 0.0)
-    if twin is not None and inputs[0].batch == inputs[1].batch == () and _kind(inputs) is float:
+    if twin is not None and inputs[0].batch == inputs[1].batch == () and _kind(inputs) is _REAL:
         out = np.empty((2, times.size))
-        arrays = [_flat_pieces(pieces, float) for pieces in inputs]
+        arrays = [_flat_pieces(pieces, _REAL) for pieces in inputs]
         if twin.values(_read_only(times), *arrays, out):
             return out
     return np.stack([np.real(value(pieces, times)) for pieces in inputs])
@@ -120,7 +121,7 @@ def _compiled(
     times: FloatArray,
     shape: tuple[int, ...],
 ) -> tuple[FloatArray, NDArray[np.bool_] | None]:
-    kind = complex if system.poles.dtype.kind == "c" else _kind(inputs)
+    kind = _COMPLEX if system.poles.dtype.kind == "c" else _kind(inputs)
     plants = [_flat(a, k, kind) for a, k in ((system.poles, 1), (system.gains, 2))]
     plants.append(_flat(system.outputs, 2, kind))
     histories = [_flat_pieces(pieces, kind) for pieces in inputs]
@@ -163,13 +164,14 @@ def _read_only(times: FloatArray) -> FloatArray:
 def _kind(inputs: tuple[Pieces, Pieces]) -> Any:
     for pieces in inputs:
         if pieces.coefficients.dtype.kind == "c" or pieces.rates.dtype.kind == "c":
-            return complex
-    return float
+            return _COMPLEX
+    return _REAL
 
 
 def _flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
     """The batch on one axis, in the one kind of memory for which the twin is compiled."""
-    flat = array.reshape(-1, *array.shape[array.ndim - trailing :])
+    one = array.ndim == trailing
+    flat = array[np.newaxis] if one else array.reshape(-1, *array.shape[array.ndim - trailing :])
     flags = flat.flags
     if flat.dtype == kind and flags.c_contiguous and flags.writeable:
         return flat
@@ -180,7 +182,7 @@ def _flat_pieces(pieces: Pieces, kind: Any) -> tuple[NDArray[Any], ...]:
     batch = pieces.batch
     pieces = spread(pieces, batch) if batch else pieces
     return (
-        _flat(pieces.knots, 1, float),
+        _flat(pieces.knots, 1, _REAL),
         _flat(pieces.coefficients, 3, kind),
         _flat(pieces.rates, 1, kind),
     )
