@@ -96,6 +96,23 @@ def test_laws_that_lean_survive_where_trim_does_not(trimmed, law):
         assert survived.sum() > (trimmed["flight_survived"] == 1.0).sum()
 
 
+def test_boundaries_flown_in_six_degrees_go_through_the_same_chunks():
+    pytest.importorskip("jsbsim")
+    tables = {
+        "campaign": HEAD | {"model": "drift-exact", "cases": 3},
+        "wind": {"peak_deg": 1.0, "duration_s": 7.5},
+        "outputs": {"names": ["boundary", "flown"], "dead_bands": [0.0]},
+        "dispersion": [
+            {"parameter": "thrust", "shape": "uniform", "percent": 5},
+            {"parameter": "wind_duration", "shape": "uniform", "percent": 30},
+        ],
+    }
+    found = evaluate(parse_campaign(tables), 0, 3)
+    assert list(found["status"]) == ["ok"] * 3
+    np.testing.assert_allclose(found["flown_K0"], found["boundary_K0"], rtol=3e-3)
+    assert np.ptp(found["flown_K0"]) > 0.01 * found["flown_K0"].max()
+
+
 def test_a_document_keeps_the_flight():
     rows = [{"parameter": "rate_gain", "percent": 5}]
     flight = {

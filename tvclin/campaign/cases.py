@@ -99,7 +99,7 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     wind = campaign.wind.history(cases.values)
-    return Batch(plant, wind, _gains(campaign, cases.values), cases.possible.size)
+    return Batch(plant, wind, _gains(campaign, cases.values), cases.possible.size, vehicle)
 
 
 def nominal(campaign: Campaign) -> dict[str, float]:
@@ -112,7 +112,8 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     """
     if isinstance(campaign.wind, WindEnsemble):
         return {}
-    batch = Batch(campaign.plant, campaign.wind.history({}), _gains(campaign, {}), 1)
+    wind, gains = campaign.wind.history({}), _gains(campaign, {})
+    batch = Batch(campaign.plant, wind, gains, 1, campaign.vehicle)
     found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
     return {name: float(values[0]) for name, values in found.items()}
 

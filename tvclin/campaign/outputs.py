@@ -1,7 +1,7 @@
 """What is computed for each case: a registry of pure functions from a batch to columns."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, cast
 
 import numpy as np
@@ -13,15 +13,19 @@ from tvclin.campaign.forecast import forecast_free_deflections
 from tvclin.campaign.plan import Campaign
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError
+from tvclin.flight import flown_boundary
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
 from tvclin.laws import Law
 from tvclin.optimum import optimum_deflection
 from tvclin.plant import Plant
+from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
 _ONE_POLE = ("fixed-path", "drift")
+_FLOWN_TO = 5e-4
+"""Boundaries are flown to this part of the largest trim deflection."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +42,15 @@ class Batch:
         Gains of the autopilot, if one flies, ``(n,)`` where they are dispersed.
     count : int
         n.
+    vehicle : Vehicle
+        What the plant was made of.
     """
 
     plant: Plant
     wind: History
     gains: dict[str, Any]
     count: int
+    vehicle: Vehicle
 
     def one(self) -> tuple[Plant, History]:
         """Return the plant and the wind of the first case, no longer as a batch."""
@@ -54,6 +61,13 @@ class Batch:
         w = kernel.spread(self.wind.pieces, (self.count,))
         wind = Piecewise(kernel.Pieces(w.knots[0], w.coefficients[0], w.rates[0]))
         return Plant(Coefficients(**held), self.plant.model), wind
+
+    def one_vehicle(self) -> Vehicle:
+        """Return the vehicle of the first case."""
+        given = ((f.name, getattr(self.vehicle, f.name)) for f in fields(Vehicle))
+        return self.vehicle.replace(
+            **{name: float(np.ravel(v)[0]) for name, v in given if np.ndim(v)}
+        )
 
 
 @dataclass(frozen=True)
@@ -97,10 +111,10 @@ def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, Float
     return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
 
 
-def boundary_name(dead_band: float) -> str:
+def boundary_name(dead_band: float, kind: str = "boundary") -> str:
     """Return the name of the column of a dead band."""
     short = f"{dead_band:g}"
-    return f"boundary_K{short if float(short) == dead_band else repr(dead_band)}"
+    return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
 
 
 def _boundary(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
@@ -140,6 +154,16 @@ def _flight(campaign: Campaign, batch: Batch) -> dict[str, float]:
     return flown(cast(Flight, campaign.flight), law_of(campaign, batch), *batch.one())
 
 
+def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
+    """The boundary found by flights with six degrees of freedom, some dozen for each."""
+    vehicle, wind = batch.one_vehicle(), batch.one()[1]
+    options = {"engine": "sixdof", "plane": campaign.plane, "tolerance": _FLOWN_TO}
+    return {
+        boundary_name(K, "flown"): flown_boundary(vehicle, wind, K, **options).deflection
+        for K in campaign.dead_bands
+    }
+
+
 REGISTRY = {
     "boundary": Output(
         lambda campaign: {boundary_name(K): "rad" for K in campaign.dead_bands}, _boundary
@@ -149,5 +173,10 @@ REGISTRY = {
         lambda _: {"minimum": "rad"}, _minimum, lambda campaign: campaign.model not in _ONE_POLE
     ),
     "flight": Output(lambda _: COLUMNS, _flight, lambda _: True),
+    "flown": Output(
+        lambda campaign: {boundary_name(K, "flown"): "rad" for K in campaign.dead_bands},
+        _flown,
+        lambda _: True,
+    ),
 }
 """By the names that a campaign may ask for."""

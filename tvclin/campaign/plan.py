@@ -15,7 +15,7 @@ from tvclin.errors import InputError, instance, number, one_of, positive, whole_
 from tvclin.plant import MODELS, Plant
 from tvclin.vehicle import Vehicle
 
-OUTPUTS = ("boundary", "forecast-free", "minimum", "flight")
+OUTPUTS = ("boundary", "forecast-free", "minimum", "flight", "flown")
 _MOST = 10**10
 _MOST_LATIN = 10**7
 
@@ -41,9 +41,10 @@ class Campaign:
     outputs : tuple of str
         What is computed for each case: "boundary" (the report's limit at each dead band),
         "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
-        "flight" (what comes of flying it, as `flight` says).
+        "flight" (what comes of flying it, as `flight` says), "flown" (the boundary at each dead
+        band by flights with six degrees of freedom, some tenths of a second for each).
     dead_bands : tuple of float
-        K of "boundary", each in [0, 1].
+        K of "boundary" and "flown", each in [0, 1].
     method : str
         How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
     chunk : int
