@@ -157,11 +157,14 @@ def _flight(campaign: Campaign, batch: Batch) -> dict[str, float]:
 def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
     """The boundary found by flights with six degrees of freedom, some dozen for each."""
     vehicle, wind = batch.one_vehicle(), batch.one()[1]
-    options = {"engine": "sixdof", "plane": campaign.plane, "tolerance": _FLOWN_TO}
-    return {
-        boundary_name(K, "flown"): flown_boundary(vehicle, wind, K, **options).deflection
-        for K in campaign.dead_bands
-    }
+
+    def flown(K: float) -> float:
+        found = flown_boundary(
+            vehicle, wind, K, engine="sixdof", plane=campaign.plane, tolerance=_FLOWN_TO
+        )
+        return found.deflection
+
+    return {boundary_name(K, "flown"): flown(K) for K in campaign.dead_bands}
 
 
 REGISTRY = {
