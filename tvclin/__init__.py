@@ -36,8 +36,10 @@ if TYPE_CHECKING:
     from tvclin.campaign import resume_campaign as resume_campaign
     from tvclin.campaign import run_campaign as run_campaign
     from tvclin.closed_loop import ClosedLoopBoundary as ClosedLoopBoundary
+    from tvclin.closed_loop import FlownCases as FlownCases
     from tvclin.closed_loop import closed_loop_boundary as closed_loop_boundary
     from tvclin.closed_loop import fly as fly
+    from tvclin.closed_loop import fly_many as fly_many
     from tvclin.coefficients import Coefficients as Coefficients
     from tvclin.comparison import TrimComparison as TrimComparison
     from tvclin.comparison import WorstDuration as WorstDuration
@@ -144,7 +146,7 @@ _ROOMS = {
         "resume_campaign",
         "run_campaign",
     ),
-    "closed_loop": ("ClosedLoopBoundary", "closed_loop_boundary", "fly"),
+    "closed_loop": ("ClosedLoopBoundary", "FlownCases", "closed_loop_boundary", "fly", "fly_many"),
     "coefficients": ("Coefficients",),
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),

@@ -1,0 +1,246 @@
+"""What happens to one lane: limits are reached and left, knots passed, the flight judged."""
+
+import numpy as np
+
+from tvclin.kernels import flight_table as table
+from tvclin.kernels.compiled import lanes
+from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
+
+
+@compiled
+def _jet(w, start, t):  # type: ignore[no-untyped-def]
+    """Value, slope and half the curvature of a lane's series."""
+    value, slope, bend = 0.0, 0.0, 0.0
+    for k in range(ORDER, -1, -1):
+        bend = bend * t + slope
+        slope = slope * t + value
+        value = value * t + w[start + np.uint64(k * lanes.LANES)]
+    return value, slope, bend
+
+
+@compiled
+def _root(w, start, low, high, target, turn):  # type: ignore[no-untyped-def]
+    """Where a series, or its slope where `turn`, passes the target between two times.
+
+    Newton's method from the chord, bisection where it leaves the bracket.
+    """
+    value, slope, _ = _jet(w, start, low)
+    below = slope if turn else value - target
+    value, slope, _ = _jet(w, start, high)
+    above = slope if turn else value - target
+    fine, t = table.FINE * (high - low), 0.5 * (low + high)
+    if below * above < 0.0:
+        t = low + (high - low) * (below / (below - above))
+    for _ in range(table.ROUNDS):
+        value, slope, bend = _jet(w, start, t)
+        miss, rise = (slope, 2.0 * bend) if turn else (value - target, slope)
+        if (miss < 0.0) == (below < 0.0):
+            low = t
+        else:
+            high = t
+        new = t - miss / rise if rise != 0.0 else high
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - t) <= fine:
+            return new
+        t = new
+    return t
+
+
+@compiled
+def _exit(w, number, i, low, high):  # type: ignore[no-untyped-def]
+    """When a series first leaves its bounds within the step, and to which side; or inf, 0."""
+    start = at(number, 0) + i
+    h = last = w[row(lanes.STEP) + i]
+    begun, rise = w[start], w[start + ALL]
+    end, fall = w[row(lanes.VALUE + number) + i], w[row(lanes.SLOPE + number) + i]
+    if not low <= end <= high:
+        side = 1.0 if end > high else -1.0
+    elif rise * fall < 0.0:
+        last = _root(w, start, 0.0, h, 0.0, True)
+        top, _, _ = _jet(w, start, last)
+        if top > high + table.GRAZE * abs(high):
+            side = 1.0
+        elif top < low - table.GRAZE * abs(low):
+            side = -1.0
+        else:
+            return np.inf, 0.0
+    else:
+        return np.inf, 0.0
+    edge = high if side > 0.0 else low
+    if side * (begun - edge) < 0.0:
+        return _root(w, start, 0.0, last, edge, False), side
+    if side * rise >= 0.0 or side * fall <= 0.0:
+        return 0.0, side
+    inner = _root(w, start, 0.0, h, 0.0, True)
+    bottom, _, _ = _jet(w, start, inner)
+    if side * (bottom - edge) >= 0.0:
+        return 0.0, side
+    return _root(w, start, inner, h, edge, False), side
+
+
+@compiled
+def meet(w, i, servo):  # type: ignore[no-untyped-def]
+    """Shorten a lane's step to the first limit it meets; return what and which side, or -1."""
+    first, what, which = np.inf, -1, 0.0
+    t, side = _exit(w, lanes.DEMAND, i, w[row(lanes.DEMAND_LOW) + i], w[row(lanes.DEMAND_HIGH) + i])
+    if t < first:
+        first, what, which = t, lanes.DEMAND, side
+    if servo > 0:
+        t, side = _exit(
+            w, lanes.SERVO, i, w[row(lanes.SERVO_LOW) + i], w[row(lanes.SERVO_HIGH) + i]
+        )
+        if t < first:
+            first, what, which = t, lanes.SERVO, side
+        t, side = _exit(
+            w, lanes.WATCH, i, w[row(lanes.WATCH_LOW) + i], w[row(lanes.WATCH_HIGH) + i]
+        )
+        if t < first:
+            first, what, which = t, lanes.WATCH, side
+    if what >= 0:
+        w[row(lanes.STEP) + i] = first
+        for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
+            value, slope, _ = _jet(w, at(number, 0) + i, first)
+            w[row(lanes.VALUE + number) + i] = value
+            w[row(lanes.SLOPE + number) + i] = slope
+    return what, which
+
+
+@compiled
+def summit(w, number, i, top, share):  # type: ignore[no-untyped-def]
+    """Raise a lane's largest size by the summit of a series within the step."""
+    start, h = at(number, 0) + i, w[row(lanes.STEP) + i]
+    rise, fall = w[start + ALL], w[row(lanes.SLOPE + number) + i]
+    one, other = w[start] + rise * h, w[row(lanes.VALUE + number) + i] - fall * h
+    inside = max(one, other) if rise < 0.0 else min(one, other)
+    known = w[row(top) + i]
+    if rise * fall < 0.0 and abs(inside) > known and w[row(share) + i] != 0.0:
+        value, _, _ = _jet(w, start, _root(w, start, 0.0, h, 0.0, True))
+        w[row(top) + i] = max(known, abs(value))
+
+
+@compiled
+def switch(w, i, what, side, servo):  # type: ignore[no-untyped-def]
+    """Put a lane into the region behind the limit it has met."""
+    if what == lanes.DEMAND:
+        mode = row(lanes.MODE) + i
+        w[mode] = side if w[mode] == 0.0 else 0.0
+        _hold(w, i, servo)
+    elif what == lanes.SERVO:
+        stop = row(lanes.STOP) + i
+        w[stop] = side if w[stop] == 0.0 else 0.0
+    elif w[row(lanes.HOLD) + i] != 0.0:
+        w[row(lanes.HOLD) + i] = 0.0
+    else:
+        w[row(lanes.HOLD) + i] = side
+        if servo == 2:
+            w[at(lanes.SPIN, 0) + i] = side * w[row(table.RATE_LIMIT) + i]
+    _bound(w, i, servo)
+
+
+@compiled
+def _asked(w, i):  # type: ignore[no-untyped-def]
+    """The deflection asked for where a lane is."""
+    theta, path = w[at(lanes.THETA, 0) + i], w[at(lanes.PATH, 0) + i]
+    asked = w[row(table.K_ATTITUDE) + i] * theta + w[row(table.K_PATH) + i] * path
+    asked += w[row(table.K_RATE) + i] * w[at(lanes.RATE, 0) + i]
+    asked += w[row(table.K_ALPHA) + i] * (theta - path - w[at(lanes.WIND, 0) + i])
+    return asked + w[row(table.K_MEMORY) + i] * w[at(lanes.MEMORY, 0) + i]
+
+
+@compiled
+def _engage(w, i):  # type: ignore[no-untyped-def]
+    """Choose the mode of the law anew, where the demand may have jumped."""
+    asked, mode = _asked(w, i), row(lanes.MODE) + i
+    if not asked * w[mode] > w[row(table.RELEASE) + i]:
+        w[mode] = 0.0
+    if w[mode] == 0.0 and abs(asked) >= w[row(table.ENGAGE) + i]:
+        w[mode] = np.sign(asked)
+
+
+@compiled
+def _hold(w, i, servo):  # type: ignore[no-untyped-def]
+    """Choose anew whether the rate limit holds the nozzle, where the command may have jumped."""
+    mode, limit = w[row(lanes.MODE) + i], w[row(table.LIMIT) + i]
+    asked = mode * limit if mode != 0.0 else min(max(_asked(w, i), -limit), limit)
+    position, spin = w[at(lanes.SERVO, 0) + i], w[at(lanes.SPIN, 0) + i]
+    pull = w[row(table.STIFFNESS) + i] * (asked - position)
+    most, held = w[row(table.RATE_LIMIT) + i], row(lanes.HOLD) + i
+    if servo == 1:
+        w[held] = np.sign(pull) if abs(pull) >= most else 0.0
+    elif servo == 2:
+        pull -= w[row(table.DRAG) + i] * spin
+        w[held] = np.sign(spin) if abs(spin) >= most and pull * spin > 0.0 else 0.0
+
+
+@compiled
+def _bound(w, i, servo):  # type: ignore[no-untyped-def]
+    """Write what the regions of a lane mean for its equations, and how far they reach."""
+    mode, stop, held = w[row(lanes.MODE) + i], w[row(lanes.STOP) + i], w[row(lanes.HOLD) + i]
+    limit, most = w[row(table.LIMIT) + i], w[row(table.RATE_LIMIT) + i]
+    enters, lets_go = w[row(table.ENGAGE) + i], w[row(table.RELEASE) + i]
+    _between(w, i, lanes.DEMAND_LOW, mode, enters, lets_go)
+    w[row(lanes.COMMANDED) + i] = 1.0 if mode == 0.0 else 0.0
+    w[row(lanes.COMMAND) + i] = mode * limit
+    _between(w, i, lanes.SERVO_LOW, stop, (1.0 + table.SLACK) * limit, limit)
+    w[row(lanes.MOVING) + i] = 1.0 if stop == 0.0 else 0.0
+    w[row(lanes.STOPPED) + i] = stop * limit
+    _between(w, i, lanes.WATCH_LOW, held, most, 0.0 if servo == 2 else most)
+    w[row(lanes.FREE) + i] = 1.0 if held == 0.0 else 0.0
+    w[row(lanes.HELD) + i] = held * most if held != 0.0 else 0.0
+    if held != 0.0:
+        w[row(lanes.TOP_WATCH) + i] = most
+
+
+@compiled
+def _between(w, i, low, region, enters, lets_go):  # type: ignore[no-untyped-def]
+    """Bounds of a region: in the middle, or beyond one side."""
+    w[row(low) + i] = -enters if region == 0.0 else (lets_go if region > 0.0 else -np.inf)
+    w[row(low + 1) + i] = enters if region == 0.0 else (-lets_go if region < 0.0 else np.inf)
+
+
+@compiled
+def arrive(w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
+    """Put a lane that has come to a knot upon the next piece of its wind; return the piece."""
+    now = knots[cursor + 1] if cursor + 1 < knots.size else w[row(table.UNTIL) + i]
+    if cursor + 1 < knots.size and now <= w[row(table.UNTIL) + i]:
+        cursor += 1
+    else:
+        now = w[row(table.UNTIL) + i]
+    while cursor + 1 < knots.size and knots[cursor + 1] <= now:
+        cursor += 1
+    w[row(lanes.NOW) + i] = now
+    following = knots[cursor + 1] if cursor + 1 < knots.size else np.inf
+    w[row(lanes.LEFT) + i] = min(following, w[row(table.UNTIL) + i]) - now
+    for k in range(wind.shape[1]):
+        w[at(lanes.WIND, k) + i] = wind[cursor, k]
+    _engage(w, i)
+    _hold(w, i, servo)
+    _bound(w, i, servo)
+    return cursor
+
+
+@compiled
+def judged(w, i):  # type: ignore[no-untyped-def]
+    """Return what is known of a lane's fate after its wind."""
+    fast, slow = 0.0, 0.0
+    for k in range(4):
+        x = w[at(lanes.THETA + k, 0) + i]
+        fast += w[row(table.FAST + k) + i] * x
+        slow += w[row(table.SLOW + k) + i] * x
+    now, reach, ratio = w[row(lanes.NOW) + i], w[row(table.REACH) + i], w[row(table.RATIO) + i]
+    if np.isnan(reach):
+        return table.UNDECIDED
+    inside = abs(fast) < reach
+    if inside and ratio > 0.0:
+        x = fast / reach
+        low = reach * (1.0 - 2.0 * ((1.0 - x) / 2.0) ** ratio)
+        high = reach * (2.0 * ((1.0 + x) / 2.0) ** ratio - 1.0)
+        inside = low < slow < high
+    if not inside:
+        return table.LOST
+    if max(abs(fast), abs(slow)) >= table.SETTLED * reach:
+        w[row(lanes.QUIET) + i] = now
+    calm = now - w[row(lanes.QUIET) + i] >= w[row(table.CALM) + i]
+    return table.SURVIVED if calm else table.UNDECIDED

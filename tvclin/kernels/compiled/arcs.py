@@ -1,0 +1,130 @@
+"""Compiled twin of `kernels.arcs`: 64 flights side by side, each at its own time."""
+
+import numpy as np
+
+from tvclin.kernels import flight_table as table
+from tvclin.kernels.compiled import lanes
+from tvclin.kernels.compiled.arc_events import arrive, judged, meet, summit, switch
+from tvclin.kernels.compiled.arc_series import advance, leaving, lengths, series, sums, topping
+from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.lanes import ALL, LANES, at, row
+
+
+@compiled
+def fly(rows, order, servo, knots, wind, which, first, last, out):  # type: ignore[no-untyped-def]
+    """Fly the cases from `first` up to `last`, block by block, and write their results."""
+    w = np.zeros(lanes.SIZE)
+    for start in range(first, last, LANES):
+        cases = np.minimum(np.arange(start, start + LANES), last - 1)
+        cursor, alive = _begun(w, rows, servo, knots, wind, which, cases)
+        fate, count = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
+        while np.any(alive):
+            _step(w, order, servo, wind.shape[2] - 1, alive)
+            for i in range(ALL):
+                if alive[i]:
+                    count[i] += 1
+                    alive[i] = count[i] < table.MOST
+                    if w[row(lanes.LEFT) + i] <= 0.0:
+                        gust = which[cases[i]]
+                        cursor[i] = arrive(w, i, cursor[i], knots[gust], wind[gust], servo)
+                    _judge(w, i, fate, alive)
+                    if not alive[i] and np.int64(i) < last - start:
+                        _write(w, i, fate[i], out[:, cases[i]])
+
+
+@compiled
+def _begun(w, rows, servo, knots, wind, which, cases):  # type: ignore[no-untyped-def]
+    """Put all lanes at rest before the first knots of their winds."""
+    w[:] = 0.0
+    for number in range(table.ROWS):
+        begin = row(number)
+        for i in range(ALL):
+            w[begin + i] = rows[number, cases[i]]
+    cursor = np.full(LANES, -1)
+    for i in range(ALL):
+        w[row(lanes.TRIAL) + i] = table.BEGIN
+        w[row(lanes.ONE) + i] = 1.0
+        w[row(lanes.QUIET) + i] = w[row(table.END) + i]
+        gust = which[cases[i]]
+        cursor[i] = arrive(w, i, -1, knots[gust], wind[gust], servo)
+        w[row(table.START) + i] = w[row(lanes.NOW) + i]
+    return cursor, np.ones(LANES, np.bool_)
+
+
+@compiled
+def _step(w, order, servo, degree, alive):  # type: ignore[no-untyped-def]
+    """Step all lanes: to the tolerance, to a knot, or to the first limit that is met."""
+    series(w, order, servo)
+    lengths(w)
+    flag = row(lanes.FLAG)
+    w[flag : flag + ALL] = 0.0
+    for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
+        sums(w, number)
+    leaving(w, lanes.DEMAND, lanes.DEMAND_LOW, lanes.DEMAND_HIGH)
+    if servo > 0:
+        leaving(w, lanes.SERVO, lanes.SERVO_LOW, lanes.SERVO_HIGH)
+        leaving(w, lanes.WATCH, lanes.WATCH_LOW, lanes.WATCH_HIGH)
+    met, sides = np.full(LANES, -1), np.zeros(LANES)
+    for i in range(ALL):
+        if alive[i] and w[flag + i] != 0.0:
+            met[i], sides[i] = meet(w, i, servo)
+    for number in (lanes.THETA, lanes.RATE, lanes.MEMORY, lanes.ALPHA):
+        sums(w, number)
+    if order > 2:
+        sums(w, lanes.PATH)
+        sums(w, lanes.SPEED)
+    if servo == 2:
+        sums(w, lanes.SPIN)
+    _peaks(w)
+    advance(w, degree)
+    for i in range(ALL):
+        if met[i] >= 0:
+            switch(w, i, met[i], sides[i], servo)
+
+
+@compiled
+def _peaks(w):  # type: ignore[no-untyped-def]
+    flag = row(lanes.FLAG)
+    w[flag : flag + ALL] = 0.0
+    topping(w, lanes.THETA, lanes.TOP_THETA, lanes.ONE)
+    topping(w, lanes.RATE, lanes.TOP_RATE, lanes.ONE)
+    topping(w, lanes.SERVO, lanes.TOP_SERVO, lanes.ONE)
+    topping(w, lanes.WATCH, lanes.TOP_WATCH, lanes.FREE)
+    topping(w, lanes.ALPHA, lanes.TOP_ALPHA, lanes.ONE)
+    for i in range(ALL):
+        if w[flag + i] != 0.0:
+            summit(w, lanes.THETA, i, lanes.TOP_THETA, lanes.ONE)
+            summit(w, lanes.RATE, i, lanes.TOP_RATE, lanes.ONE)
+            summit(w, lanes.SERVO, i, lanes.TOP_SERVO, lanes.ONE)
+            summit(w, lanes.WATCH, i, lanes.TOP_WATCH, lanes.FREE)
+            summit(w, lanes.ALPHA, i, lanes.TOP_ALPHA, lanes.ONE)
+
+
+@compiled
+def _judge(w, i, fate, alive):  # type: ignore[no-untyped-def]
+    """End a lane that has come to its time, or whose fate is known and was all that was asked."""
+    now, until = w[row(lanes.NOW) + i], w[row(table.UNTIL) + i]
+    end, patience = w[row(table.END) + i], w[row(table.PATIENCE) + i]
+    if now >= end and fate[i] == table.UNDECIDED:
+        fate[i] = judged(w, i)
+    known = fate[i] != table.UNDECIDED or now >= end + patience
+    if now >= until or (known and until == np.inf):
+        alive[i] = False
+    if not alive[i]:
+        w[row(lanes.LEFT) + i] = 0.0
+
+
+@compiled
+def _write(w, i, fate, out):  # type: ignore[no-untyped-def]
+    """Write the results of a lane that has ended; the lane goes on standing still."""
+    now, start = w[row(lanes.NOW) + i], w[row(table.START) + i]
+    out[table.PEAK_ATTITUDE] = w[row(lanes.TOP_THETA) + i]
+    out[table.PEAK_RATE] = w[row(lanes.TOP_RATE) + i]
+    out[table.PEAK_DEFLECTION] = min(w[row(lanes.TOP_SERVO) + i], w[row(table.LIMIT) + i])
+    top = w[row(lanes.TOP_WATCH) + i]
+    out[table.PEAK_DEFLECTION_RATE] = min(top, w[row(table.RATE_LIMIT) + i])
+    out[table.PEAK_ALPHA] = w[row(lanes.TOP_ALPHA) + i]
+    out[table.FINAL_ATTITUDE] = w[at(lanes.THETA, 0) + i]
+    out[table.ENDED] = now
+    out[table.SATURATED] = w[row(lanes.FULL) + i] / max(now - start, 1e-300)
+    out[table.FATE] = fate

@@ -1,0 +1,69 @@
+"""The memory of a block of flights: 64 lanes of everything in one flat array.
+
+Lanes are innermost and the distances between rows are known to the compiler, so that loops over
+the lanes become vector instructions without tests for overlap. Indices are unsigned for the same
+reason: a signed one would be tested for counting from the end.
+"""
+
+import numpy as np
+
+from tvclin.kernels import flight_table as table
+from tvclin.kernels.compiled.compiler import compiled
+
+LANES = 64
+ALL = np.uint64(LANES)
+ORDER = table.ORDER
+TERMS = ORDER + 2
+
+THETA, RATE, PATH, SPEED, SERVO, SPIN, MEMORY, DEMAND, ALPHA, WATCH, WIND = range(11)
+"""The series: states, demand, angle of attack, what the rate limit watches, and the wind."""
+SERIES = 11
+
+_FIRST = table.ROWS
+(
+    NOW,
+    LEFT,
+    TRIAL,
+    STEP,
+    MODE,
+    STOP,
+    HOLD,
+    COMMANDED,
+    COMMAND,
+    MOVING,
+    STOPPED,
+    FREE,
+    HELD,
+    DEMAND_LOW,
+    DEMAND_HIGH,
+    SERVO_LOW,
+    SERVO_HIGH,
+    WATCH_LOW,
+    WATCH_HIGH,
+    DEFLECTION,
+    FLAG,
+    TOP_THETA,
+    TOP_RATE,
+    TOP_SERVO,
+    TOP_WATCH,
+    TOP_ALPHA,
+    FULL,
+    QUIET,
+    ONE,
+    VALUE,
+) = range(_FIRST, _FIRST + 30)
+"""Rows beside those of the table: time, regions, bounds of what is watched, and peaks."""
+SLOPE = VALUE + SERIES
+SIZE = (SERIES * TERMS + SLOPE + SERIES) * LANES
+
+
+@compiled
+def at(series: int, k: int) -> np.uint64:
+    """Return where the k-th term of a series begins."""
+    return np.uint64((series * TERMS + k) * LANES)
+
+
+@compiled
+def row(number: int) -> np.uint64:
+    """Return where a row of numbers begins."""
+    return np.uint64((SERIES * TERMS + number) * LANES)
