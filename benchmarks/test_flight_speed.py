@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from peers import ratio
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from benchmarks.peers import ratio
 from tvclin.kernels.choice import pinned
 
-PEAK, DURATION, STOP, CASES = 0.08, 12.0, 24.0, 4096
+PEAK, DURATION, STOP, CASES = 0.08, 12.0, 24.0, 1024
 C = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
 B, BETA = float(C.B), float(C.beta)
 SERVO = tv.Actuator(natural_frequency=25.1, damping=0.7)

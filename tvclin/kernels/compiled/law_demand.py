@@ -3,23 +3,23 @@
 import numpy as np
 
 from tvclin.kernels import flight_table as table
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 
 
-@compiled
-def demand(law, theta, rate, path, alpha, memory):  # type: ignore[no-untyped-def]
+@lean
+def demand(law, theta, rate, path, alpha, kept, second):  # type: ignore[no-untyped-def]
     """Return the deflection asked for [rad]; `law` is a column of the table."""
     if law[table.LEAN] != 0.0:
-        return _leaning(law, theta, rate, path, alpha, memory)
+        return _leaning(law, theta, rate, path, alpha, kept, second)
     asked = law[table.K_ATTITUDE] * theta + law[table.K_RATE] * rate + law[table.K_PATH] * path
-    return asked + law[table.K_ALPHA] * alpha + law[table.K_MEMORY] * memory[0]
+    return asked + law[table.K_ALPHA] * alpha + law[table.K_MEMORY] * kept
 
 
-@compiled
-def _leaning(law, theta, rate, path, alpha, memory):  # type: ignore[no-untyped-def]
+@lean
+def _leaning(law, theta, rate, path, alpha, kept, second):  # type: ignore[no-untyped-def]
     wind = theta - alpha
     if law[table.LEAN_ESTIMATES] != 0.0:
-        rate, wind = memory[0], memory[1]
+        rate, wind = kept, second
     wind = wind - path
     wind = np.sign(wind) * max(abs(wind) - law[table.LEAN_BAND], 0.0)
     fast = law[table.LEAN_ATTITUDE] * theta + law[table.LEAN_RATE] * rate
@@ -31,7 +31,7 @@ def _leaning(law, theta, rate, path, alpha, memory):  # type: ignore[no-untyped-
     return B * (fast - felt + law[table.LEAN_GAIN] * (fast - lean))
 
 
-@compiled
+@lean
 def _lean(law, slow, felt, wind, D):  # type: ignore[no-untyped-def]
     reach = most = law[table.LEAN_REACH] * D
     if law[table.LEAN_PEAK] < np.inf:
@@ -55,7 +55,7 @@ def _lean(law, slow, felt, wind, D):  # type: ignore[no-untyped-def]
     return min(max(lean, low), high)
 
 
-@compiled
+@lean
 def switched(law, asked, mode):  # type: ignore[no-untyped-def]
     """Return the mode that follows: engaged at the limit, or let go."""
     if not asked * mode > law[table.RELEASE]:
@@ -65,7 +65,7 @@ def switched(law, asked, mode):  # type: ignore[no-untyped-def]
     return mode
 
 
-@compiled
+@lean
 def inside(law, x):  # type: ignore[no-untyped-def]
     """Return whether the states of a plant are recoverable, and the larger coordinate."""
     fast, slow = 0.0, 0.0

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tvclin.kernels import flight_table as table
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.law_demand import demand, inside
 
 _STATES = 8
@@ -43,7 +43,7 @@ def fly(  # type: ignore[no-untyped-def]
         out[table.FATE, case] = fate
 
 
-@compiled
+@lean
 def _length(now, stop, longest):  # type: ignore[no-untyped-def]
     """The length of a step and the time at its end."""
     if stop == np.inf:
@@ -53,7 +53,7 @@ def _length(now, stop, longest):  # type: ignore[no-untyped-def]
     return h, (now + h if parts > 1.0 else stop)
 
 
-@compiled
+@lean
 def _value(c, u):  # type: ignore[no-untyped-def]
     total = c[-1]
     for k in range(c.size - 2, -1, -1):
@@ -61,7 +61,7 @@ def _value(c, u):  # type: ignore[no-untyped-def]
     return total
 
 
-@compiled
+@lean
 def _step(y, trial, stages, tops, law, order, servo, piece, local, h, F, G):  # type: ignore[no-untyped-def]
     """Move the states by a step, and raise the largest sizes."""
     begun = _value(piece, local)
@@ -92,12 +92,12 @@ def _step(y, trial, stages, tops, law, order, servo, piece, local, h, F, G):  # 
     tops[5] += h if abs(command) >= limit else 0.0
 
 
-@compiled
+@lean
 def _rates(law, order, servo, y, wind, F, G, rates):  # type: ignore[no-untyped-def]
     """Write the rates of the states; return the command."""
     limit, most = law[table.LIMIT], law[table.RATE_LIMIT]
     alpha = y[0] - y[2] - wind
-    command = min(max(demand(law, y[0], y[1], y[2], alpha, y[6:]), -limit), limit)
+    command = min(max(demand(law, y[0], y[1], y[2], alpha, y[6], y[7]), -limit), limit)
     deflection = command if servo == 0 else min(max(y[4], -limit), limit)
     rates[0] = y[1]
     pull = law[table.MU] * y[0] + law[table.MU_PATH] * y[2]

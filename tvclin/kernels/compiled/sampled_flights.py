@@ -3,7 +3,7 @@
 import numpy as np
 
 from tvclin.kernels import flight_table as table
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.law_demand import demand, inside, switched
 
 _TERMS = 24
@@ -15,9 +15,11 @@ _NEVER = 1 << 60
 def fly(rows, servo, knots, wind, which, length, steps, noise, hears, first, last, out):  # type: ignore[no-untyped-def]
     """Fly the cases from `first` up to `last` and write their results."""
     x, s, m = np.zeros(steps[1].shape[1]), np.zeros(2), np.zeros(2)
+    old = np.zeros(x.size)
     here, seen, tops = np.zeros(wind.shape[2]), np.zeros(5), np.zeros(6)
     for case in range(first, last):
         law, knot, gust = rows[:, case].copy(), knots[which[case]], wind[which[case]]
+        own = _own(steps, case)
         for array in (x, s, m, here, tops):
             array[:] = 0.0
         start, limit, fate, mode, quiet = law[table.START], law[table.LIMIT], 0, 0.0, 0
@@ -33,14 +35,24 @@ def fly(rows, servo, knots, wind, which, length, steps, noise, hears, first, las
             if k >= finish or not (open_still or finish < _NEVER):
                 break
             seen[1] += noise[hears[case], k] if k < noise.shape[1] else 0.0
-            mode = _served(law, servo, length, steps, case, seen, s, m, mode, tops)
-            _flown(x, seen[4], s, here, servo, law, steps, case)
-            cursor = _blown(x, knot, gust, cursor, start, length, k, steps, case)
+            mode = _served(law, servo, length, own, seen, s, m, mode, tops)
+            _flown(x, old, seen[4], s, here, servo, law, own)
+            cursor = _blown(x, knot, gust, cursor, start, length, k, own)
             k += 1
         _written(out, case, tops, x, start, k, length, fate)
 
 
 @compiled
+def _own(steps, case):  # type: ignore[no-untyped-def]
+    """The matrices of one case."""
+    A, B, free, first, last, nozzle, drive, kept, seen, gust = steps
+    return (
+        A[case], B[case], free[case], first[case], last[case],
+        nozzle[case], drive[case], kept[case], seen[case], gust[case],
+    )  # fmt: skip
+
+
+@lean
 def _horizon(law, length):  # type: ignore[no-untyped-def]
     """Samples until the flight must end, its wind has ended, patience has, and calm is enough."""
     start, until = law[table.START], law[table.UNTIL]
@@ -55,20 +67,18 @@ def _horizon(law, length):  # type: ignore[no-untyped-def]
     return finish, ends, patience, int(np.ceil(law[table.CALM] / length))
 
 
-@compiled
+@lean
 def _about(gust, knot, cursor, now, here):  # type: ignore[no-untyped-def]
     """Write the coefficients of the wind about a time."""
-    here[:] = 0.0
-    if cursor < 0:
-        return
-    here[:] = gust[cursor]
-    u = now - knot[cursor]
+    for j in range(here.size):
+        here[j] = gust[cursor, j] if cursor >= 0 else 0.0
+    u = now - knot[max(cursor, 0)]
     for low in range(here.size - 1):
         for j in range(here.size - 2, low - 1, -1):
             here[j] += here[j + 1] * u
 
 
-@compiled
+@lean
 def _look(x, here, s, limit, seen, tops):  # type: ignore[no-untyped-def]
     """Write what the law is shown, and raise the largest sizes."""
     path = x[2] if x.size > 2 else 0.0
@@ -78,7 +88,7 @@ def _look(x, here, s, limit, seen, tops):  # type: ignore[no-untyped-def]
     tops[4] = max(tops[4], abs(seen[3]))
 
 
-@compiled
+@lean
 def _judged(law, x, quiet, calm):  # type: ignore[no-untyped-def]
     """The fate of a flight at a look after its wind, and for how many samples it is calm."""
     if np.isnan(law[table.REACH]):
@@ -90,14 +100,14 @@ def _judged(law, x, quiet, calm):  # type: ignore[no-untyped-def]
     return (table.SURVIVED if quiet >= calm else table.UNDECIDED), quiet
 
 
-@compiled
-def _served(law, servo, length, steps, case, seen, s, m, mode, tops):  # type: ignore[no-untyped-def]
+@lean
+def _served(law, servo, length, own, seen, s, m, mode, tops):  # type: ignore[no-untyped-def]
     """Move nozzle and law by a step; return the mode, and in `tops` what the limits did."""
     limit, most = law[table.LIMIT], law[table.RATE_LIMIT]
-    asked = demand(law, seen[0], seen[1], seen[2], seen[3], m)
+    asked = demand(law, seen[0], seen[1], seen[2], seen[3], m[0], m[1])
     mode = switched(law, asked, mode)
     command = mode * limit if mode != 0.0 else min(max(asked, -limit), limit)
-    free, drive = steps[5][case], steps[6][case]
+    free, drive = own[5], own[6]
     before = s[0]
     moved = free[0, 0] * before + free[0, 1] * s[1] + drive[0] * command
     s[1] = free[1, 0] * before + free[1, 1] * s[1] + drive[1] * command
@@ -107,11 +117,11 @@ def _served(law, servo, length, steps, case, seen, s, m, mode, tops):  # type: i
     s[0] = moved
     first, second = 0.0, 0.0
     for j in range(2):
-        first += steps[7][case, 0, j] * m[j]
-        second += steps[7][case, 1, j] * m[j]
+        first += own[7][0, j] * m[j]
+        second += own[7][1, j] * m[j]
     for j in range(5):
-        first += steps[8][case, 0, j] * seen[j]
-        second += steps[8][case, 1, j] * seen[j]
+        first += own[8][0, j] * seen[j]
+        second += own[8][1, j] * seen[j]
     m[0], m[1] = first, second
     end = min(max(moved, -limit), limit)
     tops[2] = max(tops[2], abs(end))
@@ -120,30 +130,31 @@ def _served(law, servo, length, steps, case, seen, s, m, mode, tops):  # type: i
     return mode
 
 
-@compiled
-def _flown(x, begun, s, here, servo, law, steps, case):  # type: ignore[no-untyped-def]
+@lean
+def _flown(x, old, begun, s, here, servo, law, own):  # type: ignore[no-untyped-def]
     """Move the states by a step whose wind is that of its start."""
     limit, n = law[table.LIMIT], x.size
     end = min(max(s[0], -limit), limit)
     begun = end if servo == 0 and law[table.RATE_LIMIT] == np.inf else begun
-    old = x.copy()
     for i in range(n):
-        total = steps[3][case, i] * begun + steps[4][case, i] * end
+        old[i] = x[i]
+    for i in range(n):
+        total = own[3][i] * begun + own[4][i] * end
         for j in range(n):
-            total += steps[2][case, i, j] * old[j]
+            total += own[2][i, j] * old[j]
         for j in range(here.size):
-            total += steps[9][case, i, j] * here[j]
+            total += own[9][i, j] * here[j]
         x[i] = total
 
 
 @compiled
-def _blown(x, knot, gust, cursor, start, length, k, steps, case):  # type: ignore[no-untyped-def]
+def _blown(x, knot, gust, cursor, start, length, k, own):  # type: ignore[no-untyped-def]
     """Add what the knots within a step change; return the piece at its end."""
     then = start + length * (k + 1)
     while cursor + 1 < knot.size and knot[cursor + 1] <= then:
         cursor += 1
         if start + length * k < knot[cursor] < then:
-            _kick(x, steps[0][case], steps[1][case], gust, knot, cursor, then - knot[cursor])
+            _kick(x, own[0], own[1], gust, knot, cursor, then - knot[cursor])
     return cursor
 
 
