@@ -13,7 +13,6 @@ from tvclin.histories import History
 from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
-from tvclin.recoverable import unstable_coordinates
 
 if TYPE_CHECKING:
     from control import TimeResponseData
@@ -28,9 +27,7 @@ COLUMNS = {
     "flight_peak_deflection": "rad",
 }
 _PATIENCE = 20.0
-"""A flight ends so long after its wind, over the fastest unstable pole."""
-_SETTLED = 0.3
-"""It has survived when every unstable coordinate is below this part of its reach by then."""
+"""A replayed flight ends so long after its wind, over the fastest unstable pole."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +113,7 @@ class Flight:
 
 
 def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "TimeResponseData":
-    """Return the flight of one case at the samples of its law, long enough to be judged.
+    """Return the flight of one case at the samples of its law, until some time after its wind.
 
     Raises
     ------
@@ -136,35 +133,3 @@ def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "T
         actuator=flight.actuator,
         sample_rate=flight.sample_rate,
     )
-
-
-def flown(flight: Flight, law: Law, plant: Plant, wind: History) -> dict[str, float]:
-    """Return the columns of one case; its peaks are infinite where the vehicle is lost.
-
-    `flight_survived` is one or zero, and NaN where neither is certain when the flight ends.
-
-    Raises
-    ------
-    InputError
-        For a plant whose unstable poles are more than two or a pair, and as `fly`.
-    """
-    response = flight_response(flight, law, plant, wind)
-    rows = {name: np.asarray(response.outputs[name]) for name in response.output_labels}
-    survived = _survived(flight, plant, rows)
-    peaks = {
-        f"flight_peak_{name}": np.inf if survived == 0.0 else float(np.abs(rows[name]).max())
-        for name in ("attitude", "angle_of_attack", "deflection")
-    }
-    return {"flight_survived": survived} | peaks
-
-
-def _survived(flight: Flight, plant: Plant, rows: dict[str, FloatArray]) -> float:
-    if not unstable_modes(plant).poles.size:
-        return 1.0
-    modes = unstable_coordinates(plant)
-    names = ("attitude", "attitude_rate", "flight_path_angle")[: modes.rows.shape[1]]
-    z = modes.rows @ np.array([rows[name][-1] for name in names])
-    reach = flight.deflection_limit / abs(float(plant.coefficients.B))
-    if not modes.inside(z, reach):
-        return 0.0
-    return 1.0 if np.all(np.abs(z) < _SETTLED * reach) else np.nan

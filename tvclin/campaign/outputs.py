@@ -7,10 +7,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.autopilot import Autopilot
 from tvclin.boundary import boundary_limit
-from tvclin.campaign.flights import COLUMNS, Flight, flown
+from tvclin.campaign.flights import COLUMNS, Flight
 from tvclin.campaign.forecast import forecast_free_deflections
 from tvclin.campaign.plan import Campaign
+from tvclin.closed_loop import fly_many
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError
 from tvclin.flight import flown_boundary
@@ -150,8 +152,23 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
     return campaign.flight.designed(campaign.plant, campaign.wind.largest, gains)
 
 
-def _flight(campaign: Campaign, batch: Batch) -> dict[str, float]:
-    return flown(cast(Flight, campaign.flight), law_of(campaign, batch), *batch.one())
+def _flight(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    flight = cast(Flight, campaign.flight)
+    dispersed = any(np.ndim(value) for value in batch.gains.values())
+    found = fly_many(
+        batch.plant,
+        Autopilot(**batch.gains) if dispersed else law_of(campaign, batch),
+        batch.wind,
+        deflection_limit=flight.deflection_limit,
+        rate_limit=flight.rate_limit,
+        actuator=flight.actuator,
+        sample_rate=flight.sample_rate,
+    )
+    fate = np.select([found.status == "survived", found.status == "lost"], [1.0, 0.0], np.nan)
+    return {"flight_survived": fate} | {
+        f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(found, f"peak_{name}"))
+        for name in ("attitude", "angle_of_attack", "deflection")
+    }
 
 
 def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
@@ -175,7 +192,7 @@ REGISTRY = {
     "minimum": Output(
         lambda _: {"minimum": "rad"}, _minimum, lambda campaign: campaign.model not in _ONE_POLE
     ),
-    "flight": Output(lambda _: COLUMNS, _flight, lambda _: True),
+    "flight": Output(lambda _: COLUMNS, _flight),
     "flown": Output(
         lambda campaign: {boundary_name(K, "flown"): "rad" for K in campaign.dead_bands},
         _flown,

@@ -10,7 +10,7 @@ from tvclin.autopilot import Autopilot
 from tvclin.errors import InputError
 from tvclin.kernels import flight_table as table
 from tvclin.laws import Law, RecoverableAttitudeLaw, Seen
-from tvclin.recoverable import unstable_coordinates
+from tvclin.laws.law import seen_coordinates
 
 FloatArray = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ def _linear(row: FloatArray, law: Law, k: int) -> None:
 
 
 def _lean(row: FloatArray, law: RecoverableAttitudeLaw) -> None:
-    modes = unstable_coordinates(law.plant)
+    modes = seen_coordinates(law.plant)
     row[table.LEAN] = 1.0
     seen = min(modes.rows.shape[1], 3)
     row[table.LEAN_ATTITUDE : table.LEAN_ATTITUDE + seen] = modes.rows[0, :seen]
@@ -154,7 +154,7 @@ def _lean(row: FloatArray, law: RecoverableAttitudeLaw) -> None:
     row[table.LEAN_RATIO], row[table.LEAN_WIND] = modes.ratio, modes.wind[0]
     row[table.LEAN_B] = float(np.asarray(law.plant.coefficients.B))
     row[table.LEAN_REACH], row[table.LEAN_GAIN] = law.reach, law.gain
-    row[table.LEAN_BAND], row[table.LEAN_TRUST] = law.dead_band, getattr(law, "trust", 1.0)
+    row[table.LEAN_BAND], row[table.LEAN_TRUST] = law.dead_band, law.trust
     if law.design_peak is not None:
         row[table.LEAN_PEAK] = law.design_peak
     row[table.LEAN_ESTIMATES] = float(law.estimator is not None)

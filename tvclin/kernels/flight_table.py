@@ -105,8 +105,14 @@ MOST = 200_000
 """Steps of a flight."""
 STEP, SHARE = 0.02, 0.15
 """Longest fixed step [s], and over the fastest rate of nozzle, estimator and feedback."""
-HEADROOM, SLOW_LOOP, FAST_FIRST, EDGE = 1.1, 3.0, 0.9, 0.9999
-"""Of the recoverable-attitude law, see there."""
+HEADROOM = 1.1
+"""A wind felt beyond the design peak is taken for so many times as strong."""
+SLOW_LOOP = 3.0
+"""Gain of the slow mode's outer loop, in units of its coordinate."""
+FAST_FIRST = 0.9
+"""Part of the limit that the fast mode may need against the felt wind."""
+EDGE = 0.9999
+"""The slow coordinate is taken for no nearer than this to the end of its reach."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,20 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import finite, instance, nonnegative, number, positive, within
+from tvclin.kernels.flight_table import EDGE, FAST_FIRST, HEADROOM, SLOW_LOOP
 from tvclin.laws.estimator import WindEstimator
 from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
 from tvclin.plant import Plant
 from tvclin.recoverable import UnstableCoordinates
 
 FloatArray = NDArray[np.float64]
-
-_HEADROOM = 1.1
-"""A wind felt beyond the design peak is taken for so many times as strong."""
-_SLOW = 3.0
-"""Gain of the slow mode's outer loop, in units of its coordinate."""
-_FAST_FIRST = 0.9
-"""Part of the limit that the fast mode may need against the felt wind."""
-_EDGE = 0.9999
 
 
 @dataclass(frozen=True)
@@ -128,16 +121,16 @@ class RecoverableAttitudeLaw(Law):
         modes, reach = self._modes, self.reach * D
         most = reach
         if self.design_peak is not None:
-            largest = np.maximum(self.design_peak, _HEADROOM * wind)
+            largest = np.maximum(self.design_peak, HEADROOM * wind)
             asked = modes.wind[0] * largest - self.trust * D
             most = np.minimum(reach, np.maximum(asked, 0.0))
-        slow = _SLOW * z[1] if len(z) > 1 else 0.0
+        slow = SLOW_LOOP * z[1] if len(z) > 1 else 0.0
         lean = np.minimum(most + np.maximum(slow, 0.0), felt + slow)
         lean = np.maximum(lean, np.minimum(slow, 0.0) - most)
-        spare = _FAST_FIRST * D
+        spare = FAST_FIRST * D
         lean = np.where(felt > 0.0, np.maximum(lean, felt - spare), lean)
         lean = np.where(felt < 0.0, np.minimum(lean, felt + spare), lean)
-        bounded = np.clip(z[1], -_EDGE * reach, _EDGE * reach) if len(z) > 1 else 0.0
+        bounded = np.clip(z[1], -EDGE * reach, EDGE * reach) if len(z) > 1 else 0.0
         ends = modes.fast_range(bounded, reach)
         return np.minimum(np.maximum(lean, ends[0]), ends[1])
 
