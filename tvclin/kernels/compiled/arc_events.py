@@ -4,11 +4,11 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
 
-@compiled
+@lean
 def _jet(w, start, t):  # type: ignore[no-untyped-def]
     """Value, slope and half the curvature of a lane's series."""
     value, slope, bend = 0.0, 0.0, 0.0
@@ -19,7 +19,7 @@ def _jet(w, start, t):  # type: ignore[no-untyped-def]
     return value, slope, bend
 
 
-@compiled
+@lean
 def _root(w, start, low, high, target, turn):  # type: ignore[no-untyped-def]
     """Where a series, or its slope where `turn`, passes the target between two times.
 
@@ -48,7 +48,7 @@ def _root(w, start, low, high, target, turn):  # type: ignore[no-untyped-def]
     return t
 
 
-@compiled
+@lean
 def _exit(w, number, i, low, high):  # type: ignore[no-untyped-def]
     """When a series first leaves its bounds within the step, and to which side; or inf, 0."""
     start = at(number, 0) + i
@@ -80,7 +80,7 @@ def _exit(w, number, i, low, high):  # type: ignore[no-untyped-def]
     return _root(w, start, inner, h, edge, False), side
 
 
-@compiled
+@lean
 def meet(w, i, servo):  # type: ignore[no-untyped-def]
     """Shorten a lane's step to the first limit it meets; return what and which side, or -1."""
     first, what, which = np.inf, -1, 0.0
@@ -107,7 +107,7 @@ def meet(w, i, servo):  # type: ignore[no-untyped-def]
     return what, which
 
 
-@compiled
+@lean
 def summit(w, number, i, top, share):  # type: ignore[no-untyped-def]
     """Raise a lane's largest size by the summit of a series within the step."""
     start, h = at(number, 0) + i, w[row(lanes.STEP) + i]
@@ -120,7 +120,7 @@ def summit(w, number, i, top, share):  # type: ignore[no-untyped-def]
         w[row(top) + i] = max(known, abs(value))
 
 
-@compiled
+@lean
 def switch(w, i, what, side, servo):  # type: ignore[no-untyped-def]
     """Put a lane into the region behind the limit it has met."""
     if what == lanes.DEMAND:
@@ -139,7 +139,7 @@ def switch(w, i, what, side, servo):  # type: ignore[no-untyped-def]
     _bound(w, i, servo)
 
 
-@compiled
+@lean
 def _asked(w, i):  # type: ignore[no-untyped-def]
     """The deflection asked for where a lane is."""
     theta, path = w[at(lanes.THETA, 0) + i], w[at(lanes.PATH, 0) + i]
@@ -149,7 +149,7 @@ def _asked(w, i):  # type: ignore[no-untyped-def]
     return asked + w[row(table.K_MEMORY) + i] * w[at(lanes.MEMORY, 0) + i]
 
 
-@compiled
+@lean
 def _engage(w, i):  # type: ignore[no-untyped-def]
     """Choose the mode of the law anew, where the demand may have jumped."""
     asked, mode = _asked(w, i), row(lanes.MODE) + i
@@ -159,7 +159,7 @@ def _engage(w, i):  # type: ignore[no-untyped-def]
         w[mode] = np.sign(asked)
 
 
-@compiled
+@lean
 def _hold(w, i, servo):  # type: ignore[no-untyped-def]
     """Choose anew whether the rate limit holds the nozzle, where the command may have jumped."""
     mode, limit = w[row(lanes.MODE) + i], w[row(table.LIMIT) + i]
@@ -174,7 +174,7 @@ def _hold(w, i, servo):  # type: ignore[no-untyped-def]
         w[held] = np.sign(spin) if abs(spin) >= most and pull * spin > 0.0 else 0.0
 
 
-@compiled
+@lean
 def _bound(w, i, servo):  # type: ignore[no-untyped-def]
     """Write what the regions of a lane mean for its equations, and how far they reach."""
     mode, stop, held = w[row(lanes.MODE) + i], w[row(lanes.STOP) + i], w[row(lanes.HOLD) + i]
@@ -193,14 +193,14 @@ def _bound(w, i, servo):  # type: ignore[no-untyped-def]
         w[row(lanes.TOP_WATCH) + i] = most
 
 
-@compiled
+@lean
 def _between(w, i, low, region, enters, lets_go):  # type: ignore[no-untyped-def]
     """Bounds of a region: in the middle, or beyond one side."""
     w[row(low) + i] = -enters if region == 0.0 else (lets_go if region > 0.0 else -np.inf)
     w[row(low + 1) + i] = enters if region == 0.0 else (-lets_go if region < 0.0 else np.inf)
 
 
-@compiled
+@lean
 def arrive(w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
     """Put a lane that has come to a knot upon the next piece of its wind; return the piece."""
     now = knots[cursor + 1] if cursor + 1 < knots.size else w[row(table.UNTIL) + i]
@@ -221,7 +221,7 @@ def arrive(w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
     return cursor
 
 
-@compiled
+@lean
 def judged(w, i):  # type: ignore[no-untyped-def]
     """Return what is known of a lane's fate after its wind."""
     fast, slow = 0.0, 0.0

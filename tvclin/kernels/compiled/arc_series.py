@@ -4,11 +4,11 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
 
-@compiled
+@lean
 def series(w, order, servo):  # type: ignore[no-untyped-def]
     """Write the series of all lanes about where they are."""
     for k in range(ORDER + 1):
@@ -24,7 +24,7 @@ def series(w, order, servo):  # type: ignore[no-untyped-def]
             _path(w, k)
 
 
-@compiled
+@lean
 def _command(w, k):  # type: ignore[no-untyped-def]
     theta, rate, path = at(lanes.THETA, k), at(lanes.RATE, k), at(lanes.PATH, k)
     wind, alpha, demand = at(lanes.WIND, k), at(lanes.ALPHA, k), at(lanes.DEMAND, k)
@@ -41,7 +41,7 @@ def _command(w, k):  # type: ignore[no-untyped-def]
         w[further + i] = w[theta + i] * share
 
 
-@compiled
+@lean
 def _second_order(w, k):  # type: ignore[no-untyped-def]
     servo, spin = at(lanes.SERVO, k), at(lanes.SPIN, k)
     servo_next, spin_next = at(lanes.SERVO, k + 1), at(lanes.SPIN, k + 1)
@@ -60,7 +60,7 @@ def _second_order(w, k):  # type: ignore[no-untyped-def]
         w[deflection + i] = w[moving + i] * w[servo + i] + first * w[stopped + i]
 
 
-@compiled
+@lean
 def _first_order(w, k):  # type: ignore[no-untyped-def]
     servo, further = at(lanes.SERVO, k), at(lanes.SERVO, k + 1)
     demand, watch, deflection = at(lanes.DEMAND, k), at(lanes.WATCH, k), row(lanes.DEFLECTION)
@@ -77,7 +77,7 @@ def _first_order(w, k):  # type: ignore[no-untyped-def]
         w[deflection + i] = w[moving + i] * w[servo + i] + first * w[stopped + i]
 
 
-@compiled
+@lean
 def _direct(w, k):  # type: ignore[no-untyped-def]
     servo, demand, deflection = at(lanes.SERVO, k), at(lanes.DEMAND, k), row(lanes.DEFLECTION)
     commanded, command = row(lanes.COMMANDED), row(lanes.COMMAND)
@@ -90,7 +90,7 @@ def _direct(w, k):  # type: ignore[no-untyped-def]
         w[watch + i] = k * asked
 
 
-@compiled
+@lean
 def _attitude(w, k):  # type: ignore[no-untyped-def]
     theta, rate, path = at(lanes.THETA, k), at(lanes.RATE, k), at(lanes.PATH, k)
     theta_next, rate_next = at(lanes.THETA, k + 1), at(lanes.RATE, k + 1)
@@ -105,7 +105,7 @@ def _attitude(w, k):  # type: ignore[no-untyped-def]
         w[rate_next + i] = pull * share
 
 
-@compiled
+@lean
 def _path(w, k):  # type: ignore[no-untyped-def]
     theta, path, speed = at(lanes.THETA, k), at(lanes.PATH, k), at(lanes.SPEED, k)
     path_next, speed_next = at(lanes.PATH, k + 1), at(lanes.SPEED, k + 1)
@@ -121,7 +121,7 @@ def _path(w, k):  # type: ignore[no-untyped-def]
         w[speed_next + i] = w[turning + i] * w[path + i] * share
 
 
-@compiled
+@lean
 def lengths(w):  # type: ignore[no-untyped-def]
     """Choose the steps: the last two terms stay within the tolerance, and no knot is passed.
 
@@ -150,7 +150,7 @@ def lengths(w):  # type: ignore[no-untyped-def]
         w[step + i] = h if h < w[left + i] else w[left + i]
 
 
-@compiled
+@lean
 def sums(w, number):  # type: ignore[no-untyped-def]
     """Sum a series and its slope at the ends of the steps."""
     start, value, slope = at(number, 0), row(lanes.VALUE + number), row(lanes.SLOPE + number)
@@ -165,7 +165,7 @@ def sums(w, number):  # type: ignore[no-untyped-def]
         w[slope + i] = rise
 
 
-@compiled
+@lean
 def leaving(w, number, low, high):  # type: ignore[no-untyped-def]
     """Flag the lanes in which a series may leave its bounds within the step."""
     start, slope = at(number, 0), at(number, 1)
@@ -180,7 +180,7 @@ def leaving(w, number, low, high):  # type: ignore[no-untyped-def]
         w[flag + i] = 1.0 if out else w[flag + i]
 
 
-@compiled
+@lean
 def topping(w, number, top, share):  # type: ignore[no-untyped-def]
     """Raise the largest size of a series by both ends, and flag lanes with a summit between.
 
@@ -201,7 +201,7 @@ def topping(w, number, top, share):  # type: ignore[no-untyped-def]
         w[flag + i] = 1.0 if beyond else w[flag + i]
 
 
-@compiled
+@lean
 def advance(w, degree):  # type: ignore[no-untyped-def]
     """Move all lanes to the ends of their steps; the wind has the degree of its pieces."""
     step, now, left = row(lanes.STEP), row(lanes.NOW), row(lanes.LEFT)

@@ -8,7 +8,7 @@ reason: a signed one would be tested for counting from the end.
 import numpy as np
 
 from tvclin.kernels import flight_table as table
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 
 LANES = 64
 ALL = np.uint64(LANES)
@@ -57,13 +57,13 @@ SLOPE = VALUE + SERIES
 SIZE = (SERIES * TERMS + SLOPE + SERIES) * LANES
 
 
-@compiled
+@lean
 def at(series: int, k: int) -> np.uint64:
     """Return where the k-th term of a series begins."""
     return np.uint64((series * TERMS + k) * LANES)
 
 
-@compiled
+@lean
 def row(number: int) -> np.uint64:
     """Return where a row of numbers begins."""
     return np.uint64((SERIES * TERMS + number) * LANES)
