@@ -120,7 +120,8 @@ def fly_many(
     -----
     With a sample rate every step is exact. Without one the flight is a chain of Taylor series
     from limit to limit and from knot to knot, to about 1e-8 of the largest attitude; a
-    recoverable-attitude law is integrated in fixed steps instead, to about 1e-6.
+    recoverable-attitude law is integrated in fixed steps instead, to about 1e-6, and 1e-5 with a
+    nozzle that is often at its rate limit.
 
     Examples
     --------

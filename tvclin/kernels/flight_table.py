@@ -103,7 +103,7 @@ BEGIN = 0.01
 """Length of the first step that is tried [s]."""
 MOST = 200_000
 """Steps of a flight."""
-STEP, SHARE = 0.02, 0.15
+STEP, SHARE = 0.005, 0.04
 """Longest fixed step [s], and over the fastest rate of nozzle, estimator and feedback."""
 HEADROOM = 1.1
 """A wind felt beyond the design peak is taken for so many times as strong."""
