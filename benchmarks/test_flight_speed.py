@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from peers import ratio
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from benchmarks.peers import ratio
 from tvclin.kernels.choice import pinned
 
 PEAK, DURATION, STOP, CASES = 0.08, 12.0, 24.0, 1024
