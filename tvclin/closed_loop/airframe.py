@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.histories import History
-from tvclin.kernels.propagation import exponentials, inputs_at, motion
+from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -47,32 +47,30 @@ def steps(plant: Plant, wind: History, start: float, stop: float, length: float)
     count = max(int(np.ceil((stop - start) / length - 1e-9)), 1)
     times: FloatArray = start + length * np.arange(count + 1.0)
     n = len(A)
-    driven = np.zeros((n + 2, n + 2))
-    driven[:n, :n], driven[:n, n] = A, inputs[:, 0]
-    driven[n, n + 1] = 1.0 / length
-    whole = exponentials(driven, np.array([length]))[0]
+    ramp_of = np.array([[0.0, 1.0 / length], [0.0, 0.0]])
+    held_and_ramp = np.column_stack([inputs[:, 0], np.zeros(n)])
+    matrix = driven(A, held_and_ramp, ramp_of)
+    whole = exponentials(matrix, np.array([length]))[0]
     held, ramp = whole[:n, n], whole[:n, n + 1]
-    gusts = gust_steps(A, inputs[:, 1], wind, times, whole[:n, :n])
+    gusts = gust_steps(A, inputs[:, 1], wind, times)
     return Steps(times, whole[:n, :n], held - ramp, ramp, gusts, wind(times))
 
 
-def gust_steps(
-    A: FloatArray, B: FloatArray, wind: History, times: FloatArray, free: FloatArray
-) -> FloatArray:
+def gust_steps(A: FloatArray, B: FloatArray, wind: History, times: FloatArray) -> FloatArray:
     """Return what a wind adds to the states in each step between the times, ``(m, n)``.
 
     A step with knots inside is put together from its parts, so that no gust is missed.
     """
     n, pieces = len(A), wind.pieces
-    driven = motion(A, B, pieces).matrix
-    whole = exponentials(driven, times[1:2] - times[:1])[0]
+    matrix = answering(A, B, pieces)
+    whole = exponentials(matrix, times[1:2] - times[:1])[0]
     gusts = np.real(inputs_at(pieces, times[:-1]) @ whole[:n, n:].T)
     knots = pieces.knots[(pieces.knots > times[0]) & (pieces.knots < times[-1])]
     for k in np.unique(np.searchsorted(times, knots, side="right") - 1):
         inside = knots[(knots > times[k]) & (knots < times[k + 1])]
         edges = np.concatenate([times[k : k + 1], inside, times[k + 1 : k + 2]])
         states = inputs_at(pieces, edges[:-1])
-        parts = exponentials(driven, np.diff(edges))
+        parts = exponentials(matrix, np.diff(edges))
         state = np.zeros(n)
         for part, begun in zip(parts, states, strict=True):
             state = np.real(part[:n, :n] @ state + part[:n, n:] @ begun)
@@ -106,7 +104,5 @@ class Nozzle:
         if self.actuator is None:
             return np.zeros((1, 1)), np.ones(1)
         A, B, _, _ = self.actuator.matrices()
-        driven = np.zeros((len(A) + 1, len(A) + 1))
-        driven[:-1, :-1], driven[:-1, -1] = A, B[:, 0]
-        whole = exponentials(driven, np.array([self.length]))[0]
+        whole = exponentials(driven(A, B), np.array([self.length]))[0]
         return whole[:-1, :-1], whole[:-1, -1]

@@ -138,7 +138,16 @@ def closed_loop_boundary(
     start, end = float(wind.onset), float(wind.end)
     winds = [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
     trials = [
-        Trial(law, nozzle, steps(plant, one, start, float(one.end), length), modes, B, gust)
+        Trial(
+            plant,
+            law,
+            one,
+            nozzle,
+            steps(plant, one, start, float(one.end), length),
+            modes,
+            B,
+            gust,
+        )
         for one in winds
     ]
     edge = _edge(trials, np.linspace(low, high, _SCAN), B * gust)

@@ -19,7 +19,7 @@ from tvclin.closed_loop.equations import LinearEquations
 from tvclin.closed_loop.sampled import Sampler, at_rest
 from tvclin.errors import InputError, finite, number, positive
 from tvclin.histories import History
-from tvclin.kernels.propagation import exponentials
+from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law
 from tvclin.plant import Plant
 
@@ -152,17 +152,17 @@ def _sampled(
     slope = (servo[k + 1] - first) / nozzle.length
     A, inputs, _, _ = plant.matrices()
     n = len(A)
-    driven = np.zeros((n + 2, n + 2))
-    driven[:n, :n], driven[:n, n], driven[n, n + 1] = A, inputs[:, 0], 1.0
+    held_and_ramp = np.column_stack([inputs[:, 0], np.zeros(n)])
+    matrix = driven(A, held_and_ramp, np.eye(2, k=1))
     u = np.maximum(times - made.times[k], 0.0)
-    grown = exponentials(driven, u)
+    grown = exponentials(matrix, u)
     begun = np.concatenate([x[k], first[:, np.newaxis], slope[:, np.newaxis]], axis=1)
     rows = np.zeros((n + 1, times.size))
     rows[:n] = np.einsum("mij,mj->im", grown[:, :n], begun)
     for i, (j, t) in enumerate(zip(k, times, strict=True)):
         if t > made.times[j]:
             edges = np.array([made.times[j], t])
-            rows[:n, i] += gust_steps(A, inputs[:, 1], wind, edges, grown[i, :n, :n])[0]
+            rows[:n, i] += gust_steps(A, inputs[:, 1], wind, edges)[0]
     rows[n] = first + slope * u
     return np.where(times < start, 0.0, rows)
 

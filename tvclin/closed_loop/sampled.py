@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle, Steps
-from tvclin.kernels.propagation import exponentials
+from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law, Seen
 
 FloatArray = NDArray[np.float64]
@@ -145,9 +145,7 @@ class Sampler:
     def _memory_step(self) -> tuple[FloatArray, FloatArray]:
         F, G = self.law.states
         size = len(F)
-        driven = np.zeros((size + 5, size + 5))
-        driven[:size, :size], driven[:size, size:] = F, G
-        whole = exponentials(driven, np.array([self.nozzle.length]))[0]
+        whole = exponentials(driven(F, G), np.array([self.nozzle.length]))[0]
         return whole[:size, :size], whole[:size, size:]
 
 

@@ -12,8 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle, Steps
+from tvclin.closed_loop.law_rows import law_rows
+from tvclin.closed_loop.many import fly_many
 from tvclin.closed_loop.sampled import Flights, Sampler, at_rest
+from tvclin.errors import InputError
+from tvclin.histories import History
+from tvclin.kernels.sampled_flights import pays
 from tvclin.laws import Law
+from tvclin.plant import Plant
 from tvclin.recoverable import UnstableCoordinates
 
 FloatArray = NDArray[np.float64]
@@ -39,8 +45,10 @@ class Trial:
 
     Attributes
     ----------
-    law, nozzle, steps : Law, Nozzle, Steps
+    plant, law, wind : Plant, Law, History
         What flies.
+    nozzle, steps : Nozzle, Steps
+        How it is stepped.
     modes : UnstableCoordinates
         Of the plant.
     effectiveness : float
@@ -49,7 +57,9 @@ class Trial:
         Largest wind angle [rad].
     """
 
+    plant: Plant
     law: Law
+    wind: History
     nozzle: Nozzle
     steps: Steps
     modes: UnstableCoordinates
@@ -58,6 +68,33 @@ class Trial:
 
     def verdicts(self, limit: FloatArray) -> NDArray[np.int_]:
         """Return SAVED, LOST or UNDECIDED for each limit [rad], ``(n,)``."""
+        plain = self._is_plain and pays(len(self.steps.gusts))
+        return self._together(limit) if plain else self._step_by_step(limit)
+
+    @cached_property
+    def _is_plain(self) -> bool:
+        """Whether kernels can fly the law: it is one of this package's, and hears no noise."""
+        if self.law.rate_noise[0]:
+            return False
+        try:
+            law_rows(self.law, ())
+        except InputError:
+            return False
+        return True
+
+    def _together(self, limit: FloatArray) -> NDArray[np.int_]:
+        flown = fly_many(
+            self.plant,
+            self.law,
+            self.wind,
+            deflection_limit=limit,
+            rate_limit=self.nozzle.rate_limit,
+            actuator=self.nozzle.actuator,
+            sample_rate=1.0 / self.nozzle.length,
+        )
+        return np.select([flown.status == "survived", flown.status == "lost"], [SAVED, LOST])
+
+    def _step_by_step(self, limit: FloatArray) -> NDArray[np.int_]:
         found = np.full(limit.size, LOST)
         where, flights = self._through(limit)
         after = Sampler(self.law, self._still, self.nozzle, still=True)

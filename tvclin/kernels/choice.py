@@ -1,9 +1,9 @@
 """Which twin of a kernel runs: numpy, or the compiled one where that pays.
 
 Compiled twins need numba (extra `fast`), up to half a minute to be compiled for the first time on
-a machine, and some tenths of a second to load from then on. They are taken when the work is worth
-that, and for any work once they are there. Both give the same numbers within
-the rounding each kernel states; nobody above the kernels knows which one ran.
+a machine, and some tenths of a second to load from then on. They are taken when the work of a
+process is worth that, and for any work once they are there. Both give the same numbers within the
+rounding each kernel states; nobody above the kernels knows which one ran.
 """
 
 import sys
@@ -18,6 +18,8 @@ from types import ModuleType
 
 _LOADING, _COMPILING = 0.1, 10.0
 """Seconds of work for which a twin is loaded, and for which one is compiled that never was."""
+_asked: dict[str, float] = {}
+"""Seconds of work that each twin has been asked for: many small calls are worth as much as one."""
 _CACHE = Path(__file__).parent / "compiled" / "__pycache__"
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
@@ -36,7 +38,8 @@ def compiled_twin(name: str, seconds: float) -> ModuleType | None:
     wanted = _pinned.get()
     path = f"tvclin.kernels.compiled.{name}"
     if wanted is None:
-        wanted = path in sys.modules or seconds > (_LOADING if _kept(name) else _COMPILING)
+        _asked[name] = _asked.get(name, 0.0) + seconds
+        wanted = path in sys.modules or _asked[name] > (_LOADING if _kept(name) else _COMPILING)
     return import_module(path) if wanted and available() else None
 
 

@@ -59,12 +59,7 @@ def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     pieces : Pieces
         The input, not a batch.
     """
-    order, rates, powers = len(A), pieces.rates, pieces.degree + 1
-    given = np.zeros((order, rates.size * powers))
-    given[:, ::powers] = B[:, np.newaxis]
-    blocks = np.kron(np.diag(rates), np.eye(powers))
-    blocks += np.kron(np.eye(rates.size), np.eye(powers, k=1))
-    matrix = driven(A, given, blocks)
+    order, matrix = len(A), answering(A, B, pieces)
     inputs = inputs_at(pieces, pieces.knots)
     starts = np.zeros((len(inputs), len(matrix)), dtype=np.result_type(matrix, inputs))
     starts[:, order:] = inputs
@@ -73,6 +68,16 @@ def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     for k, step in enumerate(which):
         starts[k + 1, :order] = (steps[step] @ starts[k])[:order]
     return Motion(matrix, pieces.knots, starts)
+
+
+def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
+    """Return M of the states of a system and of its input within a piece; as `driven`."""
+    rates, powers = pieces.rates, pieces.degree + 1
+    given = np.zeros((len(A), rates.size * powers))
+    given[:, ::powers] = B[:, np.newaxis]
+    blocks = np.kron(np.diag(rates), np.eye(powers))
+    blocks += np.kron(np.eye(rates.size), np.eye(powers, k=1))
+    return driven(A, given, blocks)
 
 
 def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None) -> NDArray[Any]:

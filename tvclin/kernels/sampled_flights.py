@@ -27,6 +27,11 @@ _AT_ONCE = 1000.0
 """A batch twice as large takes numpy twice the time when it is larger than this."""
 
 
+def pays(samples: float) -> bool:
+    """Return whether the compiled twin would fly a small batch of so many samples."""
+    return compiled_twin("sampled_flights", samples * _NUMPY) is not None
+
+
 def sampled_flights(flights: FlightTable, steps: SampledSteps) -> FloatArray:
     """Return the results of all flights, ``(9, m)``: the rows named in `flight_table`."""
     cases = flights.which.size
