@@ -23,6 +23,7 @@ bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and p
 
 clean:  ## remove the environment and all caches
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist
+	rm -rf tvclin/kernels/compiled/__pycache__
 
 help:  ## list the commands
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/:/'
