@@ -11,6 +11,8 @@ from tvclin import files
 from tvclin.cli.app import app
 from tvclin.reproduce import figures
 
+pytestmark = pytest.mark.xdist_group("figures")  # so that the report's figures are computed once
+
 mpl.use("Agg")
 
 NAMES = [

@@ -18,6 +18,11 @@ class InputError(ValueError):
 
 def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return `value` as a read-only float array; `InputError` unless it is real and finite."""
+    return _finite(name, value, unit)[0]
+
+
+def _finite(name: str, value: ArrayLike, unit: str) -> tuple[NDArray[np.float64], float, float]:
+    """The array, its smallest and its largest element; of none, numbers that pass every check."""
     try:
         array = np.asarray(value)
         if array.dtype.kind in "bcOSUmMV":
@@ -25,22 +30,28 @@ def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
         array = np.array(array, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a number{_in(unit)}; got {_shown(value)}") from None
-    _require(name, "finite", array, np.isfinite(array), unit)
     array.flags.writeable = False
-    return array
+    if not array.size:
+        return array, np.inf, -np.inf
+    low, high = array.min(), array.max()
+    if not (low > -np.inf and high < np.inf):
+        _require(name, "finite", array, np.isfinite(array), unit)
+    return array, low, high
 
 
 def positive(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return `value` as a float array; raise `InputError` unless every element is above zero."""
-    array = finite(name, value, unit)
-    _require(name, "positive", array, array > 0, unit)
+    array, low, _ = _finite(name, value, unit)
+    if not low > 0:
+        _require(name, "positive", array, array > 0, unit)
     return array
 
 
 def nonnegative(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return `value` as a float array; raise `InputError` if an element is below zero."""
-    array = finite(name, value, unit)
-    _require(name, "zero or positive", array, array >= 0, unit)
+    array, low, _ = _finite(name, value, unit)
+    if not low >= 0:
+        _require(name, "zero or positive", array, array >= 0, unit)
     return array
 
 
@@ -55,9 +66,10 @@ def within(
     name: str, value: ArrayLike, lowest: float, highest: float, unit: str = ""
 ) -> NDArray[np.float64]:
     """Return `value` as a float array; raise `InputError` outside [lowest, highest]."""
-    array = finite(name, value, unit)
-    rule = f"between {lowest:.6g} and {highest:.6g}"
-    _require(name, rule, array, (array >= lowest) & (array <= highest), unit)
+    array, low, high = _finite(name, value, unit)
+    if not (low >= lowest and high <= highest):
+        rule = f"between {lowest:.6g} and {highest:.6g}"
+        _require(name, rule, array, (array >= lowest) & (array <= highest), unit)
     return array
 
 
