@@ -10,7 +10,7 @@ study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
 
 test: $(VENV)/.installed-dev lint  ## set everything up and pass the tests
-	$(BIN)/pytest -n auto --dist loadgroup -q
+	$(BIN)/pytest -n auto -q
 
 lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 	$(BIN)/ruff check

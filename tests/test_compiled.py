@@ -11,8 +11,6 @@ import pytest
 from tvclin import closed_forms
 from tvclin.kernels import choice, limits, threads
 
-pytestmark = pytest.mark.xdist_group("compiled")  # so that kernels are compiled once
-
 EACH_TWIN = pytest.mark.parametrize("compiled", [False, True])
 CASES = 20_000
 

@@ -11,8 +11,6 @@ import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant, SampledWind, TriangularWind
 from tvclin.kernels.choice import available, pinned
 
-pytestmark = pytest.mark.xdist_group("compiled")  # so that kernels are compiled once
-
 PEAK = 0.08
 COEFFICIENTS = Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
 BETA, B = float(COEFFICIENTS.beta), float(COEFFICIENTS.B)

@@ -11,8 +11,6 @@ from tvclin.closed_loop.step_matrices import exponentials
 from tvclin.kernels.choice import available, pinned
 from tvclin.recoverable import unstable_coordinates
 
-pytestmark = pytest.mark.xdist_group("compiled")  # so that kernels are compiled once
-
 VEHICLE = tv.load_vehicle("configuration-i")
 PEAK = 0.08
 SERVO = Actuator(natural_frequency=20.0)

@@ -12,8 +12,6 @@ from tests.test_margins import NUMBERS, actuated, brute_force, random_loops
 from tvclin.kernels.choice import pinned
 from tvclin.margins import Crossings, Loop, loop_margins
 
-pytestmark = pytest.mark.xdist_group("compiled")  # so that kernels are compiled once
-
 FREQUENCIES = [
     "aero_frequency",
     "gain_increase_frequency",

@@ -15,8 +15,6 @@ from tvclin.closed_responses import triangular_attitude, triangular_attitude_wit
 from tvclin.plots.curves import Column, Curves, curves_of
 from tvclin.reproduce.figures import FIGURES
 
-pytestmark = pytest.mark.xdist_group("figures")  # so that the report's figures are computed once
-
 mpl.use("Agg")
 
 

@@ -11,8 +11,6 @@ from tvclin import files
 from tvclin.cli.app import app
 from tvclin.reproduce import figures
 
-pytestmark = pytest.mark.xdist_group("figures")  # so that the report's figures are computed once
-
 mpl.use("Agg")
 
 NAMES = [

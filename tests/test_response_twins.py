@@ -15,8 +15,6 @@ from tvclin.kernels.choice import pinned
 from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.threads import VARIABLE
 
-pytestmark = pytest.mark.xdist_group("compiled")  # so that kernels are compiled once
-
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 AGREE = 1e-13
 """Of the largest value of each output, as `kernels.responses` states."""

@@ -4,7 +4,7 @@ The rooms inside: `atmosphere`, `condition` (what a flight needs beyond a vehicl
 `trajectory` (the nominal flight) say where a vehicle flies; `planar/` flies the report's own
 equations in one plane and `sixdof/` flies in JSBSim; `answer` is what both give back, `control`
 is what can turn the nozzle, and `flown_boundary` finds the least deflection limit of any engine
-that says which flights are lost.
+that says which flights are lost, as `falls` does.
 """
 
 from tvclin.flight.atmosphere import Air, standard_atmosphere

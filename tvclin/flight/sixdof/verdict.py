@@ -1,20 +1,14 @@
-"""Whether a flight of the report's control survives: the side to which it falls in the end."""
+"""Whether a flight of the report's control survives in JSBSim."""
 
 from collections.abc import Callable
 
-import numpy as np
-
 from tvclin.errors import InputError
+from tvclin.flight.falls import has_survived, watched_until
 from tvclin.flight.sixdof.case import SixDof
 from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.steering import TrimThenHold
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
-
-_PATIENCE = 12.0
-"""A flight is watched for so long after the wind, over beta: what is off has grown by e^12."""
-_STILL = 0.1
-"""A late rate below this part of beta times the wind's peak is no fall."""
 
 
 def sixdof_verdict(
@@ -29,9 +23,6 @@ def sixdof_verdict(
     earth: Earth | None = None,
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its flight survives.
-
-    With a limit that is too low the vehicle falls to the side to which the wind turns it; with
-    one that is high enough, but held for ever, to the other.
 
     Parameters
     ----------
@@ -52,11 +43,10 @@ def sixdof_verdict(
         raise InputError('engine "sixdof" flies frozen parameters only')
     case = SixDof(vehicle, plane, drift, step, earth)
     beta, B = float(case.coefficients.beta), float(case.coefficients.B)
-    air = case.air(wind, min(0.0, float(wind.onset)), float(wind.end) + _PATIENCE / beta)
-    side, still = -np.sign(float(wind.peak)), _STILL * beta * abs(float(wind.peak))
+    air = case.air(wind, min(0.0, float(wind.onset)), watched_until(wind, beta))
 
     def survives(limit: float) -> bool:
         steering = TrimThenHold(B, limit, dead_band, wind, air.times, step)
-        return bool(side * case.flown(steering, air)[-1, 1] <= still)
+        return has_survived(float(case.flown(steering, air)[-1, 1]), wind, beta)
 
     return survives
