@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle, Steps
+from tvclin.closed_loop.fates import CALM, PATIENCE
 from tvclin.closed_loop.law_rows import law_rows
 from tvclin.closed_loop.many import fly_many
 from tvclin.closed_loop.sampled import Flights, Sampler, at_rest
 from tvclin.errors import InputError
 from tvclin.histories import History
+from tvclin.kernels.flight_table import SETTLED
 from tvclin.kernels.sampled_flights import pays
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -25,14 +27,8 @@ from tvclin.recoverable import UnstableCoordinates
 FloatArray = NDArray[np.float64]
 
 LOST, UNDECIDED, SAVED = -1, 0, 1
-_SETTLED = 0.3
-"""Saved: every coordinate is below this part of the reach for a while."""
-_CALM = 5.0
-"""So long, over the fastest pole."""
-_PATIENCE = 60.0
-"""A flight that is neither lost nor saved by so long after the wind, over the slowest pole,"""
 _MOST = 1_000_000
-"""or after so many steps, stays undecided."""
+"""A flight that is neither lost nor saved after so many steps in still air stays undecided."""
 _EVERY = 8
 """Steps between two looks."""
 _SMALL = 1e-7
@@ -99,14 +95,14 @@ class Trial:
         where, flights = self._through(limit)
         after = Sampler(self.law, self._still, self.nozzle, still=True)
         length = self.nozzle.length
-        calm = int(np.ceil(_CALM / self.modes.poles[0] / length))
+        calm = int(np.ceil(CALM / self.modes.poles[0] / length))
         quiet, done = np.zeros(where.size, dtype=int), 0
         while where.size and done < self._patience:
             flights = after.flown(flights, done, done + _EVERY)
             done += _EVERY
             z, D = self._where(flights)
             inside = self.modes.inside(z, D)
-            settled = np.all(np.abs(z) < _SETTLED * D[:, np.newaxis], axis=-1)
+            settled = np.all(np.abs(z) < SETTLED * D[:, np.newaxis], axis=-1)
             quiet = np.where(settled, quiet + _EVERY, 0)
             saved = inside & (quiet >= calm)
             found[where[saved]] = SAVED
@@ -161,7 +157,7 @@ class Trial:
 
     @property
     def _patience(self) -> int:
-        return int(min(np.ceil(_PATIENCE / self.modes.poles[-1] / self.nozzle.length), _MOST))
+        return int(min(np.ceil(PATIENCE / self.modes.poles[-1] / self.nozzle.length), _MOST))
 
     @cached_property
     def _still(self) -> Steps:
