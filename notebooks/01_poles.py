@@ -1,0 +1,90 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Which motions of this booster grow, and how fast?
+#
+# A booster whose aerodynamic force acts ahead of its centre of gravity falls over by itself. This
+# notebook takes one vehicle from its data to its unstable poles, and shows what a deflection and
+# a wind do to them. Change the name of the vehicle, or any number, and run on.
+
+# %%
+import control
+import numpy as np
+
+import tvclin as tv
+from tvclin.plots import pole_map
+
+# %%
+vehicle = tv.load_vehicle("configuration-i")
+vehicle
+
+# %% [markdown]
+# The linear theory needs few numbers of it. `mu_alpha` is the angular acceleration of one radian
+# of angle of attack, `mu_delta` that of one radian of deflection; beta is the root of the first,
+# and B is their ratio: how much deflection holds one radian of wind.
+
+# %%
+coefficients = tv.Coefficients.from_vehicle(vehicle)
+coefficients
+
+# %% [markdown]
+# Four models, from the simplest to the one with all degrees of freedom of the plane. Each has one
+# fast pole on the right, near beta. Those with a flight path have a slow one beside it.
+
+# %%
+for model in tv.available_models(coefficients):
+    plant = tv.Plant.from_coefficients(coefficients, model=model)
+    print(f"{model:16s}", np.round(tv.all_modes(plant).poles, 4))
+
+# %%
+pole_map(coefficients)
+
+# %% [markdown]
+# A mode grows with what excites it: its residues say how strongly. The residue of the attitude to
+# a short push of the nozzle and that to a short gust differ by the factor B only, on a fixed
+# path.
+
+# %%
+plant = tv.Plant.from_coefficients(coefficients, model="drift-exact")
+modes = tv.unstable_modes(plant)
+modes
+
+# %%
+modes.deflection_residues, modes.wind_residues
+
+# %% [markdown]
+# The plant is an ordinary python-control system: everything of python-control works on it. The
+# step response grows as the fast pole says, once the others have fallen behind.
+
+# %%
+fast = float(np.max(modes.poles.real))
+times = np.linspace(0.0, 20.0, 401)
+step = control.step_response(plant.ss()["attitude", "deflection"], times)
+step.plot()
+
+# %%
+late = times > 15.0
+measured = np.polyfit(times[late], np.log(np.abs(step.outputs[late])), 1)[0]
+print(f"fast pole {fast:.4f} 1/s; growth of the step response after 15 s {measured:.4f} 1/s")
+
+# %% [markdown]
+# **Try:** make the vehicle stable with `vehicle.replace(aerodynamic_arm=-1.0)`; then there is no
+# pole on the right, `coefficients.beta` says so, and no wind needs any deflection at all to be
+# survived.
+
+# %%
+answer = (
+    f"{vehicle.name}: one fast pole at {fast:.3f} 1/s, so an error doubles in "
+    f"{np.log(2) / fast:.2f} s, and a slow one at {np.min(modes.poles.real):.4f} 1/s."
+)
+answer

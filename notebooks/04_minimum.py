@@ -1,0 +1,91 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # What is the least deflection that any control could do with?
+#
+# If the whole wind were known beforehand, how little would do? Appendix C of the report. The
+# answer comes with its own proof, and everything else is measured by it.
+
+# %%
+import numpy as np
+
+import tvclin as tv
+
+# %%
+vehicle = tv.load_vehicle("configuration-i")
+plant = tv.Plant.from_vehicle(vehicle, model="drift-exact")
+wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+best = tv.optimum_deflection(plant, wind)
+best
+
+# %% [markdown]
+# The peak that this control reaches, and a lower bound that no control can go below. They agree
+# to rounding: that is the proof.
+
+# %%
+best.certificate
+
+# %% [markdown]
+# Beside it, the boundary limits of trim with a dead band, and the least limit of any law that
+# does not know when the wind will stop.
+
+# %%
+B = plant.coefficients.B * wind.peak
+rows = {
+    "trim, then hold, K = 1": abs(tv.boundary_limit(plant, wind, dead_band=1.0).deflection),
+    "trim, then hold, K = 0.5": abs(tv.boundary_limit(plant, wind, dead_band=0.5).deflection),
+    "any law without a forecast": abs(B * tv.forecast_free_limit(plant, wind).limit),
+    "the whole wind known": best.peak,
+}
+for name, peak in rows.items():
+    print(f"{name:28s} {np.degrees(peak):.4f} deg")
+
+# %% [markdown]
+# A long wind wakes the slow mode of the flight path as well. Then one constant deflection is not
+# enough: the control switches once, between its two limits.
+
+# %%
+long = tv.TriangularWind(peak=np.radians(5.0), duration=40.0)
+switching = tv.optimum_deflection(plant, long)
+print(f"peak {np.degrees(switching.peak):.4f} deg, switches at {switching.switch_times} s")
+tv.is_stable(plant, switching.deflection, long)
+
+# %%
+times = np.linspace(0.0, 60.0, 601)
+tv.attitude_response(plant, switching.deflection, long, times).plot()
+
+# %% [markdown]
+# Where does the theory of one pole end? Up to this duration of a triangular wind the slow pole
+# costs nothing.
+
+# %%
+edge = float(tv.single_pole_validity(plant.coefficients))
+print(f"{edge:.1f} s")
+
+# %% [markdown]
+# A nozzle cannot jump. With a limit on its rate the least peak is a little larger.
+
+# %%
+limited = tv.optimum_with_rate_limit(plant, wind, rate_limit=np.radians(0.5))
+print(f"{limited.peak / best.peak:.3f} times as much with 0.5 deg/s")
+
+# %% [markdown]
+# **Try:** `start=-2.0`, a control that acts two seconds before the wind comes; or a start after
+# it.
+
+# %%
+answer = (
+    f"{np.degrees(best.peak):.3f} deg: no control whatever can survive this wind with less, and "
+    f"trim takes {np.degrees(rows['trim, then hold, K = 1']):.3f} deg."
+)
+answer

@@ -1,0 +1,83 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # Is this autopilot stable enough, and does it ask too much of the nozzle?
+#
+# The plant is unstable, so a margin has two sides: too much gain and too little. And good margins
+# say nothing about stops.
+
+# %%
+import numpy as np
+
+import tvclin as tv
+from tvclin.plots import bode_chart, comparison_chart, nichols_chart
+
+# %%
+vehicle = tv.load_vehicle("configuration-i")
+coefficients = tv.Coefficients.from_vehicle(vehicle)
+plant = tv.Plant.from_coefficients(coefficients, model="drift-exact")
+gains = tv.design_gains(coefficients, natural_frequency=1.2, damping=0.7)
+autopilot = tv.Autopilot(
+    attitude_gain=gains.attitude_gain,
+    rate_gain=gains.rate_gain,
+    actuator=tv.Actuator(natural_frequency=25.0, damping=0.7),
+    delay=0.02,
+)
+autopilot
+
+# %% [markdown]
+# First the closed-loop poles: a loop that is unstable has no margins, whatever a plot may say.
+
+# %%
+margins = autopilot.margins(plant)
+margins.stable, margins.status
+
+# %%
+print(f"aero margin      {margins.aero_margin_dB:5.1f} dB: the gain may fall by so much")
+print(f"gain increase    {margins.gain_increase_dB:5.1f} dB: it may rise by so much")
+print(f"phase margin     {margins.phase_margin_deg:5.1f} deg")
+print(f"delay margin     {margins.delay_margin:5.2f} s")
+
+# %%
+nichols_chart(autopilot, plant)
+
+# %%
+bode_chart(autopilot, plant)
+
+# %% [markdown]
+# A review asks for numbers against a rule.
+
+# %%
+for one in tv.CRITERIA["aircraft"].judge(margins):
+    print(one.requirement.margin, round(float(one.value), 2), "met" if one.met else "NOT MET")
+
+# %% [markdown]
+# And the nozzle? In a wind this loop asks for a peak deflection. Below the boundary limits no
+# trim-then-hold control survives, and below the minimum nothing does.
+
+# %%
+wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+beside = tv.compare_with_trim(plant, autopilot, wind)
+comparison_chart(beside)
+
+# %% [markdown]
+# **Try:** half the attitude gain: less deflection, and an aero margin that is gone. Where is the
+# edge?
+
+# %%
+answer = (
+    f"Stable, with {margins.aero_margin_dB:.1f} dB down, {margins.gain_increase_dB:.1f} dB up and "
+    f"{margins.phase_margin_deg:.0f} deg; in this wind it asks for {beside.relative:.2f} times "
+    f"the deflection of trim, where {beside.minimum / beside.trim_deflection:.2f} is the least."
+)
+answer

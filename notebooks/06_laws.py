@@ -1,0 +1,88 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # How near to the minimum can a law come that knows no forecast?
+#
+# Trim waits for the wind and pays with deflection. The minimum knows the wind beforehand. Between
+# them are laws that know only what they feel now.
+
+# %%
+import numpy as np
+
+import tvclin as tv
+
+# %%
+vehicle = tv.load_vehicle("configuration-i")
+plant = tv.Plant.from_vehicle(vehicle, model="fixed-path")
+beta, peak = plant.coefficients.beta, np.radians(5.0)
+wind = tv.TriangularWind(peak=peak, duration=4.0 / beta)
+
+# %% [markdown]
+# Three marks to measure by, over full trim.
+
+# %%
+known = float(tv.optimum_deflection(plant, wind).peak / (peak * plant.coefficients.B))
+blind = float(tv.forecast_free_limit(plant, wind).limit)
+trim = float(tv.boundary_limit(plant, wind, dead_band=1.0).limit)
+print(f"wind known {known:.3f}; no forecast {blind:.3f}; trim {trim:.3f}")
+
+# %% [markdown]
+# The recoverable-attitude law leans into the wind that it feels, but only as far as it could
+# still come back from if the wind stopped at this moment.
+
+# %%
+laws = {
+    "trim": tv.TrimLaw(plant),
+    "dead band 0.5": tv.DeadBandLaw(plant, dead_band=0.5),
+    "recoverable attitude": tv.RecoverableAttitudeLaw(plant, design_peak=peak),
+}
+needs = {
+    name: float(tv.closed_loop_boundary(plant, law, wind, sample_rate=50).limit)
+    for name, law in laws.items()
+}
+needs
+
+# %% [markdown]
+# One flight of it, with 1.2 times what it needs: the nose goes into the wind before the wind is
+# at its peak.
+
+# %%
+name = "recoverable attitude"
+times = np.linspace(0.0, 2.5 * float(wind.duration), 401)
+limit = 1.2 * needs[name] * plant.coefficients.B * peak
+tv.fly(plant, laws[name], wind, times, deflection_limit=limit).plot()
+
+# %% [markdown]
+# Now the honest part. A wind that jumps to its peak leaves no time to lean, and one that turns
+# round finds the vehicle leaning the wrong way.
+
+# %%
+winds = tv.standard_winds(peak, float(wind.duration))
+for kind in ("sawtooth, jumps first", "full reversal"):
+    row = [
+        tv.closed_loop_boundary(plant, laws[law], winds[kind], sample_rate=25).limit
+        for law in ("trim", "recoverable attitude")
+    ]
+    print(f"{kind:22s} trim {row[0]:.2f}, recoverable attitude {row[1]:.2f}")
+
+# %% [markdown]
+# **Try:** `trust=1.0`, which gives up the reserve against a wrong B; or a
+# `tv.WindEstimator(bandwidth=2)` in place of a measured angle of attack.
+
+# %%
+answer = (
+    f"In a triangular wind it needs {needs[name]:.2f} of full trim without a forecast, where "
+    f"{blind:.2f} is the least possible and trim {needs['trim']:.2f}; in a wind that reverses "
+    f"trim is better."
+)
+answer

@@ -1,0 +1,99 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # What does my own vehicle need?
+#
+# A vehicle is a small file, in which every key carries its unit. This notebook writes one, reads
+# it, says what it needs, and what happens when a number is wrong. Put your own numbers in.
+
+# %%
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import tvclin as tv
+
+# %%
+text = """
+[vehicle]
+name = "My booster"
+weight_kN = 6000.0
+moment_of_inertia_kg_m2 = 6.0e7
+thrust_kN = 8500.0
+control_arm_m = 14.0
+aerodynamic_arm_m = 6.5
+velocity_m_per_s = 470.0
+attitude_deg = 52.0
+dynamic_pressure_kPa = 33.0
+reference_area_m2 = 11.0
+normal_force_coefficient_slope_per_rad = 4.5
+axial_force_coefficient = 0.5
+"""
+file = Path(tempfile.mkdtemp()) / "my.toml"
+file.write_text(text, encoding="utf-8")
+vehicle = tv.load_vehicle(file)
+vehicle
+
+# %% [markdown]
+# The whole answer in one value: boundaries without and with drift, the minimum, what a law
+# without a forecast needs, and whether the part of the nozzle's limit that is left for the wind,
+# here 0.2 deg, is enough. The wind is 30 m/s of tail
+# wind that comes and goes within six seconds; its angle follows from the speed and the flight
+# path.
+
+# %%
+angle = tv.angle_from_speed(30.0, vehicle.velocity, vehicle.attitude)
+print(f"{np.degrees(float(angle)):.2f} deg")
+
+# %%
+study = tv.Study.from_vehicle(
+    vehicle, duration=6.0, peak=float(angle), limit=np.radians(0.2), model="drift"
+)
+study.sufficient, study.notes
+
+# %%
+study.dead_bands
+
+# %%
+for model, boundary in study.boundaries.items():
+    print(model, np.degrees(np.abs(boundary.deflection)).round(3), "deg")
+
+# %%
+peak = np.degrees(study.survivable_peak)
+print(f"0.2 deg survive a wind of up to {peak:.1f} deg of this duration")
+
+# %% [markdown]
+# A slip is told in one sentence, with its mend.
+
+# %%
+file.write_text(text.replace("control_arm_m", "control_arn_m"), encoding="utf-8")
+try:
+    tv.load_vehicle(file)
+except tv.InputError as error:
+    print(error)
+
+# %% [markdown]
+# **Try:** the same on the command line: `tvclin init my.toml`, then `tvclin study my.toml`. And
+# many vehicles at once: every number of a `Vehicle` may be an array.
+
+# %%
+B = abs(float(study.coefficients.B * study.wind.peak))
+with_drift = study.boundaries[study.model]
+full = float(np.abs(with_drift.deflection)[study.dead_bands == 1.0][0])
+enough = "enough" if study.sufficient else "not enough"
+answer = (
+    f"{vehicle.name} needs {np.degrees(full):.2f} deg with trim in 30 m/s of wind "
+    f"({full / B:.2f} of full trim), so 0.2 deg are {enough}."
+)
+answer
