@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from tvclin.cli.autopilot import autopilot
 from tvclin.cli.boundary import boundary
 from tvclin.cli.campaign import campaign
+from tvclin.cli.doctor import doctor
 from tvclin.cli.laws import laws
 from tvclin.cli.margins import margins
 from tvclin.cli.optimum import optimum
@@ -62,6 +63,7 @@ for command in (
     reproduce,
     vehicles,
     init,
+    doctor,
 ):
     app.command()(command)
 app.add_typer(campaign, name="campaign")

@@ -1,0 +1,63 @@
+"""`tvclin doctor`: what is installed, and what an extra would add."""
+
+import re
+import sys
+from importlib import metadata
+from typing import Any
+
+import typer
+
+from tvclin.cli.options import AsJson
+
+ADDS = {
+    "slycot": "more routines of python-control",
+    "fast": "compiled kernels: thousands of cases in a second",
+    "campaign": "many dispersed cases, tvclin campaign",
+    "sixdof": "flights with six degrees of freedom, tvclin fly --engine sixdof",
+    "report": "one page to hand over, tvclin report",
+    "notebook": "a page to explore, tvclin explore",
+}
+
+
+def doctor(as_json: AsJson = False) -> None:
+    """Print versions, and which extras are there."""
+    from tvclin.cli.output import print_json, print_table
+
+    packages, extras = _requirements()
+    versions = {name: _version(name) for name in packages}
+    found = {extra: {name: _version(name) for name in names} for extra, names in extras.items()}
+    python = {"tvclin": _version("tvclin"), "python": sys.version.split()[0]}
+    if as_json:
+        print_json({"versions": python | versions, "extras": found})
+        return
+    rows = [[name, version or "missing"] for name, version in (python | versions).items()]
+    print_table("Versions", ["package", "version"], rows)
+    print_table("Extras", ["extra: what it adds", "packages"], map(_row, found, found.values()))
+    missing = [extra for extra, names in found.items() if None in names.values()]
+    if missing:
+        typer.echo(f'To add what is missing: pip install "tvclin[{",".join(missing)}]"')
+
+
+def _row(extra: str, versions: dict[str, str | None]) -> list[str]:
+    packages = ", ".join(f"{name} {version or 'missing'}" for name, version in versions.items())
+    return [f"{extra}: {ADDS.get(extra, '')}", packages]
+
+
+def _requirements() -> tuple[list[str], dict[str, list[str]]]:
+    packages: list[str] = []
+    extras: dict[str, list[str]] = {}
+    for requirement in metadata.requires("tvclin") or []:
+        name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
+        extra: Any = re.search(r"extra == ['\"]([\w-]+)['\"]", requirement)
+        if extra is None:
+            packages.append(name)
+        elif extra[1] != "all":
+            extras.setdefault(extra[1], []).append(name)
+    return packages, extras
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
