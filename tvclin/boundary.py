@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.cards import card
 from tvclin.closed_forms import (
     TriangularLimit,
     rectangular_limit,
@@ -75,6 +76,15 @@ class BoundaryLimit:
     deflection: Any
     switch_time: Any
     status: Any
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("dead band is left at", self.switch_time, "s"),
+            ("status", self.status, ""),
+        ]
+        return card("Boundary limit", rows)
 
 
 def boundary_limit(

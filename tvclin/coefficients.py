@@ -13,6 +13,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.cards import Row, card
 from tvclin.errors import (
     InputError,
     finite,
@@ -75,6 +76,12 @@ class Coefficients:
         together(**checked)
         for name, array in checked.items():
             object.__setattr__(self, name, plain(array))
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
+        if np.all(np.asarray(self.mu_alpha) > 0.0):
+            rows += [("beta", self.beta, "1/s"), ("K1", self.K1, "-")]
+        return card("Coefficients", [*rows, ("B", self.B, "-")])
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle, plane: str = "pitch") -> Self:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.cards import card
 from tvclin.errors import InputError, ending, instance, nonnegative, number
 from tvclin.histories import History
 from tvclin.kernels.crossings import roots_between
@@ -54,6 +55,16 @@ class ForecastFreeLimit:
     kind: str
     foresight: float
     worst_stop: float
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("kind", self.kind, ""),
+            ("with foresight", self.foresight, "-"),
+            ("worst stop", self.worst_stop, "s"),
+        ]
+        return card("Least limit without a forecast", rows)
 
 
 def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> ForecastFreeLimit:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.cards import card
 from tvclin.errors import instance
 from tvclin.histories import History
 from tvclin.kernels import polynomials
@@ -41,6 +42,14 @@ class Modes:
     poles: NDArray[Any]
     deflection_residues: NDArray[Any]
     wind_residues: NDArray[Any]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("poles", self.poles, "1/s"),
+            ("residues from the deflection", self.deflection_residues, "1/s"),
+            ("residues from the wind", self.wind_residues, "1/s"),
+        ]
+        return card("Modes", rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.cards import Row, card
 from tvclin.errors import (
     InputError,
     finite,
@@ -101,6 +102,19 @@ class Vehicle:
         for name, array in checked.items():
             _plausible(name, array)
             object.__setattr__(self, name, plain(array))
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [
+            (name.replace("_", " "), getattr(self, name), unit)
+            for name, _, unit in _CHECKS
+            if name != "attitude"
+        ]
+        rows.append(("attitude", np.degrees(self.attitude), "deg"))
+        if self.time is not None:
+            rows.append(("time", self.time, "s"))
+        if self.control_force_slope is not None:
+            rows.append(("control force slope", self.control_force_slope, "N/rad"))
+        return card(self.name or "Vehicle", rows)
 
     @classmethod
     def from_aerodynamics(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.cards import card
 from tvclin.errors import InputError, finite, number, whole_number, within
 
 FloatArray = NDArray[np.float64]
@@ -35,6 +36,17 @@ class Quantile:
     upper: float
     lower: float
     cases: int
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("probability", self.probability, "-"),
+            ("estimate", self.estimate, ""),
+            ("no larger than", self.upper, ""),
+            ("no smaller than", self.lower, ""),
+            ("confidence of each bound", self.confidence, "-"),
+            ("cases", self.cases, ""),
+        ]
+        return card("Quantile", rows)
 
     @property
     def converged(self) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.cards import card
 from tvclin.closed_loop.airframe import Nozzle, steps
 from tvclin.closed_loop.checks import check_flight, check_rate_limit, check_sample_rate
 from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
@@ -65,6 +66,15 @@ class ClosedLoopBoundary:
     growth: float
     creeps: bool
     status: str
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("worst growth near rest", self.growth, "1/s"),
+            ("status", self.status, ""),
+        ]
+        return card("Boundary of a law", rows)
 
     @property
     def monotone(self) -> bool:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.cards import card
 from tvclin.errors import InputError, instance, plain
 from tvclin.kernels.loop_margins import classical_margins, loop_crossings, loop_peaks
 from tvclin.kernels.rational import Rational
@@ -96,6 +97,22 @@ float or ndarray
     peak_complementary_sensitivity: Any
     peak_complementary_sensitivity_frequency: Any
     crossings: Crossings
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("status", self.status, ""),
+            ("aero margin (gain may fall)", self.aero_margin_dB, "dB"),
+            ("at", self.aero_frequency, "rad/s"),
+            ("gain increase (gain may rise)", self.gain_increase_dB, "dB"),
+            ("at", self.gain_increase_frequency, "rad/s"),
+            ("phase margin", self.phase_margin_deg, "deg"),
+            ("at", self.crossover_frequency, "rad/s"),
+            ("delay margin", self.delay_margin, "s"),
+            ("disk margin", self.disk_margin, "-"),
+            ("peak sensitivity", self.peak_sensitivity, "-"),
+            ("peak complementary sensitivity", self.peak_complementary_sensitivity, "-"),
+        ]
+        return card("Margins", rows)
 
     @property
     def stable(self) -> Any:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.cards import card
 from tvclin.deflections import BangBang, HeldDeflection
 from tvclin.histories import History, Piecewise, linear_pieces
 from tvclin.optimum import two_poles
@@ -79,6 +80,15 @@ class Optimum:
     multipliers: FloatArray
     certificate: Certificate
     status: str
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("peak", np.degrees(self.peak), "deg"),
+            ("proved lower bound", np.degrees(self.certificate.dual), "deg"),
+            ("switch times", self.switch_times, "s"),
+            ("status", self.status, ""),
+        ]
+        return card("Deflection of least peak", rows)
 
 
 def optimum_deflection(

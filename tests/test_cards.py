@@ -1,0 +1,93 @@
+"""What notebooks show of a record: its own numbers, and no text as markup."""
+
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.cards import card
+
+
+class Cells(HTMLParser):
+    """The texts of a table by row."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self.inside = False
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs) -> None:
+        if tag == "tr":
+            self.rows.append([])
+        self.inside = tag in {"th", "td"}
+        if self.inside:
+            self.rows[-1].append("")
+
+    def handle_data(self, data) -> None:
+        if self.inside:
+            self.rows[-1][-1] += data
+
+
+def cells(record) -> dict[str, tuple[str, str]]:
+    return {name: (value, unit) for name, value, unit in Cells(record._repr_html_()).rows}
+
+
+PLANT = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+WIND = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+
+
+def test_a_boundary_shows_its_numbers():
+    found = tv.boundary_limit(PLANT, WIND)
+    shown = cells(found)
+
+    assert float(shown["limit, of full trim"][0]) == pytest.approx(found.limit, rel=1e-5)
+    assert float(shown["deflection"][0]) == pytest.approx(np.degrees(found.deflection), rel=1e-5)
+    assert shown["deflection"][1] == "deg"
+    assert shown["status"][0] == "ok"
+
+
+def test_margins_are_shown_in_the_units_they_name():
+    margins = tv.canonical_gains(PLANT.coefficients).margins(PLANT)
+    shown = cells(margins)
+
+    assert float(shown["phase margin"][0]) == pytest.approx(
+        np.degrees(margins.phase_margin), rel=1e-5
+    )
+    assert float(shown["aero margin (gain may fall)"][0]) == pytest.approx(
+        20 * np.log10(margins.aero_margin), rel=1e-5
+    )
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        tv.load_vehicle("configuration-ii"),
+        PLANT.coefficients,
+        tv.unstable_modes(PLANT),
+        tv.forecast_free_limit(PLANT, WIND),
+        tv.optimum_deflection(PLANT, WIND),
+        tv.Coefficients(mu_alpha=-1.0, mu_delta=2.0),
+        tv.Coefficients(mu_alpha=np.linspace(0.1, 2.0, 50), mu_delta=2.0),
+    ],
+    ids=lambda record: type(record).__name__,
+)
+def test_every_line_has_a_name_a_value_and_a_unit(record):
+    rows = Cells(record._repr_html_()).rows
+
+    assert len(rows) >= 3
+    assert all(len(row) == 3 and row[0] and row[1] for row in rows)
+
+
+def test_a_long_array_is_shown_by_its_range():
+    row = cells(tv.Coefficients(mu_alpha=np.linspace(0.1, 2.0, 50), mu_delta=2.0))["mu_alpha"]
+
+    assert row[0] == "0.1 to 2, shape (50,)"
+
+
+def test_names_are_no_markup():
+    vehicle = tv.load_vehicle("configuration-i").replace(name="<script>alert(1)</script>")
+
+    assert "<script>" not in vehicle._repr_html_()
+    assert "<b>" not in card("x", [("<b>", "<b>", "<b>")]).replace("<b>x</b>", "")
