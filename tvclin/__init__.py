@@ -96,6 +96,16 @@ if TYPE_CHECKING:
     from tvclin.response import Responses as Responses
     from tvclin.response import attitude_response as attitude_response
     from tvclin.response import attitude_responses as attitude_responses
+    from tvclin.soundings import Climb as Climb
+    from tvclin.soundings import RangeReference as RangeReference
+    from tvclin.soundings import WindProfile as WindProfile
+    from tvclin.soundings import add_gust as add_gust
+    from tvclin.soundings import power_law_shear as power_law_shear
+    from tvclin.soundings import read_range_reference as read_range_reference
+    from tvclin.soundings import read_sounding as read_sounding
+    from tvclin.soundings import steady_climb as steady_climb
+    from tvclin.soundings import synthetic_profile as synthetic_profile
+    from tvclin.soundings import worst_month as worst_month
     from tvclin.study import Study as Study
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
@@ -192,6 +202,18 @@ _ROOMS = {
     ),
     "plant": ("Plant", "available_models"),
     "response": ("Responses", "attitude_response", "attitude_responses"),
+    "soundings": (
+        "Climb",
+        "RangeReference",
+        "WindProfile",
+        "add_gust",
+        "power_law_shear",
+        "read_range_reference",
+        "read_sounding",
+        "steady_climb",
+        "synthetic_profile",
+        "worst_month",
+    ),
     "study": ("Study",),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),

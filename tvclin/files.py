@@ -50,6 +50,41 @@ def write_text(path: Path, text: str) -> None:
     write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
 
 
+def read_text(path: Path, kind: str, start: str = "") -> str:
+    """Return the text of a file in UTF-8, with or without a byte order mark.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : str
+        What it should be, for messages: "a vehicle file".
+    start : str
+        How to get one, for messages.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, is empty, or is no text.
+    """
+    hint = f"; {start}" if start else ""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            text = file.read()
+    except IsADirectoryError:
+        raise InputError(f"{path} is a directory; name {kind} in it") from None
+    except FileNotFoundError:
+        raise InputError(f"{path} does not exist{hint}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not a text file in UTF-8") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path} cannot be read: {reason}") from None
+    if not text.strip():
+        raise InputError(f"{path} is empty{hint}")
+    return text
+
+
 def make_directory(path: Path) -> None:
     """Make a directory, and those above it, unless it is there.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.errors import InputError, number, one_of
+from tvclin.files import read_text
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
@@ -77,7 +78,7 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
     looks_like_a_path = isinstance(source, PathLike) or path.suffix == ".toml" or path.name != text
     if not looks_like_a_path and not path.exists():
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
-    return _read(path), text
+    return read_text(path, "a vehicle file", f"write one with: tvclin init {path}"), text
 
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
@@ -108,24 +109,6 @@ def table_of(text: str, source: str, heading: str) -> dict[str, Any]:
 def template() -> str:
     """Return a commented vehicle file to fill in."""
     return files("tvclin").joinpath("vehicles", "template.txt").read_text(encoding="utf-8")
-
-
-def _read(path: Path) -> str:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except IsADirectoryError:
-        raise InputError(f"{path} is a directory; name a vehicle file in it") from None
-    except FileNotFoundError:
-        raise InputError(
-            f"{path} does not exist; write a vehicle file with: tvclin init {path}"
-        ) from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path} is not a text file in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}") from None
-    if not text.strip():
-        raise InputError(f"{path} is empty; write a vehicle file with: tvclin init FILE")
-    return text
 
 
 def quantities(

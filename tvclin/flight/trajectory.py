@@ -62,6 +62,26 @@ class NominalFlight:
         flat = np.clip(times.ravel(), self.start, self.stop)
         return self.states_within(flat).reshape(3, *times.shape)
 
+    @cached_property
+    def time(self) -> FloatArray:
+        """Times [s] over the span, at most a tenth of a second apart, shape ``(n,)``."""
+        return np.linspace(self.start, self.stop, int(10.0 * (self.stop - self.start)) + 2)
+
+    @cached_property
+    def speed(self) -> FloatArray:
+        """Velocity [m/s] at `time`."""
+        return self.states(self.time)[0]
+
+    @cached_property
+    def flight_path_angle(self) -> FloatArray:
+        """Flight path angle [rad] at `time`."""
+        return self.states(self.time)[1]
+
+    @cached_property
+    def height(self) -> FloatArray:
+        """Altitude [m] at `time`."""
+        return self.states(self.time)[2]
+
     def states_within(self, t: Any) -> FloatArray:
         """Return the states at a time, or times ``(n,)``, that lie in the span, unchecked."""
         early, late = self._solutions

@@ -1,0 +1,348 @@
+"""Winds over height: signs, the flight through them, gusts, shear, and monthly statistics."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.stats import norm, pearson3
+
+import tvclin as tv
+from tvclin.flight import load_flight_condition, nominal_flight
+from tvclin.soundings.levels import towards
+
+GOLDEN = Path(__file__).parent / "soundings"
+EAST = np.pi / 2
+NAMES = ["configuration-i", "configuration-ii"]
+
+
+@pytest.fixture(scope="module")
+def cape():
+    return tv.read_range_reference(GOLDEN / "T1cap19.txt")
+
+
+def jet(peak=69.4, azimuth=EAST):
+    """Return a triangle about 11.95 km, 10 km thick, that blows towards an azimuth."""
+    speed = peak * np.array([0.0, 0.0, 1.0, 0.0, 0.0])
+    return tv.WindProfile(
+        height=[0.0, 6950.0, 11950.0, 16950.0, 25000.0],
+        east=speed * np.sin(azimuth),
+        north=speed * np.cos(azimuth),
+    )
+
+
+def climb(name, start=-20.0, stop=20.0):
+    vehicle = tv.load_vehicle(name)
+    time = vehicle.time
+    return tv.steady_climb(vehicle, height=11950.0, start=time + start, stop=time + stop)
+
+
+# --- signs ---------------------------------------------------------------------------------------
+
+
+@given(direction=st.floats(0.0, 2 * np.pi), speed=st.floats(0.1, 100.0), flown=st.floats(-7.0, 7.0))
+def test_a_flight_into_the_direction_a_wind_comes_from_has_a_head_wind(direction, speed, flown):
+    east, north = towards(np.full(2, speed), np.full(2, direction))
+    profile = tv.WindProfile(height=[0.0, 1.0], east=east, north=north)
+    np.testing.assert_allclose(profile.in_plane(direction), -speed, rtol=1e-14)
+    np.testing.assert_allclose(profile.cross_plane(direction), 0.0, atol=1e-13)
+    np.testing.assert_allclose(profile.cross_plane(direction - np.pi / 2), speed, rtol=1e-14)
+    np.testing.assert_allclose(
+        np.hypot(profile.in_plane(flown), profile.cross_plane(flown)), profile.speed, rtol=1e-13
+    )
+
+
+def test_the_four_winds_on_a_flight_to_the_east():
+    speed, direction = np.full(4, 10.0), np.radians([0.0, 90.0, 180.0, 270.0])
+    east, north = towards(speed, direction)
+    profile = tv.WindProfile(height=[0.0, 1.0, 2.0, 3.0], east=east, north=north)
+    np.testing.assert_allclose(profile.in_plane(EAST), [0.0, -10.0, 0.0, 10.0], atol=1e-14)
+    np.testing.assert_allclose(profile.cross_plane(EAST), [-10.0, 0.0, 10.0, 0.0], atol=1e-14)
+
+
+# --- from height to time -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "angle_deg", "trim_deg", "tau_beta"),
+    [(NAMES[0], 5.2, 0.559, 14.0), (NAMES[1], 3.95, 0.381, 10.6)],
+)
+def test_the_95_percent_wind_of_the_worst_month_at_the_cape(
+    cape, name, angle_deg, trim_deg, tau_beta
+):
+    """Eq (B1e) and Table I, by hand: V sin(gamma) = 379.9 and 374.1 m/s."""
+    height, speed = tv.worst_month(cape, 95.0)
+    peak = float(speed[height == 12000.0][0])
+    assert peak == pytest.approx(69.4, abs=0.05)
+    wind = jet(peak).to_wind(climb(name), azimuth=EAST)
+    vehicle = tv.load_vehicle(name)
+    rate = vehicle.velocity * np.sin(vehicle.attitude)
+    assert wind.peak == pytest.approx(np.arcsin(peak * rate / vehicle.velocity**2), rel=1e-12)
+    assert np.degrees(wind.peak) == pytest.approx(angle_deg, abs=0.02)
+    c = tv.Coefficients.from_vehicle(vehicle)
+    assert np.degrees(c.B * wind.peak) == pytest.approx(trim_deg, abs=6e-4)
+    assert wind.end - wind.onset == pytest.approx(10e3 / rate, rel=1e-12)
+    assert (wind.end - wind.onset) * c.beta == pytest.approx(tau_beta, abs=0.1)
+
+
+def test_knots_stand_where_the_flight_meets_the_levels():
+    flight = climb(NAMES[0])
+    profile = jet()
+    wind = profile.to_wind(flight, azimuth=EAST)
+    rate = np.diff(flight.height)[0] / np.diff(flight.time)[0]
+    met = flight.time[0] + (profile.height[1:4] - flight.height[0]) / rate
+    np.testing.assert_allclose(wind.time[1:-1], met, rtol=1e-14)
+    assert (wind.time[0], wind.time[-1]) == (flight.time[0], flight.time[-1])
+
+
+def test_along_a_nominal_flight_the_wind_is_that_of_its_height_speed_and_path():
+    vehicle, condition = tv.load_vehicle(NAMES[0]), load_flight_condition(NAMES[0])
+    flight = nominal_flight(vehicle, condition, start=52.0, stop=80.0)
+    profile = jet(40.0)
+    wind = profile.to_wind(flight, azimuth=EAST)
+    for level in profile.height[1:4]:
+        passed = brentq(lambda t, level=level: flight.states(t)[2] - level, 52.0, 80.0)
+        assert np.abs(wind.time - passed).min() < 1e-4
+    speed, path, height = flight.states(wind.time[1:-1])
+    expected = np.arcsin(np.interp(height, profile.height, profile.east) * np.sin(path) / speed)
+    np.testing.assert_allclose(wind.angle[1:-1], expected, atol=1e-6)
+
+
+def test_a_cross_wind_meets_the_vehicle_at_right_angles():
+    flight = climb(NAMES[1])
+    wind = jet(30.0, azimuth=0.0).to_wind(flight, azimuth=EAST, plane="yaw")
+    assert wind.peak == pytest.approx(np.arcsin(30.0 / flight.speed[0]), rel=1e-14)
+    with pytest.raises(tv.InputError, match="zero throughout"):
+        jet(30.0).between(0.0, 6000.0).to_wind(climb(NAMES[1], -32.0), azimuth=EAST)
+
+
+def test_the_wind_is_met_only_where_flight_and_profile_have_a_height_in_common():
+    flight = climb(NAMES[0])
+    low = jet().between(9000.0, 14000.0).to_wind(flight, azimuth=EAST)
+    whole = jet().to_wind(flight, azimuth=EAST)
+    rate = np.diff(flight.height)[0] / np.diff(flight.time)[0]
+    ends = 66.0 + (np.array([9000.0, 14000.0]) - 11950.0) / rate
+    np.testing.assert_allclose([low.onset, low.end], ends, rtol=1e-13)
+    np.testing.assert_allclose(low.time[1:-1], [66.0], rtol=1e-15)
+    assert low(66.0) == whole(66.0)
+    cut = 69.4 * np.array([2050.0, 2950.0]) / 5000.0
+    expected = tv.angle_from_speed(cut, flight.speed, flight.flight_path_angle)
+    np.testing.assert_allclose(low.angle[[0, -1]], expected, rtol=1e-12)
+    with pytest.raises(tv.InputError, match="does not reach the wind: it goes from 4352.72 to"):
+        jet().between(21000.0, 24000.0).to_wind(flight, azimuth=EAST)
+
+
+def test_from_a_file_to_a_boundary_and_what_the_triangle_costs():
+    wind = tv.read_sounding(GOLDEN / "wyoming.txt").to_wind(climb(NAMES[0]), azimuth=EAST)
+    plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]))
+    boundary, triangle = tv.boundary_limit(plant, wind), tv.equivalent_triangle(wind)
+    assert triangle.laplace(0.0) == pytest.approx(wind.laplace(0.0), rel=1e-12)
+    cost = tv.boundary_limit(plant, triangle).deflection / boundary.deflection - 1.0
+    assert tv.triangle_error(plant, wind) == pytest.approx(cost, rel=1e-9)
+
+
+GOOD = {
+    "time": [0.0, 10.0],
+    "height": [0.0, 12e3],
+    "speed": [1700.0, 1700.0],
+    "flight_path_angle": [0.8, 0.8],
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"height": [5e3, 0.0]}, "height of a flight must ascend; it does not at index 0"),
+        ({"time": [0.0, 0.0]}, "time of a flight must ascend"),
+        ({"speed": [500.0]}, "arrays of one length, two or more; got"),
+        ({"speed": [0.0, 500.0]}, "speed must be positive"),
+        ({"speed": [9.0, 9.0]}, "ratio"),
+        ({"height": ["a", "b"]}, "height must be a number"),
+    ],
+)
+def test_what_is_no_flight_is_refused(changes, said):
+    with pytest.raises(tv.InputError, match=said):
+        jet().to_wind(SimpleNamespace(**{**GOOD, **changes}), azimuth=EAST)
+
+
+def test_other_bad_input_to_profiles_and_climbs_is_refused():
+    vehicle, flight = tv.load_vehicle(NAMES[0]), climb(NAMES[0])
+    for call, said in (
+        (lambda: jet().to_wind(3, azimuth=0.0), "flight must have arrays time, .* got int"),
+        (
+            lambda: jet().to_wind(flight, azimuth=0.0, plane="roll"),
+            "plane must be one of pitch, yaw",
+        ),
+        (lambda: jet().at(26e3), "height must be between 0 and 25000 m"),
+        (lambda: jet().between(5e3, 5e3), "low must be below high"),
+        (lambda: jet().smoothed(0.0), "thickness must be positive"),
+        (lambda: tv.WindProfile(height=[0, 0], east=[1, 1], north=[0, 0]), "must ascend; got 0 m"),
+        (lambda: tv.WindProfile(height=[0], east=[1], north=[0]), "two or more levels"),
+        (lambda: tv.WindProfile(height=[0, 1], east=[1, np.nan], north=[0, 0]), "east must be fin"),
+        (lambda: tv.steady_climb(vehicle, height=0, start=2, stop=1), "stop must be after start"),
+        (
+            lambda: tv.steady_climb(vehicle.replace(attitude=0.0), height=0, start=0, stop=1),
+            "vehicle must climb",
+        ),
+    ):
+        with pytest.raises(tv.InputError, match=said):
+            call()
+
+
+def test_smoothing_is_the_running_mean_of_the_straight_lines():
+    profile = jet()
+    smooth = profile.smoothed(6000.0)
+    for level, found in zip(profile.height, smooth.east, strict=True):
+        low, high = max(level - 3000.0, 0.0), min(level + 3000.0, 25000.0)
+        kinks = [z for z in profile.height if low < z < high]
+        mean = quad(np.interp, low, high, (profile.height, profile.east), points=kinks)[0]
+        assert found == pytest.approx(mean / (high - low), rel=1e-9, abs=1e-9)
+    assert smooth.notes == ("running mean over 6000 m",)
+
+
+# --- gusts and shear -----------------------------------------------------------------------------
+
+
+def test_a_gust_on_a_calm_profile_is_a_layered_gust_in_time():
+    calm = tv.WindProfile(height=[5e3, 20e3], east=[0.0, 0.0], north=[0.0, 0.0])
+    gusty = tv.add_gust(calm, base=12e3, amplitude=9.0, blend=300.0, thickness=2000.0, azimuth=EAST)
+    flight = climb(NAMES[0])
+    rate = np.diff(flight.height)[0] / np.diff(flight.time)[0]
+    peak = tv.angle_from_speed(9.0, flight.speed[0], flight.flight_path_angle[0])
+    whole = tv.LayeredGust(peak=peak, blend=300.0 / rate, plateau=2000.0 / rate)
+    shifted = whole.shift(66.0 + 50.0 / rate)
+    times = np.linspace(65.0, 75.0, 1001)
+    wind = gusty.to_wind(flight, azimuth=EAST)
+    np.testing.assert_allclose(wind(times), shifted(times), atol=7e-4 * peak)
+    assert gusty.notes == ("gust of 9 m/s added from 12000 m on",)
+
+
+def test_a_gust_leaves_the_wind_outside_it_as_it_was_and_must_fit():
+    sizes = {"amplitude": 5.0, "blend": 100.0, "thickness": 200.0, "azimuth": 0.3}
+    gusty = tv.add_gust(jet(), base=10e3, **sizes)
+    east, north = gusty.at([9999.0, 10250.0, 10401.0])
+    before_east, before_north = jet().at([9999.0, 10250.0, 10401.0])
+    gust = np.array([0.0, 5.0, 0.0])
+    np.testing.assert_allclose(east - before_east, gust * np.sin(0.3), atol=1e-12)
+    np.testing.assert_allclose(north - before_north, gust * np.cos(0.3), atol=1e-12)
+    for wrong, said in (
+        ({"base": 24.7e3}, "the gust from 24700 to 25100 m must lie within the profile"),
+        ({"base": 10e3, "blend": 0.0}, "blend must be positive"),
+    ):
+        with pytest.raises(tv.InputError, match=said):
+            tv.add_gust(jet(), **{**sizes, **wrong})
+
+
+def test_shear_goes_with_the_seven_tenths_power_of_the_layer():
+    assert tv.power_law_shear(20.0, 1000.0) == 20.0
+    halves = tv.power_law_shear([[10.0], [20.0]], [200.0, 400.0])
+    np.testing.assert_allclose(halves[:, 1] / halves[:, 0], 2**0.7, rtol=1e-15)
+    with pytest.raises(tv.InputError, match="thickness must be at most 1000 m"):
+        tv.power_law_shear(20.0, 1001.0)
+
+
+def test_a_synthetic_profile_touches_its_envelope_and_falls_by_the_shear():
+    envelope = {"height": [0.0, 12e3, 20e3], "speed": [10.0, 70.0, 30.0]}
+    shear = {"thickness": [500.0, 1000.0, 4000.0], "change": [20.0, 40.0, 80.0]}
+    profile = tv.synthetic_profile(**envelope, peak_height=12e3, **shear, azimuth=EAST)
+    # 70 m/s are lost after 1000 m and three quarters of the next 3000 m.
+    away = np.array([-3250.0, -1000.0, -500.0, 0.0, 500.0, 1000.0, 3250.0])
+    np.testing.assert_allclose(profile.height, 12e3 + away, rtol=1e-15)
+    np.testing.assert_allclose(profile.east, [0, 30, 50, 70, 50, 30, 0], atol=1e-12)
+    lower = tv.synthetic_profile(**envelope, peak_height=6e3, **shear, azimuth=EAST)
+    assert lower.speed.max() == 40.0
+    np.testing.assert_allclose(lower.height, [5e3, 5.5e3, 6e3, 6.5e3, 7e3])
+    short = tv.synthetic_profile(
+        **envelope, peak_height=12e3, thickness=[500.0], change=[20.0], azimuth=0.0
+    )
+    np.testing.assert_allclose(short.north, [50.0, 70.0, 50.0], rtol=1e-15)
+    for wrong, said in (
+        ({"peak_height": 21e3}, "peak_height must be within the envelope"),
+        ({"change": [20.0, 10.0, 80.0]}, "thickness and change must ascend"),
+        ({"change": [20.0]}, "must be two lists of one length"),
+    ):
+        with pytest.raises(tv.InputError, match=said):
+            tv.synthetic_profile(
+                **{**envelope, "peak_height": 12e3, **shear, "azimuth": EAST, **wrong}
+            )
+
+
+# --- monthly statistics --------------------------------------------------------------------------
+
+
+def test_the_tables_of_the_cape_are_read_as_they_stand(cape):
+    assert [month.month for month in cape] == ["January", "February", "March"]
+    february = cape[1]
+    assert february.site == "74794 Cape Canaveral Air Force Station"
+    at = int(np.flatnonzero(february.height == 12e3)[0])
+    row = (february.mean_east, february.sd_east, february.correlation, february.mean_north)
+    assert [field[at] for field in row] == [40.83, 17.25, 0.2638, 1.82]
+    more = (february.sd_north, february.mean_speed, february.sd_speed, february.skew_speed)
+    assert [field[at] for field in more] == [13.82, 43.47, 16.44, -0.28]
+    assert february.count[at] == 1500
+
+
+@pytest.mark.parametrize("percentile", [1.0, 50.0, 95.0, 99.865])
+def test_speeds_are_those_of_scipys_pearson_distribution(cape, percentile):
+    for month in cape:
+        some = month.sd_speed > 0.0
+        law = pearson3(month.skew_speed[some], month.mean_speed[some], month.sd_speed[some])
+        expected = np.maximum(law.ppf(percentile / 100), 0.0)
+        np.testing.assert_allclose(month.speed(percentile)[some], expected, rtol=1e-9)
+        np.testing.assert_array_equal(month.speed(percentile)[~some], 0.0)
+
+
+def test_components_are_normal_with_the_covariance_of_the_table(cape):
+    february, azimuth = cape[1], 1.2
+    ahead = np.array([np.sin(azimuth), np.cos(azimuth)])
+    for i, found in enumerate(february.component(95.0, azimuth)):
+        east, north = february.sd_east[i], february.sd_north[i]
+        mixed = february.correlation[i] * east * north
+        spread = np.sqrt(ahead @ np.array([[east**2, mixed], [mixed, north**2]]) @ ahead)
+        mean = ahead @ [february.mean_east[i], february.mean_north[i]]
+        assert found == pytest.approx(mean + norm.ppf(0.95) * spread, rel=1e-13)
+    np.testing.assert_array_equal(february.component(50.0, EAST), february.mean_east)
+    np.testing.assert_allclose(
+        february.component(5.0, azimuth + np.pi), -february.component(95.0, azimuth), rtol=1e-12
+    )
+
+
+def test_an_envelope_is_a_profile_and_says_that_it_is_one(cape):
+    profile = cape[1].profile(95.0, EAST)
+    np.testing.assert_allclose(profile.in_plane(EAST), cape[1].speed(95.0), rtol=1e-15)
+    assert "an envelope" in profile.notes[0]
+    assert profile.source.endswith("February, 95 %")
+
+
+def test_the_worst_month_is_sought_at_each_height(cape):
+    height, speed = tv.worst_month(cape, 95.0)
+    every = np.array([month.speed(95.0) for month in cape])
+    np.testing.assert_array_equal(speed, every.max(axis=0))
+    known = dict(zip(height, speed.round(1), strict=True))
+    printed = {8e3: 52.0, 10e3: 64.7, 11e3: 68.7, 12e3: 69.4, 13e3: 66.9, 15e3: 55.3, 20e3: 21.5}
+    assert {z: known[z] for z in printed} == printed
+
+
+def test_bad_statistics_are_refused(tmp_path, cape):
+    text = (GOLDEN / "T1cap19.txt").read_text()
+    path = tmp_path / "T1cap19.txt"
+    for wrong, said in (
+        (text.replace("0.2638", "1.2638"), "line 28: the correlation must be between"),
+        (text.replace("17.25", "-17.2"), "line 28: a standard deviation must not be negative"),
+        (text.replace(" 12.000   40.83", " 10.000   40.83"), "line 28: heights must ascend"),
+        (text[: text.index("12.000   40.83") + 40], "line 28: a row has 10 numbers; got"),
+        (text.replace("17.25", "x"), "line 28: sd_east must be a number"),
+        ("wind", "is no Range Reference Atmosphere"),
+        (text.splitlines()[1], "line 1: a month, a station and a line of units"),
+    ):
+        path.write_text(wrong)
+        with pytest.raises(tv.InputError, match=said):
+            tv.read_range_reference(path)
+    with pytest.raises(tv.InputError, match="percentile must be above 0 and below 100"):
+        cape[0].speed(100.0)
+    with pytest.raises(tv.InputError, match="months must be one or more"):
+        tv.worst_month([], 95.0)

@@ -1,0 +1,87 @@
+"""Through heights in time: when a flight meets a level, and at which wind angle."""
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import InputError, finite, positive
+from tvclin.winds import angle_from_speed
+
+FloatArray = NDArray[np.float64]
+
+_FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
+
+
+class Flown(Protocol):
+    """A flight as arrays over its time, each of the shape ``(n,)``."""
+
+    @property
+    def time(self) -> Any:
+        """[s]."""
+
+    @property
+    def height(self) -> Any:
+        """[m]."""
+
+    @property
+    def speed(self) -> Any:
+        """[m/s]."""
+
+    @property
+    def flight_path_angle(self) -> Any:
+        """[rad]."""
+
+
+def angles_along(
+    flight: Flown, height: FloatArray, wind: FloatArray, plane: str
+) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and wind angles [rad] of a flight through a wind [m/s] over heights [m].
+
+    The flight is straight between its times. In yaw the wind meets it at right angles.
+
+    Raises
+    ------
+    InputError
+        For a flight that is not four arrays of one length, does not ascend, or does not reach
+        the wind.
+    """
+    time, path, speed, climb = _checked(flight)
+    low, high = max(height[0], path[0]), min(height[-1], path[-1])
+    if not low < high:
+        raise InputError(
+            f"the flight does not reach the wind: it goes from {path[0]:.6g} to {path[-1]:.6g} m,"
+            f" and the wind is known from {height[0]:.6g} to {height[-1]:.6g} m"
+        )
+    met = np.concatenate([height, path])
+    met = np.unique(np.concatenate([met[(met > low) & (met < high)], [low, high]]))
+    when, known = np.interp(met, path, time), np.interp(met, height, wind)
+    apart = np.append(True, np.diff(when) > 0.0)
+    when, known = when[apart], known[apart]
+    angle = np.pi / 2 if plane == "yaw" else np.interp(when, time, climb)
+    return when, angle_from_speed(known, np.interp(when, time, speed), angle)
+
+
+def _checked(flight: Flown) -> list[FloatArray]:
+    try:
+        given = {name: getattr(flight, name) for name in _FIELDS}
+    except AttributeError:
+        raise InputError(
+            f"flight must have arrays {', '.join(_FIELDS)} (see steady_climb); got"
+            f" {type(flight).__name__}"
+        ) from None
+    arrays = [finite(name, given[name], unit) for name, unit in _FIELDS.items()]
+    shape = arrays[0].shape
+    if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
+        raise InputError(
+            f"{', '.join(_FIELDS)} of a flight must be arrays of one length, two or more; got"
+            f" {', '.join(str(array.shape) for array in arrays)}"
+        )
+    for name, array in zip(("time", "height"), arrays, strict=False):
+        wrong = np.diff(array) <= 0.0
+        if np.any(wrong):
+            raise InputError(
+                f"{name} of a flight must ascend; it does not at index {wrong.argmax()}"
+            )
+    positive("speed", arrays[2], "m/s")
+    return arrays

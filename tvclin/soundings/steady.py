@@ -1,0 +1,76 @@
+"""The climb of a vehicle whose state is frozen."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import InputError, instance, number
+from tvclin.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """A flight as `WindProfile.to_wind` asks for it; every array has the shape ``(n,)``.
+
+    Attributes
+    ----------
+    time : ndarray
+        [s], ascending.
+    height : ndarray
+        Geometric height above the sea [m], ascending.
+    speed : ndarray
+        [m/s].
+    flight_path_angle : ndarray
+        [rad].
+    """
+
+    time: FloatArray
+    height: FloatArray
+    speed: FloatArray
+    flight_path_angle: FloatArray
+
+
+def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) -> Climb:
+    """Return the climb of a vehicle that keeps its speed and its flight path angle.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle; its attitude is the flight path angle, as in the nominal flight.
+    height : float
+        Where it is [m above the sea] at its own time (zero where it has none).
+    start, stop : float
+        First and last time [s].
+
+    Raises
+    ------
+    InputError
+        For a batch, a stop not after the start, and a vehicle that does not climb.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> tv.steady_climb(vehicle, height=11950.0, start=53.0, stop=79.0).height.round(1)
+    array([ 7011.8, 16888.2])
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    if np.ndim(vehicle.velocity) or np.ndim(vehicle.attitude) or np.ndim(vehicle.time or 0.0):
+        raise InputError("a steady climb is that of one vehicle; got a batch")
+    begin, end = number("start", start, unit="s"), number("stop", stop, unit="s")
+    if not begin < end:
+        raise InputError(f"stop must be after start; got {begin:.6g} and {end:.6g} s")
+    rate = float(vehicle.velocity * np.sin(vehicle.attitude))
+    if not rate > 0.0:
+        raise InputError(f"vehicle must climb; its height changes by {rate:.6g} m/s")
+    time = np.array([begin, end])
+    own = 0.0 if vehicle.time is None else float(vehicle.time)
+    return Climb(
+        time=time,
+        height=number("height", height, unit="m") + rate * (time - own),
+        speed=np.full(2, float(vehicle.velocity)),
+        flight_path_angle=np.full(2, float(vehicle.attitude)),
+    )
