@@ -145,6 +145,15 @@ def test_from_a_file_to_a_boundary_and_what_the_triangle_costs():
     assert tv.triangle_error(plant, wind) == pytest.approx(cost, rel=1e-9)
 
 
+def test_a_triangle_of_five_thousand_samples_has_the_boundary_of_the_triangle():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]))
+    triangle = tv.TriangularWind(peak=0.09, duration=20.0)
+    time = np.linspace(0.0, 20.0, 5001)
+    fine = tv.SampledWind(time=time, angle=triangle(time))
+    limits = [tv.boundary_limit(plant, wind, dead_band=0.5).limit for wind in (triangle, fine)]
+    assert limits[1] == pytest.approx(limits[0], rel=1e-12)
+
+
 GOOD = {
     "time": [0.0, 10.0],
     "height": [0.0, 12e3],
@@ -161,6 +170,7 @@ GOOD = {
         ({"speed": [500.0]}, "arrays of one length, two or more; got"),
         ({"speed": [0.0, 500.0]}, "speed must be positive"),
         ({"speed": [9.0, 9.0]}, "ratio"),
+        ({"time": [0.0, 1e300]}, "time must be between"),
         ({"height": ["a", "b"]}, "height must be a number"),
     ],
 )
@@ -179,10 +189,11 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
         ),
         (lambda: jet().at(26e3), "height must be between 0 and 25000 m"),
         (lambda: jet().between(5e3, 5e3), "low must be below high"),
-        (lambda: jet().smoothed(0.0), "thickness must be positive"),
+        (lambda: jet().smoothed(0.0), "thickness must be between 0.001"),
         (lambda: tv.WindProfile(height=[0, 0], east=[1, 1], north=[0, 0]), "must ascend; got 0 m"),
         (lambda: tv.WindProfile(height=[0], east=[1], north=[0]), "two or more levels"),
         (lambda: tv.WindProfile(height=[0, 1], east=[1, np.nan], north=[0, 0]), "east must be fin"),
+        (lambda: tv.WindProfile(height=[0, 1], east=[1, 2e3], north=[0, 0]), "east must be betw"),
         (lambda: tv.steady_climb(vehicle, height=0, start=2, stop=1), "stop must be after start"),
         (
             lambda: tv.steady_climb(vehicle.replace(attitude=0.0), height=0, start=0, stop=1),
@@ -231,7 +242,7 @@ def test_a_gust_leaves_the_wind_outside_it_as_it_was_and_must_fit():
     np.testing.assert_allclose(north - before_north, gust * np.cos(0.3), atol=1e-12)
     for wrong, said in (
         ({"base": 24.7e3}, "the gust from 24700 to 25100 m must lie within the profile"),
-        ({"base": 10e3, "blend": 0.0}, "blend must be positive"),
+        ({"base": 10e3, "blend": 0.0}, "blend must be between 0.001"),
     ):
         with pytest.raises(tv.InputError, match=said):
             tv.add_gust(jet(), **{**sizes, **wrong})
@@ -334,6 +345,7 @@ def test_bad_statistics_are_refused(tmp_path, cape):
         (text.replace("0.2638", "1.2638"), "line 28: the correlation must be between"),
         (text.replace("17.25", "-17.2"), "line 28: a standard deviation must not be negative"),
         (text.replace(" 12.000   40.83", " 10.000   40.83"), "line 28: heights must ascend"),
+        (text.replace("17.25", "9e99"), "line 28: a number is beyond"),
         (text[: text.index("12.000   40.83") + 40], "line 28: a row has 10 numbers; got"),
         (text.replace("17.25", "x"), "line 28: sd_east must be a number"),
         ("wind", "is no Range Reference Atmosphere"),

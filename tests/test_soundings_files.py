@@ -90,7 +90,8 @@ def test_a_wyoming_list_in_knots_and_the_second_sounding_in_it():
 def test_a_wyoming_list_in_metres_per_second(tmp_path):
     text = (GOLDEN / "wyoming.txt").read_text()
     newer = text.replace("SKNT", "SPED").replace("knot", " m/s")
-    profile = tv.read_sounding(write(tmp_path, newer), "wyoming")
+    newer = newer.replace("74794 XMR Cape Kennedy Observations at 12Z", "Observations at 12 UTC")
+    profile = tv.read_sounding(write(tmp_path, newer), "wyoming", time="2024-02-15 12")
     np.testing.assert_allclose(profile.speed, [10.0, 20.0, 60.0, 120.0], rtol=1e-15)
     for wrong, said in (
         (text.replace("SKNT", "SPED"), "line 7: the unit of SPED must be m/s"),

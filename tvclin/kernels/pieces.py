@@ -125,7 +125,7 @@ def _last_at_or_before(knots: NDArray[np.float64], t: NDArray[np.float64]) -> ND
     rows = np.broadcast_to(knots, (*shape, knots.shape[-1])).reshape(-1, knots.shape[-1])
     times = np.broadcast_to(t, (*shape, t.shape[-1])).reshape(-1, t.shape[-1])
     found = [np.searchsorted(row, x, side="right") for row, x in zip(rows, times, strict=True)]
-    return np.reshape(found, (*shape, t.shape[-1])) - 1
+    return np.array(found, dtype=np.intp).reshape(*shape, t.shape[-1]) - 1
 
 
 def at_pieces(array: NDArray[Any], index: NDArray[np.intp], trailing: int) -> NDArray[Any]:

@@ -41,6 +41,7 @@ _UNITS = {
     "east": _SPEED,
     "north": _SPEED,
 }
+_AROUND = ' "'
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ def _rows(text: Text, header: int, delimiter: str, width: int) -> tuple[list[lis
             break
         if not content.strip() or content.lstrip().startswith("#"):
             continue
-        cells = _cells(content, delimiter)
+        cells = content.split(delimiter)
         if len(cells) != width:
             raise text.error(
                 i, f"the header has {width} columns and this line {len(cells)}; complete it"
@@ -148,7 +149,7 @@ def _rows(text: Text, header: int, delimiter: str, width: int) -> tuple[list[lis
 
 
 def _values(text: Text, column: _Column, rows: list[list[str]], line: IntArray) -> FloatArray:
-    cells = [row[column.index] for row in rows]
+    cells = [row[column.index].strip(_AROUND) for row in rows]
     return column.factor * text.numbers(column.cell, cells, line)
 
 
@@ -157,7 +158,7 @@ def _delimiter(line: str) -> str:
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
-    return [cell.strip().strip('"').strip() for cell in line.split(delimiter)]
+    return [cell.strip(_AROUND) for cell in line.split(delimiter)]
 
 
 def _key(cell: str) -> str:

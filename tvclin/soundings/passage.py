@@ -5,12 +5,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, finite, positive
+from tvclin.errors import InputError, positive, within
 from tvclin.winds import angle_from_speed
 
 FloatArray = NDArray[np.float64]
 
 _FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
+_FAR = 1e9
 
 
 class Flown(Protocol):
@@ -70,7 +71,7 @@ def _checked(flight: Flown) -> list[FloatArray]:
             f"flight must have arrays {', '.join(_FIELDS)} (see steady_climb); got"
             f" {type(flight).__name__}"
         ) from None
-    arrays = [finite(name, given[name], unit) for name, unit in _FIELDS.items()]
+    arrays = [within(name, given[name], -_FAR, _FAR, unit) for name, unit in _FIELDS.items()]
     shape = arrays[0].shape
     if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
         raise InputError(

@@ -6,11 +6,19 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, number, one_of, positive
+from tvclin.errors import InputError, finite, number, one_of, within
 from tvclin.soundings.passage import Flown, angles_along
 from tvclin.winds import SampledWind
 
 FloatArray = NDArray[np.float64]
+
+_RANGES = {
+    "height": (-1e4, 1e6, "m"),
+    "east": (-1e3, 1e3, "m/s"),
+    "north": (-1e3, 1e3, "m/s"),
+}
+"""What can be meant, generously."""
+_THINNEST, _THICKEST = 1e-3, 1e6
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -32,7 +40,7 @@ class WindProfile:
     ------
     InputError
         For lengths that differ, fewer than two levels, heights that do not ascend, and numbers
-        that are not finite.
+        that are not finite or mean neither a height nor a wind.
     """
 
     height: FloatArray
@@ -42,8 +50,8 @@ class WindProfile:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, unit in (("height", "m"), ("east", "m/s"), ("north", "m/s")):
-            array = finite(name, getattr(self, name), unit)
+        for name, (low, high, unit) in _RANGES.items():
+            array = within(name, getattr(self, name), low, high, unit)
             object.__setattr__(self, name, array)
             if array.ndim != 1 or array.size < 2 or array.shape != self.height.shape:
                 raise InputError(
@@ -134,9 +142,9 @@ class WindProfile:
         Raises
         ------
         InputError
-            For a thickness not above zero.
+            For a thickness below a millimetre or beyond 1000 km.
         """
-        half = number("thickness", thickness, positive, "m") / 2
+        half = number("thickness", within("thickness", thickness, _THINNEST, _THICKEST, "m")) / 2
         low = np.maximum(self.height - half, self.height[0])
         high = np.minimum(self.height + half, self.height[-1])
         east, north = (

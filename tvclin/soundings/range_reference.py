@@ -33,6 +33,7 @@ _FIELDS = (
     "count",
 )
 _SYMMETRIC = 1e-3
+_LARGEST = 1e6
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -175,6 +176,8 @@ def _month(text: Text, first: int, end: int) -> RangeReference:
 def _check(text: Text, line: NDArray[np.int64], table: dict[str, FloatArray]) -> None:
     whole = ~np.isnan(np.sum(list(table.values()), axis=0))
     text.require(whole, line, lambda _: "a number is missing")
+    small = np.max(np.abs(list(table.values())), axis=0) <= _LARGEST
+    text.require(small, line, lambda _: f"a number is beyond {_LARGEST:g}")
     spread = np.min([table[name] for name in _FIELDS if name.startswith("sd")], axis=0)
     text.require(spread >= 0.0, line, lambda _: "a standard deviation must not be negative")
     within = np.abs(table["correlation"]) <= 1.0

@@ -66,7 +66,7 @@ def _recognised(text: Text) -> str:
         )
     if re.search(r"\bPRES\s+HGHT\b", content):
         return "wyoming"
-    if any(re.search(r"\bwind_u[\"']?\s*[=:]", line) for line in text.lines):
+    if re.search(r"\bwind_u[\"']?\s*[=:]", "\n".join(text.lines)):
         return "rocketpy"
     if columns.header_line(text) is not None:
         return "csv"

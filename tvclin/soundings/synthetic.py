@@ -3,13 +3,14 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, nonnegative, number, positive
+from tvclin.errors import InputError, finite, nonnegative, number, positive, within
 from tvclin.soundings.profile import WindProfile
 
 FloatArray = NDArray[np.float64]
 
 _STEPS = 32
 """A flank of a gust has so many straight pieces; they miss the cosine by 6e-4 of the gust."""
+_THINNEST, _THICKEST = 1e-3, 1e6
 _LAYER = 1000.0
 _EXPONENT = 0.7
 
@@ -45,7 +46,7 @@ def add_gust(
     Raises
     ------
     InputError
-        For a gust that does not lie within the profile, and a blend not above zero.
+        For a gust that does not lie within the profile, and a blend below a millimetre.
 
     Notes
     -----
@@ -53,7 +54,7 @@ def add_gust(
     you design to.
     """
     low, angle = number("base", base, unit="m"), number("azimuth", azimuth, unit="rad")
-    flank = number("blend", blend, positive, "m")
+    flank = number("blend", within("blend", blend, _THINNEST, _THICKEST, "m"))
     top = low + flank + number("thickness", thickness, nonnegative, "m")
     if low < profile.height[0] or top + flank > profile.height[-1]:
         raise InputError(
@@ -153,7 +154,7 @@ def synthetic_profile(
     layer, drop = np.append(0.0, layer), np.append(0.0, drop)
     calm = np.interp(peak, drop, layer)  # the last layer, where the table does not reach zero
     away = np.append(layer[layer < calm], calm)
-    speeds = peak - np.interp(away, layer, drop)
+    speeds = np.maximum(peak - np.interp(away, layer, drop), 0.0)
     heights = np.concatenate([at - away[:0:-1], at + away])
     both = np.concatenate([speeds[:0:-1], speeds])
     return WindProfile(

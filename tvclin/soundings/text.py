@@ -45,9 +45,14 @@ class Text:
         InputError
             For a cell that is neither empty nor a finite number.
         """
-        return np.array(
-            [self._number(column, *cell) for cell in zip(cells, line, strict=True)], dtype=float
-        )
+        try:
+            values = np.array(cells, dtype=float)
+        except ValueError:
+            values = np.array([np.inf])
+        if np.any(np.isinf(values)):  # empty cells, or worse: look at each
+            pairs = zip(cells, line.tolist(), strict=True)
+            return np.array([self._number(column, *pair) for pair in pairs], dtype=float)
+        return values
 
     def _number(self, column: str, cell: str, line: int) -> float:
         try:

@@ -12,7 +12,8 @@ from tvclin.units import UNITS
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
 _SPEEDS = {"SKNT": UNITS["speed"]["kt"], "SPED": 1.0}
 _UNIT_WORDS = {"SKNT": ("knot", "knots", "kt", "kts"), "SPED": ("m/s",)}
-_TITLE = re.compile(r"(?:<[^>]*>)*\s*(\S.*?Observations at (\d\d)Z (\d\d) (\w{3}) (\d{4}))")
+_TITLE = re.compile(r"(.*Observations.* at (\d\d) ?(?:Z|UTC) (\d\d) (\w{3}) (\d{4}))")
+_LONG = 300
 
 
 def find(text: Text) -> list[Found]:
@@ -26,7 +27,7 @@ def find(text: Text) -> list[Found]:
 def _found(text: Text, header: int) -> Found:
     title, time = "", ""
     for line in text.lines[max(header - 6, 0) : header]:
-        match = _TITLE.match(line)
+        match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_LONG]).strip())
         if match and match[4] in _MONTHS:
             title = match[1]
             time = f"{match[5]}-{_MONTHS.index(match[4]) + 1:02d}-{match[3]} {match[2]}"
