@@ -96,6 +96,13 @@ if TYPE_CHECKING:
     from tvclin.response import Responses as Responses
     from tvclin.response import attitude_response as attitude_response
     from tvclin.response import attitude_responses as attitude_responses
+    from tvclin.sizing import DeflectionTotal as DeflectionTotal
+    from tvclin.sizing import FlightSchedule as FlightSchedule
+    from tvclin.sizing import Sizing as Sizing
+    from tvclin.sizing import load_schedule as load_schedule
+    from tvclin.sizing import size as size
+    from tvclin.sizing import total_deflection as total_deflection
+    from tvclin.sizing import worst_total as worst_total
     from tvclin.soundings import Climb as Climb
     from tvclin.soundings import RangeReference as RangeReference
     from tvclin.soundings import WindProfile as WindProfile
@@ -213,6 +220,15 @@ _ROOMS = {
         "steady_climb",
         "synthetic_profile",
         "worst_month",
+    ),
+    "sizing": (
+        "DeflectionTotal",
+        "FlightSchedule",
+        "Sizing",
+        "load_schedule",
+        "size",
+        "total_deflection",
+        "worst_total",
     ),
     "study": ("Study",),
     "vehicle": ("Vehicle",),

@@ -110,7 +110,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
             f" drift-exact of an unstable vehicle have; {plant.model} has {poles.size}"
         )
     A, inputs, _, _ = plant.matrices()
-    rows = [_left_vector(A, pole) for pole in poles]
+    rows = [left_vector(A, pole) for pole in poles]
     scaled = np.array(
         [
             row * (-pole / plant.coefficients.B) / (row @ inputs[:, 0])
@@ -120,6 +120,6 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
 
 
-def _left_vector(A: FloatArray, pole: float) -> FloatArray:
-    """The row l with l A = pole l."""
+def left_vector(A: FloatArray, pole: float) -> FloatArray:
+    """Return the row l with l A = pole l, of length one."""
     return np.linalg.svd(A.T - pole * np.eye(len(A)))[2][-1]

@@ -85,7 +85,7 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
     table = table_of(text, source, "vehicle")
     try:
-        return _build(table)
+        return build_vehicle(table)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
 
@@ -150,9 +150,17 @@ def quantities(
     return values
 
 
-def _build(table: dict[str, Any]) -> Vehicle:
-    name = table.pop("name", "")
-    values: dict[str, Any] = quantities(table, _QUANTITIES, "vehicle", ("name",))
+def build_vehicle(table: dict[str, Any]) -> Vehicle:
+    """Return the vehicle of a table of keys with their units.
+
+    Raises
+    ------
+    InputError
+        As `load_vehicle`, but for the file.
+    """
+    rest = dict(table)
+    name = rest.pop("name", "")
+    values: dict[str, Any] = quantities(rest, _QUANTITIES, "vehicle", ("name",))
     aerodynamic = values.keys() & _AERODYNAMICS
     needed = _REQUIRED | (_AERODYNAMICS if aerodynamic else _FORCES)
     for quantity, dimension in needed.items():

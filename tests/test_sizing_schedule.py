@@ -1,0 +1,136 @@
+"""Flight schedules: tables, nominal flights, and what lies between their rows."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin import InputError
+from tvclin.flight import load_flight_condition, nominal_flight
+
+CSV = """\
+# a flight
+time_s, weight_kN, moment_of_inertia_kg_m2, normal_force_slope_N_per_rad, thrust_N, \
+aerodynamic_arm_m, control_arm_m, axial_force_N, velocity_m_per_s, attitude_deg, \
+nominal_deflection_deg
+60, 1500, 2.25e7, 6.0e5, 2.495e6, 9.45, 23.56, 8e4, 500, 48, 0.02
+
+70, 1450, 2.25e7, 6.8e5, ,        9.45, 23.56, 8e4, 560, 43, 0.01
+80, 1400, 2.25e7, 6.1e5, ,        9.45, 23.56, 7e4, 650, 38, 0
+"""
+TOML = """
+[schedule]
+name = "a flight"
+time_s = [60, 70, 80]
+weight_kN = [1500, 1450, 1400]
+moment_of_inertia_kg_m2 = 2.25e7
+normal_force_slope_N_per_rad = [6.0e5, 6.8e5, 6.1e5]
+thrust_N = 2.495e6
+aerodynamic_arm_m = 9.45
+control_arm_m = 23.56
+axial_force_N = [8e4, 8e4, 7e4]
+velocity_m_per_s = [500, 560, 650]
+attitude_deg = [48, 43, 38]
+nominal_deflection_deg = [0.02, 0.01, 0]
+"""
+
+
+def read(tmp_path, text: str, name: str) -> tv.FlightSchedule:
+    path = tmp_path / name
+    path.write_text(text)
+    return tv.load_schedule(path)
+
+
+def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
+    rows, lists = read(tmp_path, CSV, "flight.csv"), read(tmp_path, TOML, "flight.toml")
+
+    for schedule in (rows, lists):
+        vehicle = schedule.at(65.0)
+        assert vehicle.velocity == pytest.approx(530.0, rel=1e-14)
+        assert vehicle.weight == pytest.approx(1.475e6, rel=1e-14)
+        assert vehicle.attitude == pytest.approx(np.radians(45.5), rel=1e-14)
+        assert vehicle.thrust == 2.495e6
+        assert schedule.nominal_at(75.0) == pytest.approx(np.radians(0.005))
+        assert schedule.span == (60.0, 80.0)
+        assert schedule.held(100.0).velocity == 650.0
+    assert lists.vehicle.name == "a flight"
+    assert rows.at([60.0, 80.0]).velocity.tolist() == [500.0, 650.0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("1450", "heavy", r"line 5: weight_kN must be a number; got 'heavy'"),
+        ("1450", "", r"line 5: weight_kN is missing; give it in every line"),
+        ("1450", "-3", r"line 5: weight must be positive"),
+        ("70,", "60,", r"line 5: time_s must rise; got 60 after 60"),
+        ("70,", ",", r"line 5: time_s is missing"),
+        (", 43, 0.01", ", 43", r"line 5: 11 cells are needed; got 10"),
+        ("weight_kN", "weight_stone", r"line 3: weight_stone has no known unit"),
+        ("weight_kN", "time_s", r"every column needs a key of its own; got 'time_s'"),
+        ("time_s,", "name,", r"line 3: a key is missing: time_s"),
+        (CSV[CSV.index("70,") :], "", "two or more times; got 1"),
+        (CSV[CSV.index("time_s") :], "", "is empty; give a line of keys"),
+    ],
+)
+def test_a_wrong_line_is_named(tmp_path, old, new, words) -> None:
+    with pytest.raises(InputError, match=words):
+        read(tmp_path, CSV.replace(old, new, 1), "flight.csv")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("[1500, 1450, 1400]", "[1500, 1450]", "a value for each of the 3 times"),
+        ("[1500, 1450, 1400]", '[1500, "a", 1400]', "row 2: weight_kN must be a number"),
+        ("time_s = [60, 70, 80]", "time_s = 60", "needs time_s, a list of times"),
+        ("60, 70, 80", "60, 70, 65", "row 3: time_s must rise"),
+        ("[0.02, 0.01, 0]", "true", "nominal_deflection_deg must be a number"),
+        ("[schedule]", "schedule = 3", "must be a table"),
+        ("[schedule]", "[schedule", "not valid TOML"),
+        ("name =", "nominal_deflection_rad = 0.1\nname =", "given twice"),
+    ],
+)
+def test_a_wrong_list_is_named(tmp_path, old, new, words) -> None:
+    text = TOML.replace(old, new, 1)
+    if "schedule = 3" in text:
+        text = "schedule = 3"
+    with pytest.raises(InputError, match=words):
+        read(tmp_path, text, "flight.toml")
+
+
+def test_a_vehicle_has_its_nominal_flight() -> None:
+    schedule = tv.load_schedule("configuration-ii", start=75.0, stop=95.0, step=0.25)
+    booster = tv.load_vehicle("configuration-ii")
+    flight = nominal_flight(
+        booster, load_flight_condition("configuration-ii"), start=75.0, stop=95.0
+    )
+
+    assert 85.0 in schedule.times
+    assert schedule.at(85.0).velocity == booster.velocity
+    t = np.array([75.1, 80.77, 94.9])
+    exact = flight.vehicle_at(t)
+    for name in ("velocity", "normal_force_slope", "weight", "attitude"):
+        assert getattr(schedule.at(t), name) == pytest.approx(getattr(exact, name), rel=1e-5)
+    assert schedule.nominal_at(t) == pytest.approx(flight.deflection(t), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({}, "two or more times"),
+        ({"time": [1.0]}, "two or more times"),
+        ({"time": [1.0, 1.0]}, "must rise; got 1 s after 1 s at index 1"),
+        ({"time": [1.0, 2.0], "weight": [[1.0, 2.0]]}, "weight must be one number or one for each"),
+    ],
+)
+def test_what_is_no_schedule_is_refused(configuration_i, fields, words) -> None:
+    with pytest.raises(InputError, match=words):
+        tv.FlightSchedule(configuration_i.replace(**fields))
+
+
+def test_times_outside_are_refused(tmp_path) -> None:
+    schedule = read(tmp_path, CSV, "flight.csv")
+    with pytest.raises(InputError, match="between 60 and 80 s"):
+        schedule.at(81.0)
+    with pytest.raises(InputError, match="no table \\[flight\\]"):
+        read(tmp_path, tv.vehicle_file.template(), "mine.toml")

@@ -1,0 +1,92 @@
+"""All that the nozzle must turn: sums, squares, offsets by their moments, and the verdict."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin import InputError
+from tvclin.sizing import DeflectionTotal, Line
+
+
+def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:
+    lines = (
+        Line("a", 0.01),
+        Line("b", 0.02),
+        Line("c", 0.003, "random"),
+        Line("d", 0.004, "random"),
+    )
+    found = DeflectionTotal(lines, reserve=0.3, limit=0.05)
+
+    assert found.systematic == pytest.approx(0.03)
+    assert found.random == pytest.approx(0.005)
+    assert found.total == pytest.approx(0.035)
+    assert found.required == pytest.approx(0.05)
+    assert found.sufficient is True
+    assert found.left == pytest.approx(0.0, abs=1e-15)
+    assert DeflectionTotal(lines, reserve=0.3, limit=0.0499).sufficient is False
+    assert DeflectionTotal(lines).sufficient is None
+
+
+def test_an_offset_takes_the_deflection_that_balances_its_moment(configuration_i) -> None:
+    v = configuration_i.replace(control_force_slope=0.5 * configuration_i.thrust)
+    found = tv.total_deflection(v, 0.004, thrust_offset=-0.002, gravity_offset=0.1, nominal=-1e-4)
+    size = {line.name: line.deflection for line in found.lines}
+    control = v.control_force_slope * v.control_arm
+    # moments about the centre of gravity: thrust aside at the nozzle, thrust and drag past it
+    assert size["thrust offset"] == pytest.approx(
+        v.thrust * v.control_arm * np.sin(0.002) / control
+    )
+    assert size["centre of gravity offset"] == pytest.approx(
+        (v.thrust * 0.1 - v.axial_force * 0.1) / control
+    )
+    assert found.systematic == pytest.approx(0.0041)
+    assert found.time == 66.0
+
+
+def test_the_worst_total_is_that_of_the_flight_time_with_most(configuration_i) -> None:
+    schedule = tv.FlightSchedule(
+        configuration_i.replace(time=[40.0, 60.0, 80.0], velocity=[500.0, 540.0, 600.0]),
+        nominal_deflection=[0.0, 0.0, -0.01],
+    )
+    wind = tv.TriangularWind(peak=0.05, duration=7.5)
+    found = tv.size(schedule, wind, dead_bands=1.0)
+    worst = tv.worst_total(found, "K = 1", dispersion=0.3, thrust_offset=0.001, limit=0.05)
+    need = found.required["K = 1"][2, 0]
+
+    assert worst.time == 80.0  # the nominal deflection outweighs what the wind takes less
+    assert worst.systematic == pytest.approx(0.01 + need, rel=1e-14)
+    assert worst.random == pytest.approx(np.hypot(0.3 * need, np.sin(0.001)), rel=1e-12)
+    assert worst.sufficient is (worst.total <= 0.05)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"reserve": 1.0}, "reserve must be a part of the limit"),
+        ({"reserve": -0.1}, "reserve must be zero or positive"),
+        ({"limit": 0.0}, "limit must be positive"),
+        ({"dispersion": -0.1}, "dispersion must be zero or positive"),
+        ({"thrust_offset": 5.0}, "thrust_offset must be between"),
+        ({"gravity_offset": np.nan}, "gravity_offset must be finite"),
+        ({"wind": np.nan}, "wind must be finite"),
+        ({"others": (3,)}, "others must be lines"),
+    ],
+)
+def test_bad_numbers_are_refused(configuration_i, changes, words) -> None:
+    with pytest.raises(InputError, match=words):
+        tv.total_deflection(configuration_i, **({"wind": 0.01} | changes))
+
+
+def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None:
+    batch = configuration_i.replace(thrust=[2e6, 3e6])
+    with pytest.raises(InputError, match="one vehicle; got a batch"):
+        tv.total_deflection(batch, 0.01)
+    schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 80.0]))
+    turns = tv.SampledWind(time=[0.0, 2.0, 4.0, 6.0], angle=[0.0, 0.1, -0.1, 0.0])
+    found = tv.size(schedule, turns, times=[60.0])
+    with pytest.raises(InputError, match="did you mean 'K = 1'"):
+        tv.worst_total(found, "K=1")
+    with pytest.raises(InputError, match="not defined at any flight time: .*change its sign"):
+        tv.worst_total(found, "K = 1")
+    with pytest.raises(InputError, match="kind must be one of"):
+        Line("a", 0.1, "sometimes")

@@ -1,0 +1,174 @@
+"""Parameters that vary while the wind blows, against direct integration and planar flights."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import tvclin as tv
+from tvclin.flight import load_flight_condition
+from tvclin.flight.planar.verdict import planar_verdict
+
+PEAK = np.radians(0.01)
+BANDS = (1.0, 0.5, 0.0)
+NAMES = [f"K = {K:g}" for K in BANDS]
+
+
+@pytest.mark.parametrize("switch", ["report", "literal"])
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
+def test_constant_parameters_give_the_boundary_of_the_frozen_plant(
+    configuration_ii, model, switch
+) -> None:
+    schedule = tv.FlightSchedule(configuration_ii.replace(time=[60.0, 85.0, 110.0]))
+    wind = tv.TriangularWind(peak=-0.05, duration=10.0)
+    found = tv.size(
+        schedule, wind, times=[80.0], dead_bands=BANDS, model=model, switch=switch, varying=True
+    )
+    for name in ("trim", *NAMES):
+        frozen, varying = (found.required[f"{name}{end}"] for end in ("", ", varying"))
+        assert varying == pytest.approx(frozen, rel=1e-6), name
+        assert found.freezing_error[name] == pytest.approx(np.zeros((1, 1)), abs=1e-6)
+    assert found.required["minimum, varying"] == found.required["K = 0, varying"]
+
+
+@pytest.mark.parametrize("wind", ["jumps", "smooth", "two peaks"])
+def test_constant_parameters_and_any_wind_of_one_sign(configuration_i, wind) -> None:
+    history = {
+        "jumps": tv.AsymmetricTriangularWind(peak=0.05, duration=6.0, peak_time=0.0),
+        "smooth": tv.OneMinusCosineGust(peak=0.05, duration=9.0),
+        "two peaks": tv.SampledWind(time=[0, 2, 3, 7, 10], angle=[0, 0.05, 0.01, 0.06, 0.0]),
+    }[wind]
+    schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 90.0]))
+    found = tv.size(schedule, history, times=[60.0], dead_bands=BANDS, varying=True)
+
+    for name in NAMES:
+        assert found.required[f"{name}, varying"] == pytest.approx(found.required[name], rel=1e-6)
+
+
+def falling(vehicle: tv.Vehicle) -> tv.FlightSchedule:
+    """Return a flight on which the aerodynamic moment falls to a fifth in twenty seconds."""
+    return tv.FlightSchedule(
+        vehicle.replace(
+            time=[0.0, 10.0, 30.0, 60.0],
+            normal_force_slope=vehicle.normal_force_slope * np.array([1.0, 1.0, 0.2, 0.2]),
+            weight=vehicle.weight * np.array([1.1, 1.0, 0.8, 0.8]),
+        )
+    )
+
+
+def what_grows_in_the_end(schedule, wind, limit, K) -> float:
+    """Fly the report's control, integrating the linear equations of the varying vehicle.
+
+    What is left is the coordinate of the fastest mode, by the left eigenvector of the last A.
+    """
+    side = -np.sign(float(wind.peak))
+
+    def plant(t):
+        A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(t), "drift-exact").matrices()
+        return A, inputs
+
+    def trimmed(t, x):
+        A, inputs = plant(t)
+        alpha = float(wind(t))
+        return A, inputs, alpha, -(A[1, 2] * x[2] + inputs[1, 1] * alpha) / inputs[1, 0]
+
+    def trim(t, x):
+        A, inputs, alpha, delta = trimmed(t, x)
+        return A @ x + inputs @ [delta, alpha]
+
+    def leaves(t, x):
+        B = float(tv.Coefficients.from_vehicle(schedule.held(t)).B)
+        return abs(B * float(wind(t))) - K * limit
+
+    leaves.terminal = True
+    start, end = float(wind.onset), float(wind.end)
+    x, t = np.zeros(3), start
+    if K > 0.0:
+        first = solve_ivp(trim, (start, end), x, events=leaves, rtol=1e-8, atol=1e-13, max_step=0.5)
+        x, t = first.y[:, -1], float(first.t[-1])
+
+    def hold(t, x):
+        A, inputs = plant(t)
+        return A @ x + inputs @ [side * limit, float(wind(t))]
+
+    last = solve_ivp(hold, (t, 60.0), x, rtol=1e-8, atol=1e-13, max_step=0.5).y[:, -1]
+    A, inputs = plant(60.0)
+    poles, rows = np.linalg.eig(A.T)
+    fastest = int(np.argmax(poles.real))
+    row = rows[:, fastest].real / rows[0, fastest].real
+    # the limit is held for ever: what it still does to the mode belongs to it
+    return float(row @ last + row @ inputs[:, 0] * side * limit / poles[fastest].real)
+
+
+@pytest.mark.parametrize("K", [1.0, 0.0])
+def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K) -> None:
+    schedule = falling(configuration_i)
+    wind = tv.TriangularWind(peak=0.05, duration=16.0)
+    found = tv.size(schedule, wind, times=[18.0], dead_bands=K, varying=True)
+    limit = float(found.required[f"K = {K:g}, varying"][0, 0])
+    blown = wind.shift(10.0)
+
+    ends = [what_grows_in_the_end(schedule, blown, part * limit, K) for part in (0.998, 1.002)]
+    # a tail wind lifts the angle of attack's negative side: too little lets the nose fall
+    assert ends[0] * ends[1] < 0.0
+    assert ends[0] < 0.0
+    assert abs(found.freezing_error[f"K = {K:g}"][0, 0]) > 0.02  # frozen it is another number
+
+
+def test_a_planar_flight_with_varying_parameters_agrees() -> None:
+    """Yaw, a faint wind, the whole limit from its onset on: control and models are the same."""
+    booster = tv.load_vehicle("configuration-i")
+    condition = load_flight_condition("configuration-i")
+    schedule = tv.FlightSchedule.from_flight(booster, condition, start=60.0, stop=100.0)
+    duration = 4.0 / tv.Coefficients.from_vehicle(booster).beta
+    wind = tv.TriangularWind(peak=PEAK, duration=duration)
+    found = tv.size(schedule, wind, times=[66.0], dead_bands=(1.0, 0.0), plane="yaw", varying=True)
+    scale = found.required["trim"][0, 0]
+    survives = planar_verdict(
+        booster,
+        wind.shift(66.0 - duration / 2.0),
+        0.0,
+        plane="yaw",
+        frozen=False,
+        condition=condition,
+    )
+    limit = found.required["K = 0, varying"][0, 0]
+
+    assert not survives(0.999 * limit)
+    assert survives(1.001 * limit)
+    assert abs(found.freezing_error["K = 0"][0, 0]) > 0.01
+    assert found.required["K = 1, varying"][0, 0] / scale == pytest.approx(0.6456, abs=2e-4)
+
+
+def test_the_varying_minimum_is_not_given_beyond_one_pole(configuration_i) -> None:
+    schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 120.0]))
+    found = tv.size(
+        schedule, tv.TriangularWind(peak=0.05, duration=35.0), times=[70.0], varying=True
+    )
+    assert found.required["minimum"][0, 0] > 0.0
+    assert np.isnan(found.required["minimum, varying"][0, 0])
+
+
+def test_a_wind_that_turns_and_a_calm(configuration_i) -> None:
+    schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 120.0]))
+    wind = tv.SampledWind(time=[60.0, 62.0, 64.0, 66.0], angle=[0.0, 0.1, -0.1, 0.0])
+    found = tv.size(schedule, wind, times=[63.0, 100.0], placing="flight", varying=True)
+
+    assert np.isnan(found.required["K = 1, varying"][0, 0])
+    assert found.required["minimum, varying"][0, 0] == pytest.approx(
+        found.required["minimum"][0, 0], rel=1e-3
+    )
+    assert found.required["K = 1, varying"][1, 0] == 0.0
+
+
+def test_a_stable_end_of_the_flight_is_refused(configuration_i) -> None:
+    schedule = tv.FlightSchedule(
+        configuration_i.replace(time=[40.0, 120.0], aerodynamic_arm=[9.45, -2.0])
+    )
+    with pytest.raises(tv.InputError, match="real unstable pole at the end of the flight"):
+        tv.size(
+            schedule,
+            tv.TriangularWind(peak=0.05, duration=5.0),
+            times=[60.0],
+            model="fixed-path",
+            varying=True,
+        )

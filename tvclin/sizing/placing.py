@@ -1,0 +1,97 @@
+"""Where in the flight a wind blows: moved so that its peak meets a time, or cut where it is."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tvclin.errors import InputError, number, one_of, positive
+from tvclin.histories import History
+from tvclin.vehicle import Vehicle
+
+PLACINGS = ("peak", "flight")
+
+WindOf = History | Callable[[Vehicle], History]
+"""A wind, or what gives the wind that a vehicle meets: of a wind speed, an angle."""
+
+_TOP = 1.0 - 1e-12
+"""All that is higher than this part of the peak belongs to it: the top may be flat."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedWind:
+    """A wind in a flight.
+
+    Attributes
+    ----------
+    history : History
+        The wind in its own time.
+    zero : float
+        Flight time [s] at its own zero.
+    """
+
+    history: History
+    zero: float
+
+    @property
+    def calm(self) -> bool:
+        """Whether no wind is left."""
+        return not np.isfinite(self.history.onset)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Flight time [s] at which it begins and ends."""
+        return float(self.history.onset) + self.zero, float(self.history.end) + self.zero
+
+    @property
+    def in_flight(self) -> History:
+        """The wind in flight time."""
+        return self.history.shift(self.zero)
+
+
+def named_winds(winds: WindOf | Mapping[str, WindOf]) -> dict[str, WindOf]:
+    """Return winds by name; one alone is called "wind". `InputError` if there is none."""
+    found = dict(winds) if isinstance(winds, Mapping) else {"wind": winds}
+    if not found:
+        raise InputError("winds must hold one wind or more; got none")
+    return found
+
+
+def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
+    """Return a wind placed at a flight time.
+
+    Parameters
+    ----------
+    wind : History or callable
+        One wind that ends, or what gives it for a vehicle.
+    vehicle : Vehicle
+        The vehicle at that time.
+    time : float
+        Flight time [s].
+    placing : {"peak", "flight"}
+        Whether the wind's peak is moved to that time (the middle of a flat top), or the wind is in
+        flight time already and what blows within half a window of it counts.
+    window : float
+        Length of the window [s].
+
+    Raises
+    ------
+    InputError
+        For a batch of winds, one that never ends or is zero, and an unknown placing.
+    """
+    history = wind if isinstance(wind, History) else wind(vehicle)
+    if not isinstance(history, History) or history.batch:
+        raise InputError("each wind must be one history, such as TriangularWind, or give one")
+    if not np.isfinite(history.end):
+        raise InputError("each wind must end, and be other than zero")
+    if one_of("placing", placing, PLACINGS) == "peak":
+        return PlacedWind(history, time - _middle_of_the_top(history))
+    half = 0.5 * number("window", window, positive, "s")
+    return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
+
+
+def _middle_of_the_top(wind: History) -> float:
+    times = wind.probe_times()
+    values = np.abs(wind(times))
+    top = times[values >= _TOP * values.max()]
+    return 0.5 * float(top[0] + top[-1])

@@ -1,0 +1,223 @@
+"""Flight times by winds: the deflection that each asks for."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.coefficients import PLANES, Coefficients
+from tvclin.deflections import SWITCHES
+from tvclin.errors import InputError, finite, instance, one_of, within
+from tvclin.optimum import single_pole_validity
+from tvclin.plant import MODELS, Plant
+from tvclin.sizing.frozen import LAWS, FrozenNeed, frozen_need
+from tvclin.sizing.growing import GrowingMode
+from tvclin.sizing.placing import PLACINGS, PlacedWind, WindOf, named_winds, place
+from tvclin.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing, beyond_one_pole
+from tvclin.sizing.schedule import FlightSchedule
+from tvclin.sizing.varying import VaryingNeed, varying_need
+from tvclin.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+_LOOKS = 33
+"""Parameters are looked at so many times while a wind blows."""
+
+
+def size(
+    schedule: FlightSchedule,
+    winds: WindOf | Mapping[str, WindOf],
+    *,
+    times: ArrayLike | None = None,
+    dead_bands: ArrayLike = (1.0, 0.5),
+    model: str = "drift-exact",
+    plane: str = "pitch",
+    switch: str = "report",
+    placing: str = "peak",
+    window: float = 20.0,
+    law: str = "bound",
+    varying: bool = False,
+) -> Sizing:
+    """Return the deflection that each wind asks for at each flight time.
+
+    Parameters
+    ----------
+    schedule : FlightSchedule
+        The vehicle over its flight; see `load_schedule`.
+    winds : History, callable, or mapping of str to these
+        One wind, or winds by name. A function takes the vehicle at a flight time and gives the wind
+        it meets then: a wind speed makes different angles at different speeds of flight.
+    times : array_like, optional
+        Flight times [s] within the schedule, ``(n,)``; its own times where not given.
+    dead_bands : array_like
+        K of the report's control, in [0, 1].
+    model, plane : str
+        As of `Plant`.
+    switch : {"report", "literal"}
+        What leaves the dead band, as in `trim_then_hold`.
+    placing : {"peak", "flight"}
+        Whether each wind is moved so that its peak meets the flight time, or blows in flight time
+        already: then what blows within half a `window` [s] of the flight time counts.
+    window : float
+        See `placing`.
+    law : {"bound", "flown"}
+        What stands for laws without a forecast: the bound that none of them undercuts, or what the
+        recoverable-attitude law needs when it is flown (a second or more for each wind and time).
+    varying : bool
+        Whether to let parameters vary while the wind blows as well, beside the frozen ones.
+
+    Returns
+    -------
+    Sizing
+        Frozen at each flight time, as `boundary_limit`, `forecast_free_limit` and
+        `optimum_deflection` say it.
+
+    Raises
+    ------
+    InputError
+        For times outside the schedule, batches of winds, winds that never end, unknown names and
+        numbers out of range; with `varying`, for a vehicle without a real unstable pole.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> schedule = tv.load_schedule("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> found = tv.size(schedule, wind, times=[56.0, 66.0, 76.0])
+    >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
+    array([0.42 , 0.351, 0.26 ])
+    """
+    instance("schedule", schedule, FlightSchedule, "see load_schedule")
+    for name, value, choices in (
+        ("model", model, MODELS),
+        ("plane", plane, PLANES),
+        ("switch", switch, SWITCHES),
+        ("placing", placing, PLACINGS),
+        ("law", law, LAWS),
+    ):
+        one_of(name, value, choices)
+    chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
+    bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
+    if chosen.ndim != 1 or not chosen.size or not bands.size:
+        raise InputError("times and dead_bands must hold one number or more each")
+    named = named_winds(winds)
+    vehicles = [schedule.at(t) for t in chosen.tolist()]
+    placed = [
+        [place(wind, v, t, placing, window) for wind in named.values()]
+        for t, v in zip(chosen.tolist(), vehicles, strict=True)
+    ]
+    needs = [
+        [_frozen(Plant.from_vehicle(v, model, plane), w, bands, switch, law) for w in row]
+        for v, row in zip(vehicles, placed, strict=True)
+    ]
+    required = _frozen_columns(needs, bands)
+    slow = _table(needs, lambda need: need.slow_mode)
+    if varying:
+        mode = _growing(schedule, model, plane, placed)
+        along = [[_varying(mode, w, bands, switch) for w in row] for row in placed]
+        required |= _varying_columns(along, bands)
+        required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
+    edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
+    return Sizing(
+        schedule=schedule,
+        times=chosen,
+        winds=tuple(named),
+        dead_bands=bands,
+        required=required,
+        law=law,
+        model=model,
+        plane=plane,
+        switch=switch,
+        slow_mode=slow,
+        edge=np.array(edges),
+        said=tuple(dict.fromkeys(one for row in needs for need in row for one in need.said)),
+        **_circumstances(schedule, plane, vehicles, placed),
+    )
+
+
+def _circumstances(
+    schedule: FlightSchedule,
+    plane: str,
+    vehicles: list[Vehicle],
+    placed: list[list[PlacedWind]],
+) -> dict[str, NDArray[Any]]:
+    """When each wind blows, how much changes meanwhile, and whether the schedule covers it."""
+    span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
+    changes = [
+        [_change(schedule, plane, v, w) for w in row]
+        for v, row in zip(vehicles, placed, strict=True)
+    ]
+    return {
+        "begins": span[..., 0],
+        "ends": span[..., 1],
+        "change": np.array(changes),
+        "covered": np.array([[_covers(schedule, w) for w in row] for row in placed]),
+    }
+
+
+def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, switch: str, law: str) -> FrozenNeed:
+    if wind.calm:
+        return FrozenNeed(0.0, np.zeros(bands.shape), 0.0, 0.0, np.nan, ())
+    return frozen_need(plant, wind.history, bands, switch, law)
+
+
+def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray, switch: str) -> VaryingNeed:
+    if wind.calm:
+        return VaryingNeed(0.0, np.zeros(bands.shape), 0.0)
+    return varying_need(mode, wind.in_flight, bands, switch)
+
+
+def _growing(
+    schedule: FlightSchedule, model: str, plane: str, placed: list[list[PlacedWind]]
+) -> GrowingMode:
+    """The growing direction over the schedule and all winds."""
+    spans = [schedule.span, *(w.span for row in placed for w in row if not w.calm)]
+    first, last = (f(x) for f, x in zip((min, max), zip(*spans, strict=True), strict=True))
+    return GrowingMode(schedule, model, plane, (first, last))
+
+
+def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[str, FloatArray]:
+    return {
+        TRIM: _table(needs, lambda need: need.trim),
+        **_bands(needs, bands, ""),
+        NO_FORECAST: _table(needs, lambda need: need.no_forecast),
+        MINIMUM: _table(needs, lambda need: need.minimum),
+    }
+
+
+def _varying_columns(needs: list[list[VaryingNeed]], bands: FloatArray) -> dict[str, FloatArray]:
+    return {
+        f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
+        **_bands(needs, bands, VARYING),
+        f"{MINIMUM}{VARYING}": _table(needs, lambda need: need.minimum),
+    }
+
+
+def _bands(needs: Any, bands: FloatArray, ending: str) -> dict[str, FloatArray]:
+    return {
+        f"K = {K:g}{ending}": _table(needs, lambda need, k=k: need.boundary[k])
+        for k, K in enumerate(bands)
+    }
+
+
+def _table(needs: Any, value: Any) -> FloatArray:
+    return np.array([[value(need) for need in row] for row in needs], dtype=float)
+
+
+def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
+    first, last = schedule.span
+    slack = 1e-9 * (last - first)
+    return wind.calm or (wind.span[0] >= first - slack and wind.span[1] <= last + slack)
+
+
+def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
+    """The largest change of beta or B while a wind blows, over the value at its flight time."""
+    if wind.calm:
+        return 0.0
+    now = Coefficients.from_vehicle(vehicle, plane)
+    then = Coefficients.from_vehicle(schedule.held(np.linspace(*wind.span, _LOOKS)), plane)
+    pairs = [(np.sqrt(np.abs(c.mu_alpha)), np.asarray(c.B)) for c in (now, then)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        changes = [np.abs(x / x0 - 1.0).max() for x0, x in zip(*pairs, strict=True) if x0 != 0.0]
+    return float(max(changes, default=0.0))
