@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, one_of, positive, within
+from tvclin.errors import InputError, instance, one_of, positive, within
 from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
+from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
 from tvclin.optimum import optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
@@ -65,6 +66,8 @@ class Study:
         For the same models the least peak [rad] when the whole wind is known, appendix C.
     notes : tuple of str
         What the reader should know before believing the numbers; often nothing.
+    gust : History or None
+        What blows on top of the wind, in its time.
     """
 
     vehicle: Vehicle
@@ -83,6 +86,7 @@ class Study:
     forecast_free: dict[str, ForecastFreeLimit]
     minima: dict[str, float]
     notes: tuple[str, ...] = ()
+    gust: History | None = None
 
     @classmethod
     def from_vehicle(
@@ -97,6 +101,7 @@ class Study:
         model: str = "fixed-path",
         plane: str = "pitch",
         switch: str = "report",
+        gust: History | None = None,
     ) -> Self:
         """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
 
@@ -120,11 +125,15 @@ class Study:
             Plane of the motion.
         switch : {"report", "literal"}
             What leaves the dead band, as in `trim_then_hold`.
+        gust : History, optional
+            A gust that is added to the wind, in its time, such as `OneMinusCosineGust`; see
+            `History.shift`.
 
         Raises
         ------
         InputError
-            For a batch of vehicles, an unknown shape, model or plane, and numbers out of range.
+            For a batch of vehicles or gusts, a wind and gust whose sum changes its sign, an unknown
+            shape, model or plane, and numbers out of range.
 
         Examples
         --------
@@ -143,7 +152,8 @@ class Study:
                 f"vehicle must be one vehicle; got a batch of shape {coefficients.batch}"
             )
         plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
-        history = shape(peak=peak, duration=duration)
+        alone = shape(peak=peak, duration=duration)
+        history = alone if gust is None else _with_gust(alone, gust)
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"
         shown = [name for name in ("fixed-path", with_drift) if name in plants]
@@ -156,7 +166,7 @@ class Study:
             plane=plane,
             model=model,
             coefficients=coefficients,
-            wind=history,
+            wind=alone,
             modes={name: unstable_modes(plant) for name, plant in plants.items()},
             trim_deflection=abs(float(coefficients.B * history.peak)),
             boundaries={
@@ -175,6 +185,7 @@ class Study:
                 for name, best in _where_defined(optimum_deflection, plants, shown, history).items()
             },
             notes=tuple(_notes(plant, history, dead_band, switch)),
+            gust=gust,
         )
 
     @property
@@ -182,6 +193,13 @@ class Study:
         """The deflection [rad] that the verdict's model and dead band ask for."""
         row = int(np.argmax(self.dead_bands == self.dead_band))
         return float(np.abs(self.boundaries[self.model].deflection[row]))
+
+
+def _with_gust(wind: History, gust: History) -> History:
+    instance("gust", gust, History, "such as OneMinusCosineGust")
+    if gust.batch:
+        raise InputError(f"gust must be one history; got a batch of shape {gust.batch}")
+    return wind + gust
 
 
 def _where_defined(
@@ -197,7 +215,7 @@ def _where_defined(
 
 def _notes(plant: Plant, wind: Any, dead_band: float, switch: str) -> Iterator[str]:
     edge = float(single_pole_validity(plant.coefficients))
-    if wind.duration > edge:
+    if wind.end - wind.onset > edge:
         yield (
             f"a wind of more than {edge:.1f} s outlasts what one pole can say: the slow mode of the"
             " flight path then needs more (tvclin optimum)"

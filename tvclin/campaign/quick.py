@@ -93,7 +93,7 @@ def disperse_study(
     Raises
     ------
     InputError
-        For numbers out of range, and when no case is possible.
+        For numbers out of range, a study with a gust, and when no case is possible.
 
     Examples
     --------
@@ -105,6 +105,8 @@ def disperse_study(
     >>> bool(found.required.upper > nominal.required_deflection)
     True
     """
+    if study.gust is not None:
+        raise InputError("a study with a gust cannot be dispersed; leave the gust out")
     if whole_number("cases", cases) == 0:
         raise InputError("cases must be one or more; got 0")
     wind = study.wind

@@ -20,6 +20,7 @@ from tvclin.cli.optimum import optimum
 from tvclin.cli.poles import poles
 from tvclin.cli.reproduce import reproduce
 from tvclin.cli.respond import respond
+from tvclin.cli.size import size
 from tvclin.cli.study import study
 from tvclin.cli.vehicles import init, vehicles
 
@@ -53,6 +54,7 @@ app = typer.Typer(
 )
 for command in (
     study,
+    size,
     boundary,
     optimum,
     respond,

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from tvclin.histories import History
     from tvclin.vehicle import Vehicle
 
 
@@ -25,3 +26,26 @@ def peak_angle(
         raise InputError("give --peak-deg or --peak-speed, not both")
     angle = np.pi / 2 if plane == "yaw" else vehicle.attitude
     return float(angle_from_speed(peak_speed, vehicle.velocity, angle))
+
+
+def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":
+    """Return the 1 - cosine gust of a peak [deg] and a duration [s] that peaks at a time [s]."""
+    import numpy as np
+
+    from tvclin.errors import nonzero, number, positive
+    from tvclin.winds import OneMinusCosineGust
+
+    if given is None:
+        return None
+    peak, duration = number("--gust", given[0], nonzero), number("--gust", given[1], positive)
+    found = OneMinusCosineGust(peak=np.radians(peak), duration=duration)
+    return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
+
+
+def gust_words(gust: "History | None") -> str:
+    """Return what to say of a gust on top of a wind; nothing where there is none."""
+    import numpy as np
+
+    if gust is None:
+        return ""
+    return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"

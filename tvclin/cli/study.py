@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import gust_of, gust_words, peak_angle
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -28,6 +28,16 @@ def study(
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
+    gust: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
+        ),
+    ] = None,
+    gust_at: Annotated[
+        float | None,
+        typer.Option(help="When the gust peaks, in s; in the middle of the wind if not given."),
+    ] = None,
     dead_band: Annotated[
         float, typer.Option(help="Dead band K of the verdict, from 0 to 1; 1 needs no forecast.")
     ] = 1.0,
@@ -75,6 +85,7 @@ def study(
         model=model,
         plane=plane,
         switch=switch,
+        gust=gust_of(gust, 0.5 * duration if gust_at is None else gust_at),
     )
     dispersed = None
     if disperse:
@@ -157,7 +168,7 @@ def _print_boundaries(result: "Study", shape: str) -> None:
     rows += _without_and_with_forecast(result, names)
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
     print_table(
-        f"Boundary in a {shape} wind of {peak:.4g} deg and {duration:g} s"
+        f"Boundary in a {shape} wind of {peak:.4g} deg and {duration:g} s{gust_words(result.gust)}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
         ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
         rows,
@@ -267,6 +278,13 @@ def _document(result: "Study", shape: str) -> dict[str, Any]:
             "shape": shape,
             "peak_deg": deg(result.wind.peak),
             "duration_s": result.wind.duration,
+        },
+        "gust": None
+        if result.gust is None
+        else {
+            "peak_deg": deg(result.gust.peak),
+            "begins_s": result.gust.onset,
+            "ends_s": result.gust.end,
         },
         "unstable_poles_per_s": {name: m.poles.tolist() for name, m in result.modes.items()},
         "trim_deflection_deg": deg(result.trim_deflection),

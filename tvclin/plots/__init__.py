@@ -24,6 +24,7 @@ from tvclin.plots.responses import (
 )
 from tvclin.plots.root_locus import root_locus_chart
 from tvclin.plots.single_response import response_chart, response_curves
+from tvclin.plots.sizing import sizing_chart
 from tvclin.plots.sketches import sketch_a, sketch_b, sketch_c
 from tvclin.plots.style import save_figure
 from tvclin.plots.vehicle_sketch import figure_1
@@ -54,6 +55,7 @@ __all__ = [
     "response_curves",
     "root_locus_chart",
     "save_figure",
+    "sizing_chart",
     "sketch_a",
     "sketch_b",
     "sketch_c",

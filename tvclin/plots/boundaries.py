@@ -137,6 +137,8 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlo
     chosen = float(study.wind.duration)
     x = np.linspace(0.02, 3.0, 200) * chosen if durations is None else np.asarray(durations)
     wind = type(study.wind)(peak=study.wind.peak, duration=x[:, np.newaxis])
+    if study.gust is not None:  # as far from the middle of each wind
+        wind = wind + study.gust.shift(0.5 * (x[:, np.newaxis] - chosen))
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     axes = new_axes()
     lines: list[Any] = []
@@ -154,8 +156,9 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlo
         axes.axhline(limit, color=WARM, lw=1.6, label="available limit")
     shape = type(study.wind).__name__.removesuffix("Wind").lower()
     peak = float(np.degrees(study.wind.peak))
+    with_gust = "" if study.gust is None else f", gust of {np.degrees(study.gust.peak):.3g} deg"
     axes.set(
-        title=f"{study.vehicle.name or 'Vehicle'}: {shape} winds of {peak:.3g} deg",
+        title=f"{study.vehicle.name or 'Vehicle'}: {shape} winds of {peak:.3g} deg{with_gust}",
         xlabel="wind duration [s]",
         ylabel="deflection [deg]",
         xlim=(0.0, float(x.max())),

@@ -1,0 +1,136 @@
+"""`tvclin size` and its figure, and the gust of `tvclin study`."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.plots import curves_of, sizing_chart
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
+
+
+def test_json_equals_the_library() -> None:
+    offsets = ("--dispersion", "0.3", "--thrust-offset-deg", "0.1", "--gravity-offset-m", "0.05")
+    result = run(
+        "size", "configuration-ii", *FAST, *offsets, "--limit-deg", "0.4", "--json",
+        "--peak-speed", "60",
+    )  # fmt: skip
+    document = json.loads(result.output)
+    schedule = tv.load_schedule("configuration-ii")
+
+    def met(vehicle: tv.Vehicle) -> tv.TriangularWind:
+        peak = tv.angle_from_speed(60.0, vehicle.velocity, vehicle.attitude)
+        return tv.TriangularWind(peak=peak, duration=7.5)
+
+    found = tv.size(schedule, {"w": met}, times=[60.0, 70.0, 80.0], dead_bands=1.0)
+    total = tv.worst_total(
+        found,
+        "K = 1",
+        dispersion=0.3,
+        thrust_offset=np.radians(0.1),
+        gravity_offset=0.05,
+        limit=np.radians(0.4),
+    )
+    for name, values in found.required.items():
+        assert document["required_deg"][name] == np.degrees(values).tolist()
+    assert document["total"]["total_deg"] == np.degrees(total.total)
+    assert document["verdict"]["sufficient"] is total.sufficient
+    assert result.exit_code == (0 if total.sufficient else 1)
+
+
+def test_the_table_the_csv_and_the_exit_code(tmp_path) -> None:
+    table, picture = tmp_path / "a.csv", tmp_path / "a.png"
+    given = ("size", "configuration-i", *FAST, "--csv", str(table), "--plot", str(picture))
+    enough = run(*given, "--limit-deg", "0.5", "--reserve", "0.1")
+    short = run("size", "configuration-i", *FAST, "--limit-deg", "0.5", "--count", "trim")
+
+    assert enough.exit_code == 0
+    assert "SUFFICIENT, by +0.0" in enough.output
+    assert "limit that keeps 10 % in reserve" in enough.output
+    assert short.exit_code == 1
+    assert "NOT SUFFICIENT, by -0.1" in short.output
+    rows = table.read_text().splitlines()
+    assert rows[0].startswith("time_s,wind,trim_deg,K1_deg,no_forecast_deg,minimum_deg")
+    assert [row.split(",")[0] for row in rows[1:]] == ["60.0", "70.0", "80.0"]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
+    result = run(
+        "size", "configuration-i", "--duration", "35", "--from", "66", "--to", "66", "--varying"
+    )
+    assert result.exit_code == 0
+    assert "is beyond the single-pole theory" in " ".join(result.output.split())
+    assert any(line.split()[-1:] == ["1~"] for line in result.output.splitlines())
+    assert "parameters varying" in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nowhere.csv",), "nowhere.csv"),
+        (("configuration-i", "--from", "90", "--to", "60"), "--to must not be before --from"),
+        (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),
+        (("configuration-i", "--every", "0"), "--every must be positive"),
+        (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
+        (("configuration-i", "--count", "K=1", *FAST), "--count must be one of trim"),
+        (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be between"),
+        (("configuration-i", "--reserve", "1", *FAST), "reserve must be a part of the limit"),
+        (("configuration-i", "--wind", "square"), "wind must be one of"),
+        (
+            ("configuration-i", "--from", "66", "--to", "66", "--plot", "a.png"),
+            "two or more flight times",
+        ),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(arguments, words) -> None:
+    result = run("size", *arguments)
+
+    assert result.exit_code == 2
+    assert words in result.output
+    assert "Traceback" not in result.output
+
+
+def test_the_figure_holds_the_worst_of_all_winds() -> None:
+    schedule = tv.load_schedule("configuration-i")
+    winds = {k: tv.TriangularWind(peak=p, duration=7.5) for k, p in (("a", 0.02), ("b", -0.06))}
+    found = tv.size(schedule, winds, times=[80.0, 60.0], dead_bands=1.0)
+    curves = curves_of(sizing_chart(found, np.radians(0.5)))
+
+    assert curves.abscissa.tolist() == [60.0, 80.0]
+    assert curves.column("K = 1").tolist() == np.degrees(found.required["K = 1"][::-1, 1]).tolist()
+    assert curves.column("available limit") == pytest.approx([0.5, 0.5])
+
+
+def test_a_gust_on_top_of_the_wind_is_added_in_its_middle() -> None:
+    document = json.loads(run("study", "--gust", "1.5", "2", "--json").output)
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0).shift(2.75)
+    both = tv.TriangularWind(peak=np.radians(5), duration=7.5) + gust
+    expected = abs(np.degrees(tv.boundary_limit(plant, both).deflection))
+
+    assert document["verdict"]["required_deflection_deg"] == pytest.approx(expected, rel=1e-12)
+    assert document["gust"]["peak_deg"] == pytest.approx(1.5)
+    assert document["trim_deflection_deg"] == pytest.approx(6.5 * float(plant.coefficients.B))
+    late = run("study", "--gust", "1.5", "2", "--gust-at", "6")
+    assert "with a gust of 1.5 deg and 2 s" in " ".join(late.output.split())
+
+
+def test_a_gust_that_cannot_be_is_refused() -> None:
+    for arguments, words in (
+        (("--gust", "0", "2"), "--gust must be other than zero"),
+        (("--gust", "1", "-2"), "--gust must be positive"),
+        (("--gust", "-3", "2", "--gust-at", "8"), "must not change its sign"),
+        (("--gust", "1", "2", "--disperse"), "a study with a gust cannot be dispersed"),
+    ):
+        result = run("study", *arguments)
+        assert (result.exit_code, words in result.output) == (2, True), result.output

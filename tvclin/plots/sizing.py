@@ -1,0 +1,69 @@
+"""Required deflection against flight time, in the worst wind of each."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tvclin.errors import InputError, number, positive
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
+from tvclin.sizing import Sizing
+from tvclin.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+_LIMIT = "available limit"
+_COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
+
+
+def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
+    """Draw the required deflections over the flight, and the available one.
+
+    Lines are for parameters that are frozen at each flight time; rings, where the sizing has them,
+    for parameters that vary while the wind blows.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        Of two or more flight times; of several winds the worst counts at each.
+    limit : float, optional
+        Available deflection [rad].
+
+    Raises
+    ------
+    InputError
+        For a sizing of one flight time.
+    """
+    if sizing.times.size < 2:
+        raise InputError("a figure over the flight needs two or more flight times; got 1")
+    order = np.argsort(sizing.times)
+    columns = [
+        Column(name, np.degrees(sizing.at_times(name))[order], "deg") for name in sizing.required
+    ]
+    styles = _styles(sizing)
+    if limit is not None:
+        most = np.degrees(number("limit", limit, positive, "rad"))
+        columns.append(Column(_LIMIT, np.full(order.size, most), "deg"))
+        styles[_LIMIT] = {"color": WARM, "ls": "-", "lw": 1.4}
+    winds = sizing.winds[0] if len(sizing.winds) == 1 else f"the worst of {len(sizing.winds)} winds"
+    words = f"{sizing.model}, {sizing.plane}, {winds}"
+    name = sizing.schedule.vehicle.name or "Vehicle"
+    curves = Curves("sizing", words, "flight time [s]", sizing.times[order], tuple(columns))
+    top = 1.05 * max(float(np.nanmax(column.values)) for column in columns)
+    title = f"{name}\nrequired deflection: {words}"
+    return draw(curves, Look(title, "deflection  [deg]", styles, limits={"": (0.0, top or 1.0)}))
+
+
+def _styles(sizing: Sizing) -> dict[str, Style]:
+    """A colour for each requirement, the same for frozen and varying parameters."""
+    bands = [f"K = {K:g}" for K in sizing.dead_bands]
+    colours = dict(zip([TRIM, NO_FORECAST, MINIMUM, *bands], (INK, *cycle(_COLOURS)), strict=False))
+    lines = dict(zip([TRIM, *bands, NO_FORECAST, MINIMUM], cycle(LINES), strict=False))
+    styles: dict[str, Style] = {}
+    for name in sizing.required:
+        kind = name.removesuffix(VARYING)
+        styles[name] = {"color": colours[kind], "lw": 1.8, "ls": lines[kind]}
+        if name != kind:
+            styles[name] |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
+    return styles
