@@ -99,6 +99,16 @@ def test_knots_stand_where_the_flight_meets_the_levels():
     assert (wind.time[0], wind.time[-1]) == (flight.time[0], flight.time[-1])
 
 
+def test_levels_that_a_flight_meets_at_one_time_are_one_knot():
+    close = np.array([11950.0, 11950.0, 11950.0, 11950.0])
+    for i in (1, 2, 3):
+        close[i] = np.nextafter(close[i - 1], np.inf)
+    height = [0.0, *close, 20e3]
+    profile = tv.WindProfile(height=height, east=[1.0, 9.0, 9.0, 9.0, 9.0, 1.0], north=np.zeros(6))
+    wind = profile.to_wind(climb(NAMES[0]), azimuth=EAST)
+    assert np.all(np.diff(wind.time) > 0.0)
+
+
 def test_along_a_nominal_flight_the_wind_is_that_of_its_height_speed_and_path():
     vehicle, condition = tv.load_vehicle(NAMES[0]), load_flight_condition(NAMES[0])
     flight = nominal_flight(vehicle, condition, start=52.0, stop=80.0)

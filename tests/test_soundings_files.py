@@ -96,6 +96,7 @@ def test_a_wyoming_list_in_metres_per_second(tmp_path):
     for wrong, said in (
         (text.replace("SKNT", "SPED"), "line 7: the unit of SPED must be m/s"),
         (text.replace("SKNT", "WIND"), "line 6: .* either SKNT"),
+        (text.replace("HGHT", "HGHT."), "line 6: the header must name HGHT, DRCT"),
     ):
         with pytest.raises(tv.InputError, match=said):
             tv.read_sounding(write(tmp_path, wrong))
@@ -130,6 +131,8 @@ def test_rocketpy_lists_come_from_python_and_json_and_go_back(tmp_path):
     holds(called, [0.0, 500.0, 1000.0, 5000.0], *called.at([0.0, 500.0, 1000.0, 5000.0]))
     assert called.at(500.0) == (7.5, 3.0)
     assert called.notes == ("1 level that only one list reaches left out",)
+    apart = "wind_u=[(0, 5), (1000, 10)]; wind_v=((500, 3), (2000, 0))"
+    holds(tv.read_sounding(write(tmp_path, apart)), [500.0, 1000.0], [7.5, 10.0], [3.0, 2.0])
     again = tv.read_sounding(write(tmp_path, json.dumps(profile.to_rocketpy())))
     holds(again, profile.height, profile.east, profile.north)
 
@@ -157,7 +160,7 @@ def table(*rows, header="height_m,speed_m_per_s,direction_deg"):
         (table("0,5,10", "1000,-8,36"), "line 3: speed must not be negative; got -8 m/s"),
         (table("0,5,10", "1000,800,36"), "line 3: no wind blows with 800 m/s; check its unit"),
         (table("0,5,10", "1e6,8,36"), "line 3: height must be between .* check its unit"),
-        (table("0,5,10", "1000,8,36", "", "900,8,36"), "line 5: heights must ascend"),
+        (table("0,5,10", "1000,8,36", "", "900,8,36"), "line 5: .* 900 m comes after 1000 m"),
         (table("0,5,10", "1000,8"), "line 3: the header has 3 columns and this line 2"),
         (table("0,5,10", "1000,fast,36"), "line 3: speed_m_per_s must be a number.* 'fast'"),
         (table("0,5,10", "1000,inf,36"), "line 3: speed_m_per_s must be a number"),
@@ -167,6 +170,11 @@ def table(*rows, header="height_m,speed_m_per_s,direction_deg"):
         (table("0,5,1", header="height_m,speed_furlong,direction_deg"), "write speed_m_per_s"),
         (table("0,5", header="height_m,speed_kt"), "line 1: the header must name a height and"),
         (table("0,5,1", header="height_m,height_ft,speed_kt"), "line 1: height is given twice"),
+        (table("0,5,1", header="height_m,speed_kt,direction_deg,u_kt,v_kt"), "either speed and"),
+        (
+            table("9,9,1,1", "8,8,1,1", "7,7,1,1", header="time,height_m,u_kt,v_kt"),
+            "line 3: heights must ascend; 8 m comes after 9 m",
+        ),
         ("wind is strong today", "is in no format that is recognised"),
         ("", "is empty"),
         (b"\x00\x01\x02height_m,speed_kt\x00", "is not a text file"),
@@ -182,6 +190,13 @@ def test_what_is_no_wind_is_refused_in_one_sentence(tmp_path, content, said):
     with pytest.raises(tv.InputError, match=said) as error:
         tv.read_sounding(write(tmp_path, content))
     assert "\n" not in str(error.value)
+
+
+def test_levels_without_a_wind_beyond_all_others_are_left_out(tmp_path):
+    content = table("0,,", "1000,5,90", "2000,6,90", "3000,,")
+    profile = tv.read_sounding(write(tmp_path, content))
+    np.testing.assert_array_equal(profile.height, [1000.0, 2000.0])
+    assert profile.notes == ("2 levels without a wind below or above all winds left out",)
 
 
 def test_files_cut_short_are_refused(tmp_path):

@@ -37,10 +37,10 @@ def _found(text: Text, header: int) -> Found:
 def _read(text: Text, header: int, title: str) -> Levels:
     fields = _fields(text.lines[header])
     speeds = [name for name in _SPEEDS if name in fields]
-    if len(speeds) != 1 or "DRCT" not in fields:
+    if len(speeds) != 1 or not {"HGHT", "DRCT"} <= fields.keys():
         raise text.error(
             header + 1,
-            "the header must name DRCT and either SKNT (knots) or SPED (m/s), which gives the unit",
+            "the header must name HGHT, DRCT and either SKNT (knots) or SPED (m/s), for the unit",
         )
     first = _after_units(text, header, speeds[0])
     line = _lines_of(text, first)
