@@ -44,8 +44,8 @@ def angles_along(
     Raises
     ------
     InputError
-        For a flight that is not four arrays of one length, does not ascend, or does not reach
-        the wind.
+        For a flight that is not four arrays of one length, does not ascend, does not reach the
+        wind, or is slower than the part of the wind across it.
     """
     time, path, speed, climb = _checked(flight)
     low, high = max(height[0], path[0]), min(height[-1], path[-1])
@@ -60,7 +60,15 @@ def angles_along(
     apart = np.append(True, np.diff(when) > 0.0)
     when, known = when[apart], known[apart]
     angle = np.pi / 2 if plane == "yaw" else np.interp(when, time, climb)
-    return when, angle_from_speed(known, np.interp(when, time, speed), angle)
+    flown = np.interp(when, time, speed)
+    across = np.abs(known * np.sin(angle)) >= flown
+    if np.any(across):
+        slow = met[apart][across]
+        raise InputError(
+            f"the wind is faster than the flight can meet, first at {slow[0]:.6g} m; leave out the"
+            f" slow part of the flight with profile.between({slow[-1]:.6g}, ...)"
+        )
+    return when, angle_from_speed(known, flown, angle)
 
 
 def _checked(flight: Flown) -> list[FloatArray]:
