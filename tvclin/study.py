@@ -14,7 +14,7 @@ from tvclin.errors import InputError, instance, one_of, positive, within
 from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
-from tvclin.optimum import optimum_deflection, single_pole_validity
+from tvclin.optimum import Optimum, optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
@@ -182,7 +182,7 @@ class Study:
             forecast_free=_where_defined(forecast_free_limit, plants, shown, history),
             minima={
                 name: best.peak
-                for name, best in _where_defined(optimum_deflection, plants, shown, history).items()
+                for name, best in _where_defined(_optimum, plants, shown, history).items()
             },
             notes=tuple(_notes(plant, history, dead_band, switch)),
             gust=gust,
@@ -200,6 +200,11 @@ def _with_gust(wind: History, gust: History) -> History:
     if gust.batch:
         raise InputError(f"gust must be one history; got a batch of shape {gust.batch}")
     return wind + gust
+
+
+def _optimum(plant: Plant, wind: History) -> Optimum:
+    """The least peak of a control from t = 0 on, or from the onset of a gust before that."""
+    return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
 
 
 def _where_defined(
