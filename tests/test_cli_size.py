@@ -74,9 +74,24 @@ def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
     assert "parameters varying" in result.output
 
 
+def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
+    given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1")
+    document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").output)
+    nominal = tv.Study.from_vehicle(
+        tv.load_schedule("configuration-i").at(66.0), duration=7.5, peak=np.radians(5)
+    )
+    found = tv.disperse_study(nominal)
+    lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
+
+    assert lines["dispersions"] == pytest.approx(
+        np.degrees(found.required.upper - nominal.required_deflection), rel=1e-12
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (("configuration-i", "--count", "trim", "--disperse", *FAST), "--disperse needs a dead"),
         (("nowhere.csv",), "nowhere.csv"),
         (("configuration-i", "--from", "90", "--to", "60"), "--to must not be before --from"),
         (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),

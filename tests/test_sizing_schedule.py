@@ -87,6 +87,7 @@ def test_a_wrong_line_is_named(tmp_path, old, new, words) -> None:
         ("[0.02, 0.01, 0]", "true", "nominal_deflection_deg must be a number"),
         ("[schedule]", "schedule = 3", "must be a table"),
         ("[schedule]", "[schedule", "not valid TOML"),
+        ("[schedule]", "[vehicle]\n[schedule]", "nothing beside"),
         ("name =", "nominal_deflection_rad = 0.1\nname =", "given twice"),
     ],
 )
@@ -134,3 +135,5 @@ def test_times_outside_are_refused(tmp_path) -> None:
         schedule.at(81.0)
     with pytest.raises(InputError, match="no table \\[flight\\]"):
         read(tmp_path, tv.vehicle_file.template(), "mine.toml")
+    with pytest.raises(InputError, match="does not exist; name a flight schedule"):
+        tv.load_schedule(tmp_path / "none.csv")

@@ -62,9 +62,14 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
     """
     side = -np.sign(float(wind.peak))
 
+    times = np.linspace(0.0, 60.0, 6001)
+    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(times), "drift-exact").matrices()
+    table = np.concatenate([A, inputs], axis=-1)
+
     def plant(t):
-        A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(t), "drift-exact").matrices()
-        return A, inputs
+        k = min(int(t * 100.0), 5999)
+        both = table[k] + (t * 100.0 - k) * (table[k + 1] - table[k])
+        return both[:, :3], both[:, 3:]
 
     def trimmed(t, x):
         A, inputs = plant(t)
@@ -76,8 +81,8 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
         return A @ x + inputs @ [delta, alpha]
 
     def leaves(t, x):
-        B = float(tv.Coefficients.from_vehicle(schedule.held(t)).B)
-        return abs(B * float(wind(t))) - K * limit
+        _, inputs = plant(t)
+        return abs(inputs[1, 1] / inputs[1, 0] * float(wind(t))) - K * limit
 
     leaves.terminal = True
     start, end = float(wind.onset), float(wind.end)
@@ -158,6 +163,18 @@ def test_a_wind_that_turns_and_a_calm(configuration_i) -> None:
         found.required["minimum"][0, 0], rel=1e-3
     )
     assert found.required["K = 1, varying"][1, 0] == 0.0
+
+
+def test_a_moment_that_turns_while_the_wind_blows_is_said(configuration_i) -> None:
+    turns = configuration_i.replace(
+        time=[40.0, 60.0, 64.0, 120.0], aerodynamic_arm=[-2.0, -2.0, 9.45, 9.45]
+    )
+    wind = tv.TriangularWind(peak=0.05, duration=8.0)
+    found = tv.size(tv.FlightSchedule(turns), wind, times=[63.0], model="fixed-path", varying=True)
+
+    assert found.required["K = 1"][0, 0] > 0.0
+    assert np.isnan(found.required["K = 1, varying"][0, 0])
+    assert "B changes its sign" in " ".join(found.notes)
 
 
 def test_a_stable_end_of_the_flight_is_refused(configuration_i) -> None:

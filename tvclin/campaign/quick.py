@@ -61,6 +61,14 @@ class DispersedStudy:
     success: Success | None
     drivers: dict[str, float]
 
+    @property
+    def part(self) -> float:
+        """What dispersions add, as a part of the nominal requirement; infinite if not known."""
+        nominal = self.nominal.required_deflection
+        if nominal == 0.0:
+            return 0.0 if self.required.upper == 0.0 else np.inf
+        return self.required.upper / nominal - 1.0
+
 
 def disperse_study(
     study: Study,

@@ -68,6 +68,12 @@ def size(
     dispersion: Annotated[
         float, typer.Option(help="What dispersions add, as a part of the wind's requirement.")
     ] = 0.0,
+    disperse: Annotated[
+        bool,
+        typer.Option(
+            "--disperse", help="Find that part: 2000 cases at the worst time, as of tvclin study."
+        ),
+    ] = False,
     thrust_offset_deg: Annotated[
         float, typer.Option(help="Angle of the thrust off the nozzle's axis, in deg.")
     ] = 0.0,
@@ -112,9 +118,12 @@ def size(
         law=law,
         varying=varying,
     )
+    counted = one_of("--count", count or f"K = {found.dead_bands[0]:g}", found.required)
+    if disperse:
+        dispersion = _dispersed(found, counted, wind, duration, (peak_deg, peak_speed))
     total = worst_total(
         found,
-        one_of("--count", count or f"K = {found.dead_bands[0]:g}", found.required),
+        counted,
         dispersion=dispersion,
         thrust_offset=np.radians(thrust_offset_deg),
         gravity_offset=gravity_offset_m,
@@ -151,6 +160,34 @@ def _winds(
     if peak_speed is not None:
         strength = f"{peak_speed:g} m/s"
     return {f"{shape} wind of {strength}, {duration:g} s": met}
+
+
+def _dispersed(
+    found: "Sizing",
+    counted: str,
+    shape: str,
+    duration: float,
+    peak: tuple[float | None, float | None],
+) -> float:
+    """What dispersions add at the worst flight time, as a part of what is counted there."""
+    from tvclin.campaign import disperse_study
+    from tvclin.errors import InputError
+    from tvclin.study import Study
+
+    bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
+    if counted not in bands or counted not in found.worst:
+        raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
+    vehicle = found.schedule.at(found.worst[counted].time)
+    nominal = Study.from_vehicle(
+        vehicle,
+        wind=shape,
+        duration=duration,
+        peak=peak_angle(vehicle, found.plane, *peak),
+        dead_band=bands[counted],
+        model=found.model,
+        plane=found.plane,
+    )
+    return disperse_study(nominal).part
 
 
 def _times(

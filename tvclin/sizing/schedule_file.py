@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.errors import InputError
+from tvclin.errors import InputError, number
 from tvclin.flight import load_flight_condition
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.units import UNITS
@@ -54,6 +54,8 @@ def load_schedule(
     >>> tv.load_schedule("configuration-i").span
     (41.0, 116.0)
     """
+    if str(source).lower().endswith(".csv") and not Path(source).exists():
+        raise InputError(f"{source} does not exist; name a flight schedule, or a vehicle")
     text, name = vehicle_text(source)
     if Path(name).suffix.lower() == ".csv":
         return _from_rows(_csv_rows(text, name), name)
@@ -100,12 +102,7 @@ def _take_nominal(row: dict[str, Any]) -> float:
     given = [key for key in _NOMINAL if key in row]
     if len(given) > 1:
         raise InputError(f"nominal_deflection is given twice, as {' and '.join(given)}; keep one")
-    for key in given:
-        value = row.pop(key)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{key} must be a number; got {value!r}")
-        return float(value) * _NOMINAL[key]
-    return 0.0
+    return sum(number(key, row.pop(key)) * _NOMINAL[key] for key in given)
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
@@ -150,9 +147,13 @@ def _cell(source: str, place: str, key: str, text: str) -> Any:
 def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
     """The table [schedule] of a TOML file; None where there is none."""
     try:
-        table = tomllib.loads(text).get("schedule")
+        document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{source} is not valid TOML: {error}") from None
+    table = document.get("schedule")
+    others = document.keys() - {"schedule"}
+    if table is not None and others:
+        raise InputError(f"{source}: a schedule has nothing beside [schedule]; got {min(others)!r}")
     if table is not None and not isinstance(table, dict):
         raise InputError(f"{source}: schedule must be a table [schedule]; got {table!r}")
     return table

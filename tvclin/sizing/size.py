@@ -113,11 +113,13 @@ def size(
     ]
     required = _frozen_columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
+    said = [one for row in needs for need in row for one in need.said]
     if varying:
         mode = _growing(schedule, model, plane, placed)
         along = [[_varying(mode, w, bands, switch) for w in row] for row in placed]
         required |= _varying_columns(along, bands)
         required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
+        said += _missing(required, bands)
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     return Sizing(
         schedule=schedule,
@@ -131,7 +133,7 @@ def size(
         switch=switch,
         slow_mode=slow,
         edge=np.array(edges),
-        said=tuple(dict.fromkeys(one for row in needs for need in row for one in need.said)),
+        said=tuple(dict.fromkeys(said)),
         **_circumstances(schedule, plane, vehicles, placed),
     )
 
@@ -166,6 +168,15 @@ def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray, switch: str
     if wind.calm:
         return VaryingNeed(0.0, np.zeros(bands.shape), 0.0)
     return varying_need(mode, wind.in_flight, bands, switch)
+
+
+def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
+    """Why dead bands are defined for frozen parameters and not for varying ones."""
+    for K in bands:
+        frozen, along = (required[f"K = {K:g}{ending}"] for ending in ("", VARYING))
+        if np.any(np.isnan(along) & ~np.isnan(frozen)):
+            return ["B changes its sign while a wind blows: no dead bands, varying, there"]
+    return []
 
 
 def _growing(
