@@ -1,7 +1,9 @@
 """Eqs (12) and (18), element by element; for the formulas see `kernels.limits`.
 
 Eq (12) is written without a branch and without a call, so that the compiler computes several
-elements at once: exponentials and logarithms are series here, right to the last digit.
+elements at once: exponentials and logarithms are series here, right to the last digit. It goes
+through a block in several short loops, because the processor works ahead over the elements of a
+short loop, while in a long one it waits for each result in turn.
 """
 
 from math import exp, expm1, factorial, log, log1p
@@ -9,10 +11,12 @@ from math import exp, expm1, factorial, log, log1p
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled, inlined
+from tvclin.kernels.compiled.compiler import compiled, inlined, lean
 
 FloatArray = NDArray[np.float64]
 
+_BLOCK = 256
+"""Elements whose intermediate results stay in the nearest cache."""
 _EPS = 2.0**-52
 _PER_LN2 = 1.4426950408889634
 _LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10
@@ -20,9 +24,14 @@ _LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 _C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11, _C12, _C13 = (
     1.0 / factorial(k) for k in range(2, 14)
 )
+_WHOLE = 1.5 * 2.0**52
+"""Beside so large a number nothing is left of fractions, and its last bits count the units."""
+_BIAS, _MANTISSA = 1023, 52
+"""Of a number of 64 bits: a power of two is its exponent and the bias, before the mantissa."""
 _DIED = 43.0
 """e^-43 is nothing beside one."""
-_MIDDLE = 1.8
+_SHORT = 0.6
+_MIDDLE = 1.72
 _LOG_MIDDLE = log(_MIDDLE)
 _NEVER = 1e-150
 """Stands for 1 - K where K is one."""
@@ -30,75 +39,119 @@ _NEVER = 1e-150
 
 @compiled
 def triangular(p: FloatArray, K: FloatArray, y: FloatArray) -> None:
-    """Write y of eq (12)."""
+    """Write y of eq (12), which is (1 - e^(-s))/(p (1 - K)) with s + c (1 - e^(-s)) = L."""
+    work = np.empty((3, _BLOCK))
+    for first in range(0, p.size, _BLOCK):
+        last = min(first + _BLOCK, p.size)
+        L, c, s = work[0, : last - first], work[1, : last - first], work[2, : last - first]
+        _begin(p[first:last], K[first:last], L, c)
+        _estimate(L, c, s)
+        _improve(L, c, s)
+        _finish(p[first:last], K[first:last], L, c, s, y[first:last])
+
+
+@lean
+def _begin(p: FloatArray, K: FloatArray, L: FloatArray, c: FloatArray) -> None:
     for i in range(p.size):
-        y[i] = _limit(p[i], K[i])
+        L[i] = _minus_log_R(p[i])
+        c[i] = K[i] / _rest(K[i])
+
+
+@lean
+def _estimate(L: FloatArray, c: FloatArray, s: FloatArray) -> None:
+    for i in range(L.size):
+        s[i] = _start(L[i], c[i])
+
+
+@lean
+def _improve(L: FloatArray, c: FloatArray, s: FloatArray) -> None:
+    for i in range(L.size):
+        s[i] += _step(L[i], c[i], s[i], _expm1(s[i]))
+
+
+@lean
+def _finish(
+    p: FloatArray, K: FloatArray, L: FloatArray, c: FloatArray, s: FloatArray, y: FloatArray
+) -> None:
+    for i in range(p.size):
+        y[i] = _last(L[i], c[i], s[i]) / (p[i] * _rest(K[i]))
 
 
 @inlined
 def _limit(p: float, K: float) -> float:
-    """Solve y = (1 - e^(-s))/(p (1 - K)) with s + c (1 - e^(-s)) = L and c = K/(1 - K).
-
-    Two of Halley's steps, the second with one more of Newton's on its own series.
-    """
-    L = _minus_log_R(p)
-    rest = 1.0 - K
-    rest = _NEVER if rest < _NEVER else rest
-    c = K / rest
-    s = _start(L, c, 0.5)
-    s = _start(L, c, 1.0 - (1.0 + s / 12.0) / (2.0 + s * (0.5 + s / 12.0)))
-    e = _expm1(s)
-    excess, slope = (s - c * e) - L, 1.0 + c * (1.0 + e)
-    s -= excess * slope / (slope * slope + 0.5 * excess * (slope - 1.0))
-    e = _expm1(s)
-    excess, slope = (s - c * e) - L, 1.0 + c * (1.0 + e)
-    t = excess * slope / (slope * slope + 0.5 * excess * (slope - 1.0))
-    change = _small(t)
-    t += (excess - t - (slope - 1.0) * change) / (slope + (slope - 1.0) * change)
-    return -(e + (1.0 + e) * _small(t)) / (p * rest)
+    """Return y of eq (12) for one element."""
+    L, c = _minus_log_R(p), K / _rest(K)
+    s = _start(L, c)
+    s += _step(L, c, s, _expm1(s))
+    return _last(L, c, s) / (p * _rest(K))
 
 
 @inlined
-def _start(L: float, c: float, a: float) -> float:
+def _rest(K: float) -> float:
+    return _NEVER if 1.0 - K < _NEVER else 1.0 - K
+
+
+@inlined
+def _start(L: float, c: float) -> float:
+    """A solution within a fifth: 1 - e^(-s) as s/(1 + a s), with a better a the second time."""
+    s = _hyperbola(L, c, 0.5)
+    return _hyperbola(L, c, 1.0 - (1.0 + s / 12.0) / (2.0 + s * (0.5 + s / 12.0)))
+
+
+@inlined
+def _hyperbola(L: float, c: float, a: float) -> float:
     """The solution if 1 - e^(-s) were s/(1 + a s)."""
     half = 1.0 + c - a * L
     root = np.sqrt(half * half + 4.0 * a * L)
-    side = 1.0 if half > 0.0 else 0.0
-    other = 1.0 - side
-    return (side * 2.0 * L + other * (root - half)) / (side * (root + half) + other * 2.0 * a)
+    positive = half > 0.0
+    return (2.0 * L if positive else root - half) / (root + half if positive else 2.0 * a)
+
+
+@inlined
+def _step(L: float, c: float, s: float, e: float) -> float:
+    """Halley's step from s, where e is e^(-s) - 1."""
+    excess, slope = (s - c * e) - L, 1.0 + c * (1.0 + e)
+    return -excess * slope / (slope * slope + 0.5 * excess * (slope - 1.0))
+
+
+@inlined
+def _last(L: float, c: float, s: float) -> float:
+    """1 - e^(-s) after Halley's step and one of Newton's, on the series of that small step."""
+    e = _expm1(s)
+    excess, bend = (s - c * e) - L, c * (1.0 + e)
+    t = -_step(L, c, s, e)
+    change = _small(t)
+    t += (excess - t - bend * change) / (1.0 + bend + bend * change)
+    return -(e + (1.0 + e) * _small(t))
 
 
 @inlined
 def _minus_log_R(p: float) -> float:
-    """L, by the series of atanh; below p = 1 as -ln(1 - q^2), above as p - ln(1 + q)."""
+    """L, by the series of atanh: of a short wind as -ln(1 - q^2), otherwise as p - ln(1 + q)."""
     q = -_expm1(p)
-    short = 1.0 if p < 1.0 else 0.0
-    long = 1.0 - short
-    above = short * q * q + long * ((1.0 + q) - _MIDDLE)
-    below = short * (2.0 - q * q) + long * ((1.0 + q) + _MIDDLE)
-    w = above / below
+    short = p < _SHORT
+    w = (q * q if short else (1.0 + q) - _MIDDLE) / (2.0 - q * q if short else (1.0 + q) + _MIDDLE)
     x = w * w
-    series = 0.0
-    for k in range(27, 1, -2):
-        series = x * (1.0 / k + series)
-    atanh = 2.0 * (w + w * series)
-    return short * atanh + long * ((p - _LOG_MIDDLE) - atanh)
+    near = (1.0 / 3.0 + x / 5.0) + x * x * (1.0 / 7.0 + x / 9.0)
+    far = (1.0 / 11.0 + x / 13.0) + x * x * (1.0 / 15.0 + x / 17.0)
+    atanh = 2.0 * (w + w * (x * (near + (x * x) * (x * x) * far)))
+    return atanh if short else (p - _LOG_MIDDLE) - atanh
 
 
 @inlined
 def _expm1(s: float) -> float:
-    """e^(-s) - 1 for s >= 0, from e^(-r) with |r| below ln(2)/2 and a power of two."""
+    """e^(-s) - 1 for s >= 0, from e^r with |r| below ln(2)/2 and a power of two."""
     s = _DIED if s > _DIED else s
-    k = np.floor(s * _PER_LN2 + 0.5)
-    r = (k * _LN2 - s) + k * _LN2_REST
-    near = _C8 + r * (_C9 + r * (_C10 + r * (_C11 + r * (_C12 + r * _C13))))
-    near = _C2 + r * (_C3 + r * (_C4 + r * (_C5 + r * (_C6 + r * (_C7 + r * near)))))
-    near = r + r * r * near
-    power = 1.0
-    for bit in (32.0, 16.0, 8.0, 4.0, 2.0, 1.0):
-        there = k >= bit
-        power = power * 0.5**bit if there else power
-        k = k - bit if there else k
+    counted = _WHOLE - s * _PER_LN2
+    k = counted - _WHOLE
+    r = (-s - k * _LN2) - k * _LN2_REST
+    bits = (np.float64(counted).view(np.int64) + _BIAS) << _MANTISSA
+    power = np.int64(bits).view(np.float64)
+    x = r * r
+    low = (_C2 + r * _C3) + x * (_C4 + r * _C5)
+    middle = (_C6 + r * _C7) + x * (_C8 + r * _C9)
+    high = (_C10 + r * _C11) + x * (_C12 + r * _C13)
+    near = r + x * (low + (x * x) * (middle + (x * x) * high))
     return power * near + (power - 1.0)
 
 
