@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import mpmath as mp
@@ -128,7 +129,11 @@ def test_slices_make_up_the_cases(monkeypatch):
     monkeypatch.setattr(threads, "thread_count", lambda: 3)
     done = []
     threads.in_slices(lambda first, last: done.append((first, last)), 1000, 10.0)
-    assert sorted(done) == [(0, 320), (320, 704), (704, 1000)]
+    edges = [first for first, _ in sorted(done)] + [1000]
+    assert sorted(done) == list(pairwise(edges))
+    assert edges[0] == 0
+    assert len(done) > 3  # so that nobody waits long for the slowest
+    assert all(edge % 64 == 0 for edge in edges[:-1])
     done.clear()
     threads.in_slices(lambda first, last: done.append((first, last)), 1000, 0.001)
     assert done == [(0, 1000)]

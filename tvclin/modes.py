@@ -121,9 +121,7 @@ def all_modes(plant: Plant) -> Modes:
         One plant or a batch.
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
-    poles = polynomials.roots(plant.denominator)
-    order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
-    return _with_residues(plant, np.take_along_axis(poles, order, axis=-1))
+    return _with_residues(plant, _all_poles(plant))
 
 
 def unstable_modes(plant: Plant) -> Modes:
@@ -148,12 +146,30 @@ def unstable_modes(plant: Plant) -> Modes:
     >>> tv.unstable_modes(plant).poles.round(5)
     array([0.5102 , 0.01285])
     """
-    every = all_modes(plant).poles
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    return _with_residues(plant, unstable_poles(plant))
+
+
+def unstable_poles(plant: Plant) -> NDArray[Any]:
+    """Return the poles of `unstable_modes` alone, which take a third of the time.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+
+    Returns
+    -------
+    ndarray
+        The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real
+        where all are.
+    """
+    every = _all_poles(plant)
     unstable = growing(every)
     poles = np.where(unstable, every, np.nan)[..., : int(unstable.sum(axis=-1).max(initial=0))]
     if np.iscomplexobj(poles) and np.all((np.imag(poles) == 0.0) | np.isnan(poles)):
         poles = np.real(poles)
-    return _with_residues(plant, poles)
+    return poles
 
 
 def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
@@ -251,6 +267,12 @@ def _final_attitude(
 def _area(history: History) -> FloatArray:
     """The integral of a history that dies out; zero for one that does not."""
     return np.where(history.final_value == 0.0, history.laplace(0.0), 0.0)
+
+
+def _all_poles(plant: Plant) -> NDArray[Any]:
+    poles = polynomials.roots(plant.denominator)
+    order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
+    return np.take_along_axis(poles, order, axis=-1)
 
 
 def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:

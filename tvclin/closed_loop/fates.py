@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels import flight_table as table
-from tvclin.modes import unstable_modes
+from tvclin.modes import unstable_poles
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -23,7 +23,7 @@ def judging_rows(plant: Plant) -> FloatArray:
     one or two real unstable poles, so that nothing can be said of its flights.
     """
     size = int(np.prod(plant.batch))
-    poles = unstable_modes(plant).poles
+    poles = unstable_poles(plant)
     poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
     real = np.all((np.imag(poles) == 0.0) | np.isnan(poles), axis=-1)
     count = np.sum(~np.isnan(poles), axis=-1)

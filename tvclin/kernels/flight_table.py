@@ -161,6 +161,8 @@ class FlightTable:
 
     def take(self, index: NDArray[np.bool_]) -> "FlightTable":
         """Return some of the flights."""
+        if np.all(index):
+            return self
         rows = np.ascontiguousarray(self.rows[:, index])
         own = {name: getattr(self, name)[index] for name in ("which", "free", "driven")}
         return replace(self, rows=rows, **own)

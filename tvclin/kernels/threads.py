@@ -7,8 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-_WORTH = 0.01
-"""A slice that takes fewer seconds is not worth a thread."""
+_WORTH = 0.004
+"""Work of fewer seconds is not worth a thread."""
+_EACH = 4
+"""Slices for each thread: one that is held up leaves its last ones to the others."""
 _ALIGN = 64
 """Slices begin at multiples of so many cases."""
 VARIABLE = "TVCLIN_NUM_THREADS"
@@ -36,12 +38,13 @@ def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> N
         About what all of them take in one thread.
     """
     blocks = -(-cases // _ALIGN)
-    slices = int(min(seconds / _WORTH, blocks))
-    slices = min(thread_count(), slices) if slices > 1 else 1
-    if slices == 1:
+    threads = int(min(seconds / _WORTH, blocks))
+    threads = min(thread_count(), threads) if threads > 1 else 1
+    if threads == 1:
         work(0, cases)
         return
+    slices = min(_EACH * threads, blocks)
     edges = np.minimum(np.linspace(0, blocks, slices + 1).round().astype(int) * _ALIGN, cases)
-    with ThreadPoolExecutor(slices) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         for done in [pool.submit(work, int(a), int(b)) for a, b in pairwise(edges)]:
             done.result()
