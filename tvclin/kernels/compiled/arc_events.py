@@ -4,8 +4,10 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.compiler import lean
+from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
+
+TWO, THREE = np.uint64(2 * lanes.LANES), np.uint64(3 * lanes.LANES)
 
 
 @lean
@@ -219,6 +221,33 @@ def arrive(w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
     _hold(w, i, servo)
     _bound(w, i, servo)
     return cursor
+
+
+@merged
+def due(w):  # type: ignore[no-untyped-def]
+    """Flag the lanes at a knot or at their time, and those whose fate may have become known."""
+    now_, left, until = row(lanes.NOW), row(lanes.LEFT), row(table.UNTIL)
+    end, patience, fate = row(table.END), row(table.PATIENCE), row(lanes.FATE)
+    reach_, ratio, calm = row(table.REACH), row(table.RATIO), row(table.CALM)
+    quiet, flag = row(lanes.QUIET), row(lanes.FLAG)
+    fast_, slow_ = row(table.FAST), row(table.SLOW)
+    theta, rate = at(lanes.THETA, 0), at(lanes.RATE, 0)
+    path, speed = at(lanes.PATH, 0), at(lanes.SPEED, 0)
+    for i in range(ALL):
+        now, reach = w[now_ + i], w[reach_ + i]
+        fast = w[fast_ + i] * w[theta + i] + w[fast_ + ALL + i] * w[rate + i]
+        fast += w[fast_ + TWO + i] * w[path + i] + w[fast_ + THREE + i] * w[speed + i]
+        slow = w[slow_ + i] * w[theta + i] + w[slow_ + ALL + i] * w[rate + i]
+        slow += w[slow_ + TWO + i] * w[path + i] + w[slow_ + THREE + i] * w[speed + i]
+        after = (now >= w[end + i]) & (w[fate + i] == 0.0)
+        large = (abs(fast) >= table.SETTLED * reach) | (abs(slow) >= table.SETTLED * reach)
+        since = w[quiet + i]
+        since = now if after & large else since
+        known = (abs(fast) >= reach) | (w[ratio + i] > 0.0) | (now - since >= w[calm + i])
+        passed = (w[left + i] <= 0.0) | (now >= w[until + i])
+        passed |= (after & known) | (now >= w[end + i] + w[patience + i])
+        w[quiet + i] = since
+        w[flag + i] = 1.0 if passed else 0.0
 
 
 @lean

@@ -4,7 +4,7 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.compiler import lean
+from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
 
@@ -121,7 +121,7 @@ def _path(w, k):  # type: ignore[no-untyped-def]
         w[speed_next + i] = w[turning + i] * w[path + i] * share
 
 
-@lean
+@merged
 def lengths(w):  # type: ignore[no-untyped-def]
     """Choose the steps: the last two terms stay within the tolerance, and no knot is passed.
 
@@ -150,7 +150,7 @@ def lengths(w):  # type: ignore[no-untyped-def]
         w[step + i] = h if h < w[left + i] else w[left + i]
 
 
-@lean
+@merged
 def sums(w, number):  # type: ignore[no-untyped-def]
     """Sum a series and its slope at the ends of the steps."""
     start, value, slope = at(number, 0), row(lanes.VALUE + number), row(lanes.SLOPE + number)
@@ -165,22 +165,23 @@ def sums(w, number):  # type: ignore[no-untyped-def]
         w[slope + i] = rise
 
 
-@lean
-def leaving(w, number, low, high):  # type: ignore[no-untyped-def]
+@merged
+def leaving(w, number, least_, most_):  # type: ignore[no-untyped-def]
     """Flag the lanes in which a series may leave its bounds within the step."""
     start, slope = at(number, 0), at(number, 1)
     end, end_slope = row(lanes.VALUE + number), row(lanes.SLOPE + number)
-    least, most, step, flag = row(low), row(high), row(lanes.STEP), row(lanes.FLAG)
+    least, most, step, flag = row(least_), row(most_), row(lanes.STEP), row(lanes.FLAG)
     for i in range(ALL):
         a, b, rise, fall = w[start + i], w[end + i], w[slope + i], w[end_slope + i]
+        low, high, flagged = w[least + i], w[most + i], w[flag + i]
         one, other = a + rise * w[step + i], b - fall * w[step + i]
-        out = (b > w[most + i]) | (b < w[least + i])
-        out |= (rise > 0.0) & (fall < 0.0) & (min(one, other) > w[most + i])
-        out |= (rise < 0.0) & (fall > 0.0) & (max(one, other) < w[least + i])
-        w[flag + i] = 1.0 if out else w[flag + i]
+        out = (b > high) | (b < low)
+        out |= (rise > 0.0) & (fall < 0.0) & (min(one, other) > high)
+        out |= (rise < 0.0) & (fall > 0.0) & (max(one, other) < low)
+        w[flag + i] = 1.0 if out else flagged
 
 
-@lean
+@merged
 def topping(w, number, top, share):  # type: ignore[no-untyped-def]
     """Raise the largest size of a series by both ends, and flag lanes with a summit between.
 
@@ -193,12 +194,12 @@ def topping(w, number, top, share):  # type: ignore[no-untyped-def]
     for i in range(ALL):
         a, b = w[part + i] * w[start + i], w[part + i] * w[end + i]
         rise, fall = w[part + i] * w[slope + i], w[part + i] * w[end_slope + i]
-        known = max(w[highest + i], abs(a), abs(b))
+        known, flagged = max(w[highest + i], abs(a), abs(b)), w[flag + i]
         one, other = a + rise * w[step + i], b - fall * w[step + i]
         beyond = (rise > 0.0) & (fall < 0.0) & (min(one, other) > known)
         beyond |= (rise < 0.0) & (fall > 0.0) & (max(one, other) < -known)
         w[highest + i] = known
-        w[flag + i] = 1.0 if beyond else w[flag + i]
+        w[flag + i] = 1.0 if beyond else flagged
 
 
 @lean

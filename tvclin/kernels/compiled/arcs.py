@@ -4,9 +4,9 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.arc_events import arrive, judged, meet, summit, switch
+from tvclin.kernels.compiled.arc_events import arrive, due, judged, meet, summit, switch
 from tvclin.kernels.compiled.arc_series import advance, leaving, lengths, series, sums, topping
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.lanes import ALL, LANES, at, row
 
 
@@ -17,19 +17,19 @@ def fly(rows, order, servo, knots, wind, which, first, last, out):  # type: igno
     for start in range(first, last, LANES):
         cases = np.minimum(np.arange(start, start + LANES), last - 1)
         cursor, alive = _begun(w, rows, servo, knots, wind, which, cases)
-        fate, count = np.zeros(LANES, np.int64), np.zeros(LANES, np.int64)
-        while np.any(alive):
+        for _ in range(table.MOST):
             _step(w, order, servo, wind.shape[2] - 1, alive)
+            due(w)
             for i in range(ALL):
-                if alive[i]:
-                    count[i] += 1
-                    alive[i] = count[i] < table.MOST
+                if alive[i] and w[row(lanes.FLAG) + i] != 0.0:
                     if w[row(lanes.LEFT) + i] <= 0.0:
                         gust = which[cases[i]]
                         cursor[i] = arrive(w, i, cursor[i], knots[gust], wind[gust], servo)
-                    _judge(w, i, fate, alive)
+                    alive[i] = _goes_on(w, i)
                     if not alive[i] and np.int64(i) < last - start:
-                        _write(w, i, fate[i], out[:, cases[i]])
+                        _write(w, i, out[:, cases[i]])
+            if not np.any(alive):
+                break
 
 
 @compiled
@@ -82,7 +82,7 @@ def _step(w, order, servo, degree, alive):  # type: ignore[no-untyped-def]
             switch(w, i, met[i], sides[i], servo)
 
 
-@compiled
+@lean
 def _peaks(w):  # type: ignore[no-untyped-def]
     flag = row(lanes.FLAG)
     w[flag : flag + ALL] = 0.0
@@ -100,22 +100,23 @@ def _peaks(w):  # type: ignore[no-untyped-def]
             summit(w, lanes.ALPHA, i, lanes.TOP_ALPHA, lanes.ONE)
 
 
-@compiled
-def _judge(w, i, fate, alive):  # type: ignore[no-untyped-def]
-    """End a lane that has come to its time, or whose fate is known and was all that was asked."""
+@lean
+def _goes_on(w, i):  # type: ignore[no-untyped-def]
+    """Judge a lane; end it at its time, or when its fate is known and was all that was asked."""
     now, until = w[row(lanes.NOW) + i], w[row(table.UNTIL) + i]
     end, patience = w[row(table.END) + i], w[row(table.PATIENCE) + i]
-    if now >= end and fate[i] == table.UNDECIDED:
-        fate[i] = judged(w, i)
-    known = fate[i] != table.UNDECIDED or now >= end + patience
-    if now >= until or (known and until == np.inf):
-        alive[i] = False
-    if not alive[i]:
+    fate = row(lanes.FATE) + i
+    if now >= end and w[fate] == table.UNDECIDED:
+        w[fate] = judged(w, i)
+    known = w[fate] != table.UNDECIDED or now >= end + patience
+    ended = now >= until or (known and until == np.inf)
+    if ended:
         w[row(lanes.LEFT) + i] = 0.0
+    return not ended
 
 
-@compiled
-def _write(w, i, fate, out):  # type: ignore[no-untyped-def]
+@lean
+def _write(w, i, out):  # type: ignore[no-untyped-def]
     """Write the results of a lane that has ended; the lane goes on standing still."""
     now, start = w[row(lanes.NOW) + i], w[row(table.START) + i]
     out[table.PEAK_ATTITUDE] = w[row(lanes.TOP_THETA) + i]
@@ -127,4 +128,4 @@ def _write(w, i, fate, out):  # type: ignore[no-untyped-def]
     out[table.FINAL_ATTITUDE] = w[at(lanes.THETA, 0) + i]
     out[table.ENDED] = now
     out[table.SATURATED] = w[row(lanes.FULL) + i] / max(now - start, 1e-300)
-    out[table.FATE] = fate
+    out[table.FATE] = w[row(lanes.FATE) + i]

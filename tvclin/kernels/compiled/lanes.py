@@ -50,8 +50,9 @@ _FIRST = table.ROWS
     FULL,
     QUIET,
     ONE,
+    FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 30)
+) = range(_FIRST, _FIRST + 31)
 """Rows beside those of the table: time, regions, bounds of what is watched, and peaks."""
 SLOPE = VALUE + SERIES
 SIZE = (SERIES * TERMS + SLOPE + SERIES) * LANES
