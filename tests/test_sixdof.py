@@ -457,7 +457,7 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "a flight is of one vehicle": lambda: fly(
             vehicle=configuration_i.replace(thrust=[2e6, 3e6])
         ),
-        "a flight is in one wind": lambda: fly(
+        "wind must be one history": lambda: fly(
             wind=tv.TriangularWind(peak=[0.1, 0.2], duration=1.0)
         ),
         "an angle that a horizontal wind can make": lambda: fly(

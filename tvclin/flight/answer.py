@@ -5,9 +5,8 @@ from math import radians
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from tvclin.errors import InputError, finite
 from tvclin.histories import History
 
 if TYPE_CHECKING:
@@ -18,23 +17,6 @@ FloatArray = NDArray[np.float64]
 FARTHEST = radians(25.0)
 """Attitude [rad] from the nominal beyond which forces linear in alpha are no model of anything."""
 OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", "deflection")
-
-
-def flight_times(timepts: ArrayLike) -> FloatArray:
-    """Return one row of times [s]; `InputError` for anything else."""
-    times = finite("timepts", timepts, "s")
-    if times.ndim != 1 or not times.size:
-        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
-    return times
-
-
-def begins_in_time(name: str, history: History, start: float) -> None:
-    """Raise `InputError` unless a history begins with the flight or later."""
-    if history.onset < start:
-        raise InputError(
-            f"{name} must not begin before the flight, at {start:.6g} s; got {name} from"
-            f" {float(history.onset):.6g} s on"
-        )
 
 
 def flight_response(

@@ -2,8 +2,12 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from tvclin.autopilot import Actuator, Autopilot
-from tvclin.errors import InputError, instance, within
+from tvclin.closed_loop.checks import check_actuator, check_rate_limit
+from tvclin.errors import InputError, instance, number, positive, within
+from tvclin.flight.door import check_one
 from tvclin.histories import History
 from tvclin.laws import Law, SaturatedLaw
 
@@ -36,14 +40,43 @@ Control = History | Law | Autopilot | ReportControl
 """What can fly."""
 
 
-def law_and_actuator(control: object, actuator: Actuator | None) -> tuple[Law, Actuator | None]:
-    """Return the law of a law or an autopilot, and the actuator, which an autopilot may bring.
+@dataclass(frozen=True, eq=False)
+class Command:
+    """What turns the nozzle, and through what, checked; make it with `command_of`.
+
+    Attributes
+    ----------
+    control : History, ReportControl or Law
+        What asks for a deflection.
+    actuator : Actuator or None
+        What lies between a law and the nozzle.
+    rate_limit : float
+        Largest deflection rate [rad/s] of a law.
+    """
+
+    control: History | ReportControl | Law
+    actuator: Actuator | None = None
+    rate_limit: float = np.inf
+
+
+def command_of(
+    control: object, start: float, actuator: Actuator | None = None, rate_limit: float = np.inf
+) -> Command:
+    """Return what turns the nozzle of a flight that begins at a time [s].
 
     Raises
     ------
     InputError
-        For anything else, for an autopilot with a delay, and for two actuators.
+        For what is no control, histories in a batch or from before the flight, an autopilot with
+        a delay, two actuators, and hardware without a law.
     """
+    most = check_rate_limit(rate_limit)
+    if isinstance(control, History | ReportControl):
+        if actuator is not None or most < np.inf:
+            raise InputError("actuator and rate_limit belong to a law or an autopilot")
+        if isinstance(control, History):
+            check_one("control", control, start)
+        return Command(control)
     if isinstance(control, Autopilot):
         if control.delay != 0.0:
             raise InputError("an autopilot with a delay is not flown; leave the delay out")
@@ -51,6 +84,17 @@ def law_and_actuator(control: object, actuator: Actuator | None) -> tuple[Law, A
             raise InputError("actuator must be left out: the autopilot has one")
         actuator = control.actuator or actuator
         control = SaturatedLaw(replace(control, actuator=None))
+    check_actuator(actuator)
     instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
     assert isinstance(control, Law)
-    return control, actuator
+    return Command(control, actuator, most)
+
+
+def limit_of(control: object, deflection_limit: float) -> float:
+    """Return the deflection limit [rad]; `InputError` unless it is positive.
+
+    Only a history may do without one.
+    """
+    if isinstance(control, History) and deflection_limit == np.inf:
+        return np.inf
+    return number("deflection_limit", deflection_limit, positive, "rad")

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.autopilot import Actuator
-from tvclin.closed_loop.checks import check_actuator
 from tvclin.closed_loop.continuous import Arc, ContinuousFlight, smooth_piece
 from tvclin.errors import InputError, ending, instance
 from tvclin.flight.answer import FARTHEST
 from tvclin.flight.condition import FlightCondition
-from tvclin.flight.control import Control, ReportControl, law_and_actuator
+from tvclin.flight.control import Command, ReportControl
+from tvclin.flight.door import check_one
 from tvclin.flight.planar.equations import PlanarMotion
 from tvclin.flight.trajectory import nominal_flight
 from tvclin.histories import History
@@ -70,30 +69,25 @@ class PlanarCase:
     wind: History
     span: tuple[float, float]
 
-    def flown(
-        self,
-        control: Control,
-        limit: float,
-        actuator: Actuator | None = None,
-        rate_limit: float = np.inf,
-    ) -> Flown:
-        """Return the flight of a control from rest; `InputError` for one that cannot fly."""
-        if isinstance(control, History | ReportControl) and (
-            actuator is not None or rate_limit < np.inf
-        ):
-            raise InputError("actuator and rate_limit belong to a law or an autopilot")
+    def flown(self, command: Command, limit: float) -> Flown:
+        """Return the flight of a command from rest, within a limit [rad].
+
+        Raises
+        ------
+        InputError
+            For noise, and a rate limit without an actuator.
+        """
+        control, actuator, rate_limit = command.control, command.actuator, command.rate_limit
         if isinstance(control, History):
             return self._by_history(control, limit)
         if isinstance(control, ReportControl):
             design = Plant.from_vehicle(self.motion.vehicle, plane=self.motion.plane)
-            law: Law = _TrimThenHold(design, dead_band=control.dead_band)
-        else:
-            law, actuator = law_and_actuator(control, actuator)
+            control = _TrimThenHold(design, dead_band=control.dead_band)
+        law: Law = control
         if law.rate_noise[0]:
             raise InputError("noise belongs to samples, and this flight has none; leave it out")
         if rate_limit < np.inf and actuator is None:
             raise InputError("a rate_limit needs an actuator")
-        check_actuator(actuator)
         start, stop = self.span
         flight = ContinuousFlight(
             self.motion, law, self.wind, limit, rate_limit, actuator, FARTHEST
@@ -104,8 +98,6 @@ class PlanarCase:
     def _by_history(self, control: History, limit: float) -> Flown:
         from scipy.integrate import solve_ivp
 
-        if control.batch:
-            raise InputError(f"control must be one history; got a batch of shape {control.batch}")
         start, stop = self.span
         knots = np.concatenate([self.wind.knots, control.knots])
         inside = knots[(knots > start) & (knots < stop)]
@@ -158,9 +150,7 @@ def planar_case(
 ) -> PlanarCase:
     """Return the case of a vehicle in a wind over a span of time [s]; as of `fly_planar`."""
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    instance("wind", wind, History, "such as TriangularWind")
-    if wind.batch:
-        raise InputError(f"a flight is in one wind; got a batch of shape {wind.batch}")
+    check_one("wind", wind, span[0])
     ending("wind", wind.end)
     nominal = None
     if condition is not None:

@@ -6,16 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.autopilot import Actuator
-from tvclin.closed_loop.checks import check_rate_limit
-from tvclin.errors import number, positive
-from tvclin.flight.answer import (
-    begins_in_time,
-    flight_response,
-    flight_times,
-    warn_of_the_end,
-)
+from tvclin.flight.answer import flight_response, warn_of_the_end
 from tvclin.flight.condition import FlightCondition
-from tvclin.flight.control import Control
+from tvclin.flight.control import Control, command_of, limit_of
+from tvclin.flight.door import flight_times
 from tvclin.flight.planar.case import planar_case
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
@@ -102,13 +96,8 @@ def fly_planar(
     times = flight_times(timepts)
     span = (float(times.min()), float(times.max()))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
-    begins_in_time("wind", wind, span[0])
-    limit = deflection_limit
-    if isinstance(control, History):
-        begins_in_time("control", control, span[0])
-    if not (isinstance(control, History) and limit == np.inf):
-        limit = number("deflection_limit", deflection_limit, positive, "rad")
-    flown = case.flown(control, limit, actuator, check_rate_limit(rate_limit))
+    command = command_of(control, span[0], actuator, rate_limit)
+    flown = case.flown(command, limit_of(control, deflection_limit))
     if np.isfinite(flown.end):
         warn_of_the_end(flown.end)
     rows = flown.rows(times)

@@ -7,7 +7,7 @@ import numpy as np
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError
 from tvclin.flight.condition import FlightCondition
-from tvclin.flight.control import ReportControl
+from tvclin.flight.control import Command, ReportControl
 from tvclin.flight.falls import has_survived, watched_until
 from tvclin.flight.planar.case import planar_case
 from tvclin.histories import History
@@ -49,7 +49,7 @@ def planar_verdict(
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
 
     def survives(limit: float) -> bool:
-        flown = case.flown(ReportControl(dead_band), limit)
+        flown = case.flown(Command(ReportControl(dead_band)), limit)
         rate = flown.rows(np.array([min(flown.end, span[1])]))[1, 0]
         return has_survived(float(rate), wind, beta)
 

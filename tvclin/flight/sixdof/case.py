@@ -5,12 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.closed_loop.airframe import Nozzle
 from tvclin.coefficients import PLANES, Coefficients
 from tvclin.errors import InputError, instance, number, one_of, within
-from tvclin.flight.answer import OUTPUTS, begins_in_time
+from tvclin.flight.answer import OUTPUTS
+from tvclin.flight.control import Command, ReportControl
+from tvclin.flight.door import check_one
 from tvclin.flight.sixdof.airframe import borrowed
 from tvclin.flight.sixdof.earth import Earth
-from tvclin.flight.sixdof.steering import Steering, step_means
+from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
 
@@ -19,6 +22,8 @@ FloatArray = NDArray[np.float64]
 _SHORTEST, _LONGEST = 1e-4, 0.02
 _PER_STEP = 0.05
 """Most that the airframe's own motion may go on in a step; errors are of its square."""
+_PER_SERVO = 0.5
+"""Most of the actuator's 1/omega_n that a step may be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,14 +88,33 @@ class SixDof:
 
     def air(self, wind: History, start: float, stop: float) -> Air:
         """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
-        instance("wind", wind, History, "such as TriangularWind")
-        if wind.batch:
-            raise InputError(f"a flight is in one wind; got a batch of shape {wind.batch}")
-        begins_in_time("wind", wind, start)
+        check_one("wind", wind, start)
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
         angles = step_means(wind, times, self.step)
         return Air(wind, times, angles, self._speeds(angles))
+
+    def steering(self, command: Command, limit: float, air: Air) -> Steering:
+        """Return what turns the nozzle within a limit [rad], step by step.
+
+        Raises
+        ------
+        InputError
+            For a step too large for the actuator.
+        """
+        control, actuator = command.control, command.actuator
+        if isinstance(control, History):
+            return by_history(control, air.times, self.step, limit)
+        if isinstance(control, ReportControl):
+            B = float(self.coefficients.B)
+            return TrimThenHold(B, limit, control.dead_band, air.wind, air.times, self.step)
+        if actuator is not None and self.step * float(actuator.natural_frequency) > _PER_SERVO:
+            raise InputError(
+                f"step must be at most {_PER_SERVO / float(actuator.natural_frequency):.6g} s for"
+                f" an actuator of {actuator.natural_frequency:.6g} rad/s; got {self.step:.6g} s"
+            )
+        nozzle = Nozzle(actuator, command.rate_limit, self.step)
+        return by_law(control, nozzle, limit, air.times.size)
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""

@@ -6,20 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
-from tvclin.closed_loop.airframe import Nozzle
-from tvclin.closed_loop.checks import check_actuator, check_rate_limit
-from tvclin.errors import InputError, number, positive
-from tvclin.flight.answer import (
-    FARTHEST,
-    begins_in_time,
-    flight_response,
-    flight_times,
-    warn_of_the_end,
-)
-from tvclin.flight.control import Control, ReportControl, law_and_actuator
+from tvclin.flight.answer import FARTHEST, flight_response, warn_of_the_end
+from tvclin.flight.control import Control, command_of, limit_of
+from tvclin.flight.door import flight_times
 from tvclin.flight.sixdof.case import Air, SixDof
 from tvclin.flight.sixdof.earth import Earth
-from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
 
@@ -27,9 +18,6 @@ if TYPE_CHECKING:
     from control import TimeResponseData
 
 FloatArray = NDArray[np.float64]
-
-_PER_STEP = 0.5
-"""Most of the actuator's 1/omega_n that a step may be."""
 
 
 def fly_sixdof(
@@ -112,44 +100,10 @@ def fly_sixdof(
     case = SixDof(vehicle, plane, drift, step, earth)
     times = flight_times(timepts)
     air = case.air(wind, float(times.min()), float(times.max()))
-    steering = _steering(case, control, air, deflection_limit, actuator, rate_limit)
-    return _response(times, air, case.flown(steering, air), f"{vehicle.name or 'vehicle'}, {plane}")
-
-
-def _steering(
-    case: SixDof,
-    control: Control,
-    air: Air,
-    deflection_limit: float,
-    actuator: Actuator | None,
-    rate_limit: float,
-) -> Steering:
-    most = check_rate_limit(rate_limit)
-    limit = deflection_limit
-    if not (isinstance(control, History) and limit == np.inf):
-        limit = number("deflection_limit", deflection_limit, positive, "rad")
-    if isinstance(control, History | ReportControl) and (actuator is not None or most < np.inf):
-        raise InputError("actuator and rate_limit belong to a law or an autopilot")
-    if isinstance(control, History):
-        if control.batch:
-            raise InputError(f"control must be one history; got a batch of shape {control.batch}")
-        begins_in_time("control", control, float(air.times[1]))
-        return by_history(control, air.times, case.step, limit)
-    if isinstance(control, ReportControl):
-        B = float(case.coefficients.B)
-        return TrimThenHold(B, limit, control.dead_band, air.wind, air.times, case.step)
-    law, actuator = law_and_actuator(control, actuator)
-    _check_step(actuator, case.step)
-    return by_law(law, Nozzle(actuator, most, case.step), limit, air.times.size)
-
-
-def _check_step(actuator: Actuator | None, step: float) -> None:
-    check_actuator(actuator)
-    if actuator is not None and step * float(actuator.natural_frequency) > _PER_STEP:
-        raise InputError(
-            f"step must be at most {_PER_STEP / float(actuator.natural_frequency):.6g} s for an"
-            f" actuator of {actuator.natural_frequency:.6g} rad/s; got {step:.6g} s"
-        )
+    command = command_of(control, float(times.min()), actuator, rate_limit)
+    limit = limit_of(control, deflection_limit)
+    rows = case.flown(case.steering(command, limit, air), air)
+    return _response(times, air, rows, f"{vehicle.name or 'vehicle'}, {plane}")
 
 
 def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> "TimeResponseData":

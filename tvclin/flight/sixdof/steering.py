@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle
 from tvclin.histories import History
-from tvclin.kernels.propagation import exponentials
+from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law, Seen
 
 FloatArray = NDArray[np.float64]
@@ -114,13 +114,13 @@ def by_law(law: Law, nozzle: Nozzle, limit: float, count: int) -> Steering:
     asked = _command(law, limit, nozzle.length, count)
     if nozzle.jumps:
         return asked
-    free, driven = nozzle.matrices()
+    free, pulled = nozzle.matrices()
     most, reach = nozzle.rate_limit, nozzle.rate_limit * nozzle.length
     servo, command = np.zeros(nozzle.order), 0.0
 
     def followed(k: int, seen: Seen) -> float:
         nonlocal servo, command
-        moved = free @ servo + driven * command
+        moved = free @ servo + pulled * command
         if most < np.inf:
             moved[0] = servo[0] + np.clip(moved[0] - servo[0], -reach, reach)
             moved[1:] = np.clip(moved[1:], -most, most)
@@ -159,8 +159,5 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
 def _memory_step(law: Law, step: float) -> tuple[FloatArray, FloatArray]:
     """Return what takes the states of a law, and what it sees, to its states one step later."""
     F, G = law.states
-    size = len(F)
-    driven = np.zeros((size + G.shape[1],) * 2)
-    driven[:size, :size], driven[:size, size:] = F, G
-    whole = exponentials(driven, np.array([step]))[0]
-    return whole[:size, :size], whole[:size, size:]
+    whole = exponentials(driven(F, G), np.array([step]))[0]
+    return whole[: len(F), : len(F)], whole[: len(F), len(F) :]
