@@ -46,11 +46,11 @@ def test_sixdof_flight_with_a_law_in_python(benchmark, bare):
 
 def test_sixdof_flight_of_the_reports_control(benchmark, bare):
     case = SixDof(VEHICLE)
-    air, B = case.air(WIND, 0.0, 15.0), case.coefficients.B
+    air, trim = case.air(WIND, 0.0, 15.0), tv.TrimLaw(tv.Plant.from_vehicle(VEHICLE))
 
     ratio(
         benchmark,
-        lambda: case.flown(TrimThenHold(B, 0.00123, 1.0, WIND, air.times, 0.01), air),
+        lambda: case.flown(TrimThenHold(trim, 0.00123, 1.0, WIND, air.times, 0.01), air),
         bare,
         peer_name="steps of JSBSim alone",
         floor="JSBSim's step, and six properties read and set",

@@ -13,7 +13,10 @@ import tvclin as tv
 from tests.planar import random_vehicle
 from tvclin.closed_forms import rectangular_limit, triangular_limit
 from tvclin.closed_responses import triangular_attitude
+from tvclin.flight import load_flight_condition, nominal_flight
+from tvclin.flight.sixdof.airframe import Airframe
 from tvclin.flight.sixdof.case import SixDof
+from tvclin.flight.sixdof.departure import course_of
 from tvclin.flight.sixdof.engine import Engine
 from tvclin.flight.sixdof.model import DEFLECTIONS, model_xml, planet_xml
 from tvclin.units import FOOT
@@ -235,6 +238,70 @@ def test_a_part_of_the_thrust_may_be_what_is_turned(configuration_i):
 
 
 EARTH = tv.Earth(latitude=-0.5, heading=2.0)
+CONDITION = load_flight_condition("configuration-i")
+
+
+def at_its_time(vehicle, peak=DEGREE):
+    """Return the triangle with its peak at the vehicle's own time, and times up to its end."""
+    wind = triangle(vehicle, peak)
+    wind = wind.shift(vehicle.time - wind.duration / 2)
+    return wind, np.linspace(float(wind.onset), float(wind.end), 41)
+
+
+@pytest.mark.parametrize(("plane", "peak"), [("pitch", -3 * DEGREE), ("yaw", DEGREE)])
+def test_along_the_trajectory_it_flies_as_the_equations_of_the_report(configuration_i, plane, peak):
+    """Another solver, atmosphere and nominal flight; deviations agree, in the wind's measure."""
+    wind, times = at_its_time(configuration_i, peak)
+    limit = 0.8 * tv.Coefficients.from_vehicle(configuration_i).B * abs(peak)
+    options = {"deflection_limit": limit, "plane": plane, "condition": CONDITION}
+    bent = tv.HeldDeflection(limit=-np.sign(peak) * 0.4 * limit, start=float(wind.onset) + 1.0)
+    for control in (tv.ReportControl(0.7), bent):
+        flown, planar = (
+            fly(configuration_i, control, wind, times, **options)
+            for fly in (tv.fly_sixdof, tv.fly_planar)
+        )
+        size = np.abs(planar.outputs[0]).max()
+        assert size > 0.2 * abs(peak)
+        off = np.abs(flown.outputs - planar.outputs).max(axis=1) / max(size, abs(peak))
+        assert max(off[:3]) < 1e-3
+        assert off[3] < 2e-3  # the end of a jump or a bend is felt up to half a step early
+
+
+@pytest.mark.parametrize(("plane", "planar"), [("pitch", 0.62851), ("yaw", 0.64810)])
+def test_the_boundary_along_the_trajectory_is_that_of_planar_flights(
+    configuration_i, plane, planar
+):
+    """To which test_planar.py holds the planar engine, and a flight to another integration."""
+    wind, _ = at_its_time(configuration_i)
+    flown = in_jsbsim(
+        configuration_i, wind, plane=plane, frozen=False, condition=CONDITION, tolerance=2e-4
+    )
+
+    assert flown.limit == pytest.approx(planar, abs=5e-4)
+
+
+def test_the_nominal_flight_of_the_engine_is_the_gravity_turn(configuration_i):
+    """Mass, air, speed and path at its end, and no angle of attack; the air to a part in 10^5."""
+    times = np.arange(62.0, 72.0, 0.01)
+    course = course_of(configuration_i, CONDITION, times)
+    airframe = Airframe(course.vehicle, "pitch", True, 0.01, course.departure)
+    still = np.zeros(times.size)
+    rows = airframe.fly(lambda k, seen: 0.0, still, still, course.rows)
+    nominal = nominal_flight(configuration_i, CONDITION, start=62.0, stop=72.0)
+    speed, path, altitude = nominal.states(times[-1])
+    read = airframe.engine.reader
+    slug = 0.45359237 * 9.80665 / 0.3048
+
+    assert not np.any(rows)
+    assert read("velocities/vt-fps")() * FOOT == pytest.approx(speed, rel=1e-5)
+    assert read("flight-path/gamma-rad")() == pytest.approx(path, rel=1e-5)
+    assert read("position/h-sl-ft")() * FOOT == pytest.approx(altitude, rel=1e-5)
+    assert read("inertia/mass-slugs")() * slug == pytest.approx(nominal.mass(times[-1]), rel=1e-9)
+    assert read("inertia/iyy-slugs_ft2")() * slug * FOOT**2 == pytest.approx(2.25e7, rel=1e-12)
+    assert read("aero/qbar-psf")() * 47.880259 == pytest.approx(
+        nominal.dynamic_pressure(times[-1]), rel=2e-5
+    )
+    assert abs(read("aero/alpha-rad")()) < 1e-6
 
 
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])
@@ -394,6 +461,19 @@ def test_a_history_is_limited(configuration_i):
     assert flown.outputs["deflection"][-1] == 0.002
 
 
+@pytest.mark.parametrize(("law", "linear"), [("trim", 0.6545), ("recoverable attitude", 0.3895)])
+def test_a_law_needs_in_six_degrees_what_it_needs_in_the_linear_theory(
+    configuration_i, law, linear
+):
+    """The linear values are those of `closed_loop_boundary` at 100 Hz, in 7.5 s."""
+    plant = drifting(configuration_i)
+    wind = tv.TriangularWind(peak=DEGREE, duration=7.5)
+    chosen = tv.standard_laws(plant, DEGREE)[law]
+    flown = in_jsbsim(configuration_i, wind, law=chosen, tolerance=2e-3)
+
+    assert flown.limit == pytest.approx(linear, abs=5e-3)
+
+
 def test_a_flight_ends_where_the_model_does(configuration_i):
     wind, times = triangle(configuration_i, 5 * DEGREE), np.linspace(0.0, 12.0, 121)
     with pytest.warns(UserWarning, match=r"ends at t = \d\.\d+ s.*more than 25 deg") as caught:
@@ -467,7 +547,15 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "engine must be one of planar, sixdof": lambda: in_jsbsim(
             configuration_i, wind, engine="seven"
         ),
-        "flies frozen parameters only": lambda: in_jsbsim(configuration_i, wind, frozen=False),
+        "condition must be given exactly when": lambda: in_jsbsim(
+            configuration_i, wind, frozen=False
+        ),
+        "condition must be left out over the Earth": lambda: fly(condition=CONDITION, earth=EARTH),
+        "without drift": lambda: fly(condition=CONDITION, drift=False),
+        "condition must be a FlightCondition": lambda: fly(condition=12e3),
+        "dead_band belongs to the report's control": lambda: in_jsbsim(
+            configuration_i, wind, 0.5, law=law
+        ),
         "1.5 times the largest trim deflection": lambda: in_jsbsim(
             configuration_i, wind, engine=lambda *given, **named: lambda limit: False
         ),
@@ -489,13 +577,13 @@ def test_the_bisection_knows_nothing_of_the_engine(configuration_i):
     wind, asked = triangle(configuration_i), []
     scale = tv.Coefficients.from_vehicle(configuration_i).B * DEGREE
 
-    def engine(vehicle, gust, dead_band, *, plane, frozen):
-        asked.append((vehicle, gust, dead_band, plane, frozen))
+    def engine(vehicle, gust, control, *, plane, frozen):
+        asked.append((vehicle, gust, control, plane, frozen))
         return lambda limit: limit >= 0.4321 * scale
 
     found = tv.flown_boundary(configuration_i, wind, 0.3, engine=engine, tolerance=1e-3)
 
-    assert asked == [(configuration_i, wind, 0.3, "pitch", True)]
+    assert asked == [(configuration_i, wind, tv.ReportControl(0.3), "pitch", True)]
     assert abs(found.limit - 0.4321) <= found.error <= 1e-3
     assert found.flights == 11
     assert found.deflection == found.limit * scale

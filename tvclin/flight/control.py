@@ -17,7 +17,8 @@ class ReportControl:
     """Trim until K times the deflection limit is asked for, then the whole limit for ever.
 
     The dead band is left by the trim deflection itself, which is the literal switch of
-    `trim_then_hold`, but trim is what the measured angle of attack asks for.
+    `trim_then_hold`, but trim is what the measured angle of attack asks for, and the feedback of
+    `TrimLaw` holds the attitude where that is not quite enough.
 
     Parameters
     ----------

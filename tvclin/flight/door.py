@@ -28,3 +28,11 @@ def check_one(name: str, history: object, start: float) -> None:
             f"{name} must not begin before the flight, at {start:.6g} s; got {name} from"
             f" {float(history.onset):.6g} s on"
         )
+
+
+def check_frozen(frozen: bool, condition: object) -> None:
+    """Raise `InputError` unless parameters are frozen, or vary in a condition."""
+    if bool(frozen) == (condition is not None):
+        raise InputError(
+            "condition must be given exactly when parameters are not frozen (frozen=False)"
+        )

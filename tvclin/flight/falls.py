@@ -1,10 +1,11 @@
-"""How a flight of the report's control is judged: by the side to which it falls in the end.
+"""How a flight is judged: by the side to which it falls in the end.
 
-With a limit that is too low the vehicle falls to the side to which the wind turns it; with one
-that is high enough, but held for ever, to the other.
+With a limit that is too low the vehicle falls to the side to which the wind turns it. With one
+that is high enough a law brings it back; the limit held for ever turns it to the other side.
 """
 
 from tvclin.histories import History
+from tvclin.laws import Law
 
 _PATIENCE = 12.0
 """A flight is watched for so long after the wind, over beta: what is off has grown by e^12."""
@@ -17,8 +18,17 @@ def watched_until(wind: History, beta: float) -> float:
     return float(wind.end) + _PATIENCE / beta
 
 
-def has_survived(rate: float, wind: History, beta: float) -> bool:
-    """Return whether the late attitude rate [rad/s] is none to which the wind turns a vehicle."""
+def lets_go(control: object) -> bool:
+    """Return whether a control lets go of the limit when the work is done."""
+    return isinstance(control, Law)
+
+
+def has_survived(rate: float, wind: History, beta: float, let_go: bool) -> bool:
+    """Return whether the late attitude rate [rad/s] is no fall.
+
+    Where the limit is let go of, there is no falling to either side; otherwise only to the side
+    to which the wind turns a vehicle.
+    """
     peak = float(wind.peak)
     with_the_wind = -rate if peak > 0.0 else rate
-    return with_the_wind <= _STILL * beta * abs(peak)
+    return (abs(rate) if let_go else with_the_wind) <= _STILL * beta * abs(peak)

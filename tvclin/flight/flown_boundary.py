@@ -7,11 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.autopilot import Autopilot
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, number, one_of, within
+from tvclin.errors import InputError, instance, number, one_of, positive, within
+from tvclin.flight.control import ReportControl
 from tvclin.flight.planar.verdict import planar_verdict
 from tvclin.flight.sixdof.verdict import sixdof_verdict
 from tvclin.histories import History
+from tvclin.laws import Law
 from tvclin.vehicle import Vehicle
 
 Verdict = Callable[[float], bool]
@@ -20,10 +23,9 @@ Verdict = Callable[[float], bool]
 ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType(
     {"planar": planar_verdict, "sixdof": sixdof_verdict}
 )
-"""Engines by name. Each takes a vehicle, a wind and a dead band, and by name the plane, whether
+"""Engines by name. Each takes a vehicle, a wind and a control, and by name the plane, whether
 parameters are frozen, and options of its own, and it gives the verdict on a limit."""
 
-_HIGHEST = 1.5
 _FINEST = 1e-7
 
 
@@ -54,13 +56,15 @@ def flown_boundary(
     wind: History,
     dead_band: float = 1.0,
     *,
+    law: Law | Autopilot | None = None,
     engine: str | Callable[..., Verdict] = "planar",
     plane: str = "pitch",
     frozen: bool = True,
     tolerance: float = 1e-4,
+    highest: float = 1.5,
     **options: Any,
 ) -> FlownBoundary:
-    """Return the least deflection limit with which the report's control survives a wind, flown.
+    """Return the least deflection limit with which a control survives a wind, found by flying.
 
     Parameters
     ----------
@@ -69,7 +73,10 @@ def flown_boundary(
     wind : History
         One wind that ends, from t = 0 on or later.
     dead_band : float
-        K, in [0, 1]; see `ReportControl`.
+        K of the report's control, in [0, 1]; see `ReportControl`.
+    law : Law or Autopilot, optional
+        Flies in place of the report's control. Where its survival does not grow with the limit,
+        what is found is one of the limits between survival and loss.
     engine : str or callable
         One of `ENGINES`, or a function like these.
     plane : {"pitch", "yaw"}
@@ -78,9 +85,11 @@ def flown_boundary(
         Whether mass, forces and speed stay what they are; an engine may know no other way.
     tolerance : float
         The limit is known to this part of |B alpha_w,max|.
+    highest : float
+        Largest limit that is tried, over |B alpha_w,max|.
     **options
-        What else the engine takes: "planar" drift and condition, as of `fly_planar`; "sixdof"
-        drift, step and earth, as of `fly_sixdof`.
+        What else the engine takes: "planar" drift, condition, actuator and rate_limit, as of
+        `fly_planar`; "sixdof" these, step and earth, as of `fly_sixdof`.
 
     Returns
     -------
@@ -91,7 +100,8 @@ def flown_boundary(
     ------
     InputError
         For a vehicle without an unstable pole, batches, a wind that never ends, numbers out of
-        range, and a wind in which 1.5 times the largest trim deflection is not enough.
+        range, a dead band and a law together, and a wind in which the highest limit is not
+        enough.
 
     Examples
     --------
@@ -107,16 +117,19 @@ def flown_boundary(
     instance("wind", wind, History, "such as TriangularWind")
     if wind.batch or not np.isfinite(wind.end):
         raise InputError("wind must be one wind, other than zero, that ends")
-    within("dead_band", dead_band, 0.0, 1.0)
+    control = ReportControl(dead_band) if law is None else law
+    if law is not None and dead_band != 1.0:
+        raise InputError("dead_band belongs to the report's control; leave it out with a law")
+    top = number("highest", highest, positive)
     narrow = number("tolerance", within("tolerance", tolerance, _FINEST, 0.5))
     make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
-    survives = make(vehicle, wind, dead_band, plane=plane, frozen=frozen, **options)
+    survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
     scale = abs(float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak))
-    if not survives(_HIGHEST * scale):
+    if not survives(top * scale):
         raise InputError(
-            f"wind must be one that {_HIGHEST:g} times the largest trim deflection survives"
+            f"wind must be one that {top:g} times the largest trim deflection survives"
         )
-    lost, saved, flights = 0.0, _HIGHEST, 1
+    lost, saved, flights = 0.0, top, 1
     while saved - lost > 2.0 * narrow:
         middle = 0.5 * (lost + saved)
         lost, saved = (lost, middle) if survives(middle * scale) else (middle, saved)

@@ -1,14 +1,15 @@
-"""Whether a planar flight of the report's control survives."""
+"""Whether a planar flight survives."""
 
 from collections.abc import Callable
 
 import numpy as np
 
+from tvclin.autopilot import Actuator
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError
 from tvclin.flight.condition import FlightCondition
-from tvclin.flight.control import Command, ReportControl
-from tvclin.flight.falls import has_survived, watched_until
+from tvclin.flight.control import Control, command_of
+from tvclin.flight.door import check_frozen
+from tvclin.flight.falls import has_survived, lets_go, watched_until
 from tvclin.flight.planar.case import planar_case
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
@@ -17,21 +18,21 @@ from tvclin.vehicle import Vehicle
 def planar_verdict(
     vehicle: Vehicle,
     wind: History,
-    dead_band: float,
+    control: Control,
     *,
     plane: str = "pitch",
     frozen: bool = True,
     drift: bool = True,
     condition: FlightCondition | None = None,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its planar flight survives.
 
     Parameters
     ----------
-    vehicle, wind, plane, drift, condition
+    vehicle, wind, control, plane, drift, condition, actuator, rate_limit
         As of `fly_planar`; the wind ends.
-    dead_band : float
-        K.
     frozen : bool
         Whether parameters are frozen; if not, they vary along the nominal flight of `condition`.
 
@@ -40,17 +41,15 @@ def planar_verdict(
     InputError
         As `fly_planar`, and for an aerodynamically stable vehicle.
     """
-    if frozen == (condition is not None):
-        raise InputError(
-            "condition must be given exactly when parameters are not frozen (frozen=False)"
-        )
+    check_frozen(frozen, condition)
     beta = float(Coefficients.from_vehicle(vehicle, plane).beta)
     span = (float(wind.onset), watched_until(wind, beta))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
+    command = command_of(control, span[0], actuator, rate_limit)
 
     def survives(limit: float) -> bool:
-        flown = case.flown(Command(ReportControl(dead_band)), limit)
+        flown = case.flown(command, limit)
         rate = flown.rows(np.array([min(flown.end, span[1])]))[1, 0]
-        return has_survived(float(rate), wind, beta)
+        return has_survived(float(rate), wind, beta, lets_go(command.control))
 
     return survives

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError
 from tvclin.flight.answer import FARTHEST, OUTPUTS
+from tvclin.flight.sixdof.departure import Departure
 from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.engine import Engine
 from tvclin.flight.sixdof.model import DEFLECTIONS, model_xml, planet_xml
@@ -21,7 +22,7 @@ from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 Row = tuple[float, ...]
-
+Place = Earth | Departure | None
 
 _STIFF = 4.0
 """Natural frequency of the hold of the nominal flight, over that of the airframe."""
@@ -30,10 +31,11 @@ _LEAST = 1.0
 
 
 class Airframe:
-    """A vehicle with frozen parameters in JSBSim.
+    """A vehicle in JSBSim.
 
-    Over a flat planet its nominal flight is straight and needs no control. Over the Earth it is
-    flown first: the nose is held to the flight path, in the other plane in every flight.
+    With frozen parameters over a flat planet its nominal flight is straight and needs no control.
+    Over the Earth, and from a departure on, it is flown first: the nose is held to the flight
+    path, in the other plane in every flight.
 
     Parameters
     ----------
@@ -45,32 +47,46 @@ class Airframe:
         Whether the flight path may turn.
     step : float
         Step [s].
-    earth : Earth, optional
-        Without it the planet is flat and at rest.
+    place : Earth or Departure, optional
+        Without either the planet is flat and at rest, and all parameters are frozen.
+
+    Attributes
+    ----------
+    engine : Engine
+        What flies it.
     """
 
     def __init__(
-        self, vehicle: Vehicle, plane: str, drift: bool, step: float, earth: Earth | None
+        self, vehicle: Vehicle, plane: str, drift: bool, step: float, place: Place
     ) -> None:
+        earth = place if isinstance(place, Earth) else None
+        departure = place if isinstance(place, Departure) else None
         heading = earth.heading if earth else 0.0
         initial = {
             "lat-geod-rad": earth.latitude if earth else 0.0,
-            "h-sl-ft": (earth.altitude if earth else 0.0) / FOOT,
+            "h-sl-ft": (place.altitude if place else 0.0) / FOOT,
             "psi-true-rad": heading,
             "theta-rad": float(vehicle.attitude),
             "u-fps": float(vehicle.velocity) / FOOT,
+            "q-rad_sec": departure.turn if departure else 0.0,
         }
         planet = None if earth else planet_xml()
-        model = model_xml(vehicle, heading)
+        model = model_xml(vehicle, heading, departure)
         engine = Engine(model, initial, step, planet=planet, drift=drift)
-        self._engine, self._step = engine, step
+        self.engine, self._step = engine, step
         self._bend = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
         self._senses = {name: senses(engine, name, heading) for name in DEFLECTIONS}
         self._blow, self._plane = wind_setter(engine, plane, heading), plane
-        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if earth else None
+        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if place else None
         self._nominal: list[Row] = []
 
-    def fly(self, steering: Steering, speeds: FloatArray, angles: FloatArray) -> FloatArray:
+    def fly(
+        self,
+        steering: Steering,
+        speeds: FloatArray,
+        angles: FloatArray,
+        course: FloatArray | None = None,
+    ) -> FloatArray:
         """Return a flight from the nominal state, up to where its attitude is beyond 25 deg.
 
         Parameters
@@ -82,6 +98,9 @@ class Airframe:
             is zero.
         angles : ndarray
             The same as wind angle [rad].
+        course : ndarray, optional
+            The `OUTPUTS` in pitch that the nominal flight is held to, ``(n, 5)``; without it the
+            nominal flight goes straight on.
 
         Returns
         -------
@@ -89,9 +108,10 @@ class Airframe:
             The `OUTPUTS` [rad, rad/s] as deviations from the nominal flight, ``(m, 5)``, m <= n.
             If m is below n, the last row is the one that is beyond, or not finite.
         """
-        return self._flown(steering, speeds, angles, self._nominal_rows(len(speeds)))
+        nominal = self._nominal_rows(len(speeds), course)
+        return self._flown(steering, speeds, angles, nominal, course)
 
-    def _nominal_rows(self, count: int) -> Iterator[Row]:
+    def _nominal_rows(self, count: int, course: FloatArray | None) -> Iterator[Row]:
         """Return the outputs of the nominal flight, step by step."""
         attitude, path = self._begin()
         start = (attitude, 0.0, path, 0.0, 0.0)
@@ -99,10 +119,11 @@ class Airframe:
             return repeat(start)
         if len(self._nominal) < count:
             hold, still = _held(*self._gains), np.zeros(count)
-            self._nominal = [
-                tuple(row)
-                for row in (self._flown(hold, still, still, repeat(start)) + start).tolist()
-            ]
+            ahead = np.tile(start, (count, 1))
+            if course is not None and self._plane == "pitch":
+                ahead = course
+            flown = self._flown(hold, still, still, _each(ahead), course)
+            self._nominal = list(_each(flown + ahead[: len(flown)]))
         if len(self._nominal) < count:
             raise InputError(
                 "timepts must end before the nominal flight has turned by 25 deg, after"
@@ -112,20 +133,24 @@ class Airframe:
 
     def _begin(self) -> tuple[float, float]:
         """Go back to the start, and return attitude and flight path angle there [rad]."""
-        self._engine.reset()
+        self.engine.reset()
         return self._senses[self._plane].angles()
 
     def _flown(
-        self, steering: Steering, speeds: FloatArray, angles: FloatArray, nominal: Iterator[Row]
+        self,
+        steering: Steering,
+        speeds: FloatArray,
+        angles: FloatArray,
+        nominal: Iterator[Row],
+        course: FloatArray | None,
     ) -> FloatArray:
         attitude, path = self._begin()
         attitude_and_path, rates, measured_alpha = self._senses[self._plane]
-        h, run, bend, blow = self._step, self._engine.run, self._bend[self._plane], self._blow
-        hold_other = self._other_hold()
-        (rate, push), path_before = rates(), path
-        push_before = push
+        h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
+        hold_other = self._other_hold(course)
+        rate, push = rates()
+        path_before, push_before = path - h * next(nominal)[1], push
         alpha = blown = deflection = 0.0
-        next(nominal)
         rows: list[Row] = [(0.0,) * len(OUTPUTS)]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, (attitude_n, rate_n, path_n, alpha_n, deflection_n)) in enumerate(
@@ -159,19 +184,28 @@ class Airframe:
                 break
         return np.array(rows)
 
-    def _other_hold(self) -> Callable[[], None]:
+    def _other_hold(self, course: FloatArray | None) -> Callable[[], None]:
         """Return what holds the nose to the path in the other plane, before each step."""
         if self._gains is None:
             return _nothing
         (other,) = set(DEFLECTIONS) - {self._plane}
         (angles, rates, _), bend = self._senses[other], self._bend[other]
         on_lean, on_rate = self._gains
+        ahead: Iterator[Row] = repeat((0.0, 0.0))
+        if course is not None and other == "pitch":
+            ahead = _each(course[1:, [1, 4]])
 
         def hold() -> None:
+            turn, deflection = next(ahead)
             attitude, path = angles()
-            bend(on_lean * (attitude - path) + on_rate * rates()[0])
+            bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - turn))
 
         return hold
+
+
+def _each(rows: FloatArray) -> Iterator[Row]:
+    """Return plain rows, for the innermost loop."""
+    return map(tuple, rows.tolist())
 
 
 def _nothing() -> None:
@@ -192,7 +226,7 @@ def _held(on_lean: float, on_rate: float) -> Steering:
     )
 
 
-_Case = tuple[Vehicle, str, bool, float, Earth | None]
+_Case = tuple[Vehicle, str, bool, float, Place]
 _IDLE: dict[_Case, list[Airframe]] = {}
 _KEPT = 8
 

@@ -1,6 +1,7 @@
 """What is flown, checked: one vehicle in its plane, and a wind at its steps."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +10,16 @@ from tvclin.closed_loop.airframe import Nozzle
 from tvclin.coefficients import PLANES, Coefficients
 from tvclin.errors import InputError, instance, number, one_of, within
 from tvclin.flight.answer import OUTPUTS
+from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Command, ReportControl
 from tvclin.flight.door import check_one
-from tvclin.flight.sixdof.airframe import borrowed
+from tvclin.flight.sixdof.airframe import Place, borrowed
+from tvclin.flight.sixdof.departure import Course, course_of
 from tvclin.flight.sixdof.earth import Earth
 from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.histories import History
+from tvclin.laws import TrimLaw
+from tvclin.plant import Plant
 from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -39,12 +44,15 @@ class Air:
     angles, speeds : ndarray
         Means over each step: wind angle [rad], and wind speed [m/s] along the flight or to its
         right.
+    course : Course or None
+        The nominal flight where parameters vary.
     """
 
     wind: History
     times: FloatArray
     angles: FloatArray
     speeds: FloatArray
+    course: Course | None
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,7 @@ class SixDof:
 
     Parameters
     ----------
-    vehicle, plane, drift, step, earth
+    vehicle, plane, drift, step, earth, condition
         As of `fly_sixdof`.
     """
 
@@ -62,6 +70,7 @@ class SixDof:
     drift: bool = True
     step: float = 0.01
     earth: Earth | None = None
+    condition: FlightCondition | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -72,6 +81,13 @@ class SixDof:
             )
         if self.earth is not None:
             instance("earth", self.earth, Earth, "or None for a flat planet")
+        if self.condition is not None:
+            instance("condition", self.condition, FlightCondition, "see load_flight_condition")
+            if self.earth is not None or not self.drift:
+                raise InputError(
+                    "condition must be left out over the Earth and without drift: with one, the"
+                    " flight follows its trajectory over a flat planet"
+                )
         step = within("step", self.step, _SHORTEST, _LONGEST, "s")
         object.__setattr__(self, "step", number("step", step))
         pace = abs(float(self.coefficients.mu_alpha)) ** 0.5
@@ -92,7 +108,12 @@ class SixDof:
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
         angles = step_means(wind, times, self.step)
-        return Air(wind, times, angles, self._speeds(angles))
+        if self.condition is None:
+            speeds = self._speeds(angles, self.vehicle.velocity, self.vehicle.attitude)
+            return Air(wind, times, angles, speeds, None)
+        course = course_of(self.vehicle, self.condition, times)
+        speeds = self._speeds(angles, course.speeds, course.rows[:, 2])
+        return Air(wind, times, angles, speeds, course)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return what turns the nozzle within a limit [rad], step by step.
@@ -106,8 +127,8 @@ class SixDof:
         if isinstance(control, History):
             return by_history(control, air.times, self.step, limit)
         if isinstance(control, ReportControl):
-            B = float(self.coefficients.B)
-            return TrimThenHold(B, limit, control.dead_band, air.wind, air.times, self.step)
+            trim = TrimLaw(Plant.from_vehicle(self.vehicle, plane=self.plane))
+            return TrimThenHold(trim, limit, control.dead_band, air.wind, air.times, self.step)
         if actuator is not None and self.step * float(actuator.natural_frequency) > _PER_SERVO:
             raise InputError(
                 f"step must be at most {_PER_SERVO / float(actuator.natural_frequency):.6g} s for"
@@ -118,9 +139,13 @@ class SixDof:
 
     def flown(self, steering: Steering, air: Air) -> FloatArray:
         """Return the outputs at the steps that were flown; `InputError` for lost numbers."""
-        numbers = self.vehicle.replace(name="", time=None)  # all that the engine knows of it
-        with borrowed(numbers, self.plane, bool(self.drift), self.step, self.earth) as airframe:
-            rows = airframe.fly(steering, air.speeds, air.angles)
+        place: Place = self.earth
+        vehicle, held = self.vehicle, None
+        if air.course is not None:
+            vehicle, place, held = air.course.vehicle, air.course.departure, air.course.rows
+        numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
+        with borrowed(numbers, self.plane, bool(self.drift), self.step, place) as airframe:
+            rows = airframe.fly(steering, air.speeds, air.angles, held)
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:
             raise InputError(
@@ -129,14 +154,14 @@ class SixDof:
             )
         return rows
 
-    def _speeds(self, angles: FloatArray) -> FloatArray:
+    def _speeds(self, angles: FloatArray, velocity: Any, attitude: Any) -> FloatArray:
         """Return the horizontal wind [m/s] that makes these angles on the nominal flight."""
-        path = float(self.vehicle.attitude) if self.plane == "pitch" else np.pi / 2
+        path = np.asarray(attitude if self.plane == "pitch" else np.pi / 2)
         sine = np.sin(path + angles)
         if np.any(sine * np.sin(path) <= 0.0):
             raise InputError(
                 "wind must be an angle that a horizontal wind can make, at a flight path of"
-                f" {path:.6g} rad; got {angles[np.argmax(np.abs(angles))]:.6g} rad"
+                f" {path.min():.6g} rad; got {angles[np.argmax(np.abs(angles))]:.6g} rad"
             )
-        tail = float(self.vehicle.velocity) * np.sin(angles) / sine
-        return tail if self.plane == "pitch" else -tail
+        tail = velocity * np.sin(angles) / sine
+        return np.asarray(tail if self.plane == "pitch" else -tail)

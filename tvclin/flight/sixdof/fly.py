@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.flight.answer import FARTHEST, flight_response, warn_of_the_end
+from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Control, command_of, limit_of
 from tvclin.flight.door import flight_times
 from tvclin.flight.sixdof.case import Air, SixDof
@@ -31,13 +32,14 @@ def fly_sixdof(
     drift: bool = True,
     step: float = 0.01,
     earth: Earth | None = None,
+    condition: FlightCondition | None = None,
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
 ) -> "TimeResponseData":
     """Return a flight with six degrees of freedom in a wind, flown by JSBSim.
 
-    The parameters of the vehicle are frozen as in the linear theory: mass, forces and speed stay
-    what they are. Nothing else is linear.
+    The parameters of the vehicle are frozen as in the linear theory, or follow its trajectory:
+    see `condition`. Nothing else is linear.
 
     Parameters
     ----------
@@ -62,6 +64,10 @@ def fly_sixdof(
         Step of the engine and of the law [s], 0.0001 to 0.02.
     earth : Earth, optional
         Flies over the rotating Earth. Without it the planet is flat and at rest.
+    condition : FlightCondition, optional
+        With one, mass, speed and dynamic pressure vary along the nominal flight through the
+        vehicle's state at its own time, as in `fly_planar`; the air is that of the engine, and
+        the wind changes the air speed. Without one, mass, forces and speed stay what they are.
     actuator : Actuator, optional
         Between a law and the nozzle; an autopilot brings its own.
     rate_limit : float
@@ -77,8 +83,8 @@ def fly_sixdof(
     ------
     InputError
         For batches, numbers out of range, an engine that is not installed, a wind or a history
-        that begins before the flight, a step too large for the vehicle or the actuator, and a
-        flight whose numbers are lost.
+        that begins before the flight, a step too large for the vehicle or the actuator, a
+        nominal flight that does not reach so far, and a flight whose numbers are lost.
 
     Warns
     -----
@@ -97,7 +103,7 @@ def fly_sixdof(
     -0.092
     0.092
     """
-    case = SixDof(vehicle, plane, drift, step, earth)
+    case = SixDof(vehicle, plane, drift, step, earth, condition)
     times = flight_times(timepts)
     air = case.air(wind, float(times.min()), float(times.max()))
     command = command_of(control, float(times.min()), actuator, rate_limit)

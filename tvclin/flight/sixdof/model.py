@@ -8,6 +8,7 @@ from math import cos, sin
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+from tvclin.flight.sixdof.departure import Departure
 from tvclin.units import FOOT, POUND_FORCE
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -42,13 +43,14 @@ def planet_xml() -> str:
     return tostring(planet, encoding="unicode")
 
 
-def model_xml(vehicle: Vehicle, heading: float = 0.0) -> str:
-    """Return the model of one vehicle whose parameters are frozen.
+def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: Departure | None = None) -> str:
+    """Return the model of one vehicle, frozen or as it changes from a departure on.
 
     Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
     normal force N alpha and the axial force act l_a ahead of it, and alpha is that of the body
     axes. Two more forces freeze the flight: one holds the nominal flight straight against its
-    weight, the other cancels what would change the speed.
+    weight, the other cancels what would change the speed. From a departure on nothing is frozen:
+    aerodynamic forces go with the dynamic pressure, and the mass falls.
 
     Parameters
     ----------
@@ -56,27 +58,47 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0) -> str:
         One vehicle.
     heading : float
         Nominal direction of flight [rad], from north over east.
+    departure : Departure, optional
+        Where the vehicle is what it is; without one it always is.
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
     _metrics(root, vehicle)
-    mass_balance(root, float(vehicle.mass), _inertias(vehicle))
+    balance = mass_balance(root, float(vehicle.mass), _inertias(vehicle))
     SubElement(root, "ground_reactions")
-    _aerodynamics(root, vehicle)
+    load: Tree = 1.0
+    if departure is not None:
+        _burning(root, balance, departure)
+        load = ("quotient", "aero/qbar-psf", departure.dynamic_pressure * FOOT**2 / POUND_FORCE)
+    _aerodynamics(root, vehicle, load)
     reactions = SubElement(root, "external_reactions")
     for name in DEFLECTIONS.values():
         _text(reactions, "property", name)
     _nozzle(reactions, vehicle)
-    _frozen(reactions, vehicle, heading)
+    if departure is None:
+        _frozen(reactions, vehicle, heading)
     return tostring(root, encoding="unicode")
 
 
-def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float]) -> None:
-    """Add a mass [kg] and the moments of inertia [kg m^2] about x, y and z."""
+def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float]) -> Element:
+    """Add a mass [kg] and the moments of inertia [kg m^2] about x, y and z; return where."""
     balance = SubElement(root, "mass_balance")
     for name, inertia in zip(("ixx", "iyy", "izz"), inertias, strict=True):
         _text(balance, name, inertia / (_SLUG * FOOT**2), unit="SLUG*FT2")
     _text(balance, "emptywt", mass / _SLUG * _POUNDS_PER_SLUG, unit="LBS")
     _place(balance, 0.0, name="CG")
+    return balance
+
+
+def _burning(root: Element, balance: Element, departure: Departure) -> None:
+    """Let the mass fall: what is burnt is a negative one at the centre of gravity."""
+    burnt = SubElement(balance, "pointmass", name="burnt")
+    _text(burnt, "weight", 0.0, unit="LBS")
+    _place(burnt, 0.0)
+    channel = SubElement(SubElement(root, "system", name="burning"), "channel", name="burning")
+    flow = -departure.mass_flow / _SLUG * _POUNDS_PER_SLUG
+    function = SubElement(channel, "fcs_function", name="tvclin/burnt-lbs")
+    _function(function, ("product", flow, "simulation/sim-time-sec"))
+    _text(function, "output", "inertia/pointmass-weight-lbs")
 
 
 def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
@@ -91,13 +113,14 @@ def _metrics(root: Element, vehicle: Vehicle) -> None:
     _place(metrics, -float(vehicle.aerodynamic_arm), name="AERORP")
 
 
-def _aerodynamics(root: Element, vehicle: Vehicle) -> None:
+def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
+    """Let the forces act that belong to a load, the dynamic pressure over that of the vehicle."""
     aerodynamics = SubElement(root, "aerodynamics")
     slope = -float(vehicle.normal_force_slope) / POUND_FORCE
     forces: dict[str, Tree] = {
-        "X": -float(vehicle.axial_force) / POUND_FORCE,
-        "Y": ("product", slope, ("atan2", "velocities/v-aero-fps", "velocities/u-aero-fps")),
-        "Z": ("product", slope, ("atan2", "velocities/w-aero-fps", "velocities/u-aero-fps")),
+        "X": ("product", -float(vehicle.axial_force) / POUND_FORCE, load),
+        "Y": ("product", slope, load, ("atan2", "velocities/v-aero-fps", "velocities/u-aero-fps")),
+        "Z": ("product", slope, load, ("atan2", "velocities/w-aero-fps", "velocities/u-aero-fps")),
     }
     for name, force in forces.items():
         axis = SubElement(aerodynamics, "axis", name=name)

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from tvclin.closed_loop.airframe import Nozzle
 from tvclin.histories import History
 from tvclin.kernels.propagation import driven, exponentials
-from tvclin.laws import Law, Seen
+from tvclin.laws import Law, Seen, TrimLaw
 
 FloatArray = NDArray[np.float64]
 Steering = Callable[[int, Seen], float]
 """Takes the number of a step and what is foreseen for its end; gives the deflection [rad]."""
 
+_NOTHING = np.zeros(0)
 _FINE = 128
 """Parts of the step in which the dead band is left."""
 _ONSET = 1e-9
@@ -44,8 +45,8 @@ class TrimThenHold:
 
     Parameters
     ----------
-    B : float
-        Trim deflection per angle of attack.
+    trim : TrimLaw
+        Trim, and the feedback that holds what it leaves.
     limit : float
         Deflection limit [rad], positive.
     dead_band : float
@@ -60,14 +61,15 @@ class TrimThenHold:
 
     def __init__(
         self,
-        B: float,
+        trim: TrimLaw,
         limit: float,
         dead_band: float,
         wind: History,
         times: FloatArray,
         step: float,
     ) -> None:
-        self._B, self._limit, self._level = B, limit, max(dead_band, _ONSET) * limit
+        self._trim, self._B = trim, float(trim.plant.coefficients.B)
+        self._limit, self._level = limit, max(dead_band, _ONSET) * limit
         self._at_onset = dead_band == 0.0
         self._wind, self._times, self._step = wind, times, step
         self._means = step_means(wind, times, step).tolist()
@@ -78,13 +80,14 @@ class TrimThenHold:
         """Return the deflection at a step."""
         if self._held is not None:
             return self._held
-        still = 0.0 if self._at_onset else seen.angle_of_attack + self._means[k]
+        asked = float(self._trim.demand(seen, _NOTHING, self._limit))
+        still = 0.0 if self._at_onset else asked / self._B + self._means[k]
         if abs(self._B * (still - self._ends[k])) < self._level:
-            return self._B * seen.angle_of_attack
+            return asked
         return self._leaving(k, still)
 
     def _leaving(self, k: int, still: float) -> float:
-        """Find where in this step the dead band is left; `still` is alpha without the wind."""
+        """Find where in this step the dead band is left; `still` is asked for without the wind."""
         part = np.linspace(-0.5, 0.5, _FINE + 1)
         trim = self._B * (still - self._wind(self._times[k] + part * self._step))
         i = int(np.argmax(np.abs(trim) >= self._level))

@@ -1,12 +1,16 @@
-"""Whether a flight of the report's control survives in JSBSim."""
+"""Whether a flight survives in JSBSim."""
 
 from collections.abc import Callable
 
-from tvclin.errors import InputError
-from tvclin.flight.falls import has_survived, watched_until
+import numpy as np
+
+from tvclin.autopilot import Actuator
+from tvclin.flight.condition import FlightCondition
+from tvclin.flight.control import Control, command_of
+from tvclin.flight.door import check_frozen
+from tvclin.flight.falls import has_survived, lets_go, watched_until
 from tvclin.flight.sixdof.case import SixDof
 from tvclin.flight.sixdof.earth import Earth
-from tvclin.flight.sixdof.steering import TrimThenHold
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
 
@@ -14,39 +18,39 @@ from tvclin.vehicle import Vehicle
 def sixdof_verdict(
     vehicle: Vehicle,
     wind: History,
-    dead_band: float,
+    control: Control,
     *,
     plane: str = "pitch",
     frozen: bool = True,
     drift: bool = True,
     step: float = 0.01,
     earth: Earth | None = None,
+    condition: FlightCondition | None = None,
+    actuator: Actuator | None = None,
+    rate_limit: float = np.inf,
 ) -> Callable[[float], bool]:
     """Return what says of a deflection limit [rad] whether its flight survives.
 
     Parameters
     ----------
-    vehicle, wind, plane, drift, step, earth
+    vehicle, wind, control, plane, drift, step, earth, condition, actuator, rate_limit
         As of `fly_sixdof`; the wind ends.
-    dead_band : float
-        K.
     frozen : bool
-        Only frozen parameters are flown.
+        Whether parameters are frozen; if not, they vary along the nominal flight of `condition`.
 
     Raises
     ------
     InputError
-        As `fly_sixdof`, for parameters that are not frozen, and for an aerodynamically stable
-        vehicle.
+        As `fly_sixdof`, and for an aerodynamically stable vehicle.
     """
-    if not frozen:
-        raise InputError('engine "sixdof" flies frozen parameters only')
-    case = SixDof(vehicle, plane, drift, step, earth)
-    beta, B = float(case.coefficients.beta), float(case.coefficients.B)
-    air = case.air(wind, min(0.0, float(wind.onset)), watched_until(wind, beta))
+    check_frozen(frozen, condition)
+    case = SixDof(vehicle, plane, drift, step, earth, condition)
+    beta, begin = float(case.coefficients.beta), float(wind.onset)
+    air = case.air(wind, min(0.0, begin) if frozen else begin, watched_until(wind, beta))
+    command = command_of(control, begin, actuator, rate_limit)
 
     def survives(limit: float) -> bool:
-        steering = TrimThenHold(B, limit, dead_band, wind, air.times, step)
-        return has_survived(float(case.flown(steering, air)[-1, 1]), wind, beta)
+        late = case.flown(case.steering(command, limit, air), air)[-1, 1]
+        return has_survived(float(late), wind, beta, lets_go(command.control))
 
     return survives
