@@ -51,9 +51,11 @@ if TYPE_CHECKING:
     from tvclin.deflections import trim_then_hold as trim_then_hold
     from tvclin.errors import InputError as InputError
     from tvclin.flight import Earth as Earth
+    from tvclin.flight import FlightBeside as FlightBeside
     from tvclin.flight import FlownBoundary as FlownBoundary
     from tvclin.flight import ReportControl as ReportControl
     from tvclin.flight import flown_boundary as flown_boundary
+    from tvclin.flight import fly_beside as fly_beside
     from tvclin.flight import fly_planar as fly_planar
     from tvclin.flight import fly_sixdof as fly_sixdof
     from tvclin.forecast_free import ForecastFreeLimit as ForecastFreeLimit
@@ -170,9 +172,11 @@ _ROOMS = {
     "errors": ("InputError",),
     "flight": (
         "Earth",
+        "FlightBeside",
         "FlownBoundary",
         "ReportControl",
         "flown_boundary",
+        "fly_beside",
         "fly_planar",
         "fly_sixdof",
     ),

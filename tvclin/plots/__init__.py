@@ -9,6 +9,7 @@ from tvclin.plots.boundaries import DEAD_BANDS, boundary_chart, figure_2, figure
 from tvclin.plots.closed_loops import step_chart, wind_chart
 from tvclin.plots.comparison import comparison_chart
 from tvclin.plots.curves import Column, Curves, curves_of
+from tvclin.plots.flights import flight_chart, flight_curves
 from tvclin.plots.laws import laws_chart
 from tvclin.plots.loops import bode_chart, nichols_chart
 from tvclin.plots.nyquist import nyquist_chart
@@ -47,6 +48,8 @@ __all__ = [
     "figure_7",
     "figure_8",
     "figure_9",
+    "flight_chart",
+    "flight_curves",
     "laws_chart",
     "nichols_chart",
     "nyquist_chart",

@@ -64,11 +64,19 @@ def response_chart(curves: Curves, title: str, calm: float = np.inf) -> "Control
     calm : float
         Time [s] at which the wind ends. What the response exceeds later leaves the frame.
     """
+    return draw(curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves, calm)))
+
+
+def frames(curves: Curves, calm: float) -> dict[str, tuple[float, float]]:
+    """Return the ends of the ordinate of each panel, by what it shows up to a time [s].
+
+    What exceeds that later leaves the frame.
+    """
     before = curves.abscissa <= calm
     limits = {}
     for panel, columns in curves.panels.items():
         values = np.stack([column.values for column in columns])
-        reach = 1.15 * float(np.abs(values[:, before]).max(initial=0.0)) or 1.0
-        low, high = max(1.15 * values.min(), -reach), min(1.15 * values.max(), reach)
+        reach = 1.15 * float(np.nanmax(np.abs(values[:, before]), initial=0.0)) or 1.0
+        low, high = max(1.15 * np.nanmin(values), -reach), min(1.15 * np.nanmax(values), reach)
         limits[panel] = (min(low, 0.0), max(high, 0.0)) if low < high else (low - 1.0, high + 1.0)
-    return draw(curves, Look(title, _ORDINATES, _STYLES, limits=limits))
+    return limits

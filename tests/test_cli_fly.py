@@ -1,0 +1,170 @@
+"""`tvclin fly`: it says what the library says, survival is the exit code, and no tracebacks."""
+
+import json
+import sys
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.flight import load_flight_condition
+
+mpl.use("Agg")
+
+PEAK = np.radians(5)
+WIND = tv.TriangularWind(peak=PEAK, duration=7.5)
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["fly", *map(str, arguments)])
+
+
+def document(*arguments, code=0):
+    result = run(*arguments, "--json")
+    assert result.exit_code == code, result.output
+    return json.loads(result.stdout)
+
+
+def linear():
+    return tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+
+
+def test_the_report_control_is_flown_beside_the_linear_theory():
+    found = document()
+    plant, vehicle = linear(), tv.load_vehicle("configuration-i")
+    least = tv.boundary_limit(plant, WIND, switch="literal").deflection
+    times, limit = np.linspace(0.0, 7.5, 201), found["limit_deg"]
+    flown = tv.fly_planar(
+        vehicle, tv.ReportControl(), WIND, times, deflection_limit=np.radians(limit)
+    )
+    held = tv.trim_then_hold(plant, WIND, -np.radians(limit), 1.0, "literal")
+    exact = tv.attitude_response(plant, held, WIND, times)
+
+    assert limit == pytest.approx(1.1 * abs(np.degrees(least)), rel=1e-12)
+    assert found["boundary_deg"]["linear"] == pytest.approx(abs(np.degrees(least)), rel=1e-12)
+    assert found["boundary_deg"]["flown"] is None
+    assert (found["survived"], found["predicted"]) == (True, True)
+    for name in ("attitude", "angle_of_attack"):
+        both = found["peaks_over_the_wind_deg"][name]
+        for one, source in (("flown", flown), ("linear", exact)):
+            peak = np.degrees(np.abs(source.outputs[name]).max())
+            assert both[one] == pytest.approx(peak, rel=1e-9)
+
+
+def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
+    result = run("--limit-deg", 0.3, "--dead-band", 0.5)
+
+    assert result.exit_code == 0
+    result = run("--limit-deg", 0.3)
+    assert result.exit_code == 1
+    assert "Flown: NOT SURVIVED. Linear theory: NOT SURVIVED." in result.stdout
+    assert "law report, K = 1" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("law", "needs"),  # as `tvclin laws` prints, over B times the peak
+    [("trim", 0.654), ("dead-band", 0.542), ("saturated", 1.257), ("recoverable", 0.390)],
+)
+def test_every_law_survives_in_one_plane_with_a_tenth_more_than_it_needs(law, needs):
+    found = document("--law", law, "--until", 1)
+
+    least = np.degrees(needs * linear().coefficients.B * PEAK)
+    assert found["boundary_deg"]["linear"] == pytest.approx(least, rel=2e-3)
+    assert found["limit_deg"] == pytest.approx(1.1 * found["boundary_deg"]["linear"], rel=1e-12)
+    assert (found["survived"], found["predicted"]) == (True, True)
+    assert found["dead_band"] == (0.5 if law == "dead-band" else None)
+    for both in found["peaks_over_the_wind_deg"].values():
+        assert both["flown"] == pytest.approx(both["linear"], rel=0.05)
+
+
+def test_the_boundary_is_flown_where_it_is_asked_for():
+    pytest.importorskip("jsbsim")
+    options = ("--engine", "sixdof", "--plane", "yaw", "--peak-deg", 1, "--dead-band", 0.5)
+    found = document(*options, "--boundary")["boundary_deg"]
+
+    trim = np.degrees(linear().coefficients.B * np.radians(1))
+    assert found["flown"] == pytest.approx(found["linear"], abs=7e-4 * trim)
+
+
+def test_six_degrees_along_the_trajectory_are_those_of_one_plane(tmp_path):
+    pytest.importorskip("jsbsim")
+    options = ("--along-trajectory", "--peak-deg", -3, "--limit-deg", 0.27, "--until", 1)
+    file = tmp_path / "flight.csv"
+    six = document("--engine", "sixdof", *options, "--csv", file)
+    planar = document(*options)
+
+    assert six["wind"]["onset_s"] == planar["wind"]["onset_s"] == 66.0 - 3.75
+    assert six["predicted"] is True
+    for name, both in planar["peaks_over_the_wind_deg"].items():
+        here = six["peaks_over_the_wind_deg"][name]
+        assert here["linear"] == both["linear"]
+        assert here["flown"] == pytest.approx(both["flown"], abs=0.01)
+    vehicle = tv.load_vehicle("configuration-i")
+    comment, headings, *rows = file.read_text(encoding="utf-8").splitlines()
+    values = np.array([row.split(",") for row in rows], dtype=float)
+    wind = tv.TriangularWind(peak=np.radians(-3), duration=7.5).shift(62.25)
+    flown = tv.fly_sixdof(
+        vehicle,
+        tv.ReportControl(),
+        wind,
+        values[:, 0],
+        deflection_limit=np.radians(0.27),
+        condition=load_flight_condition("configuration-i"),
+    )
+    assert "sixdof" in comment
+    assert headings.startswith("time [s],attitude: flown [deg],attitude: linear [deg],angle of")
+    for column, name in ((1, "attitude"), (3, "angle_of_attack"), (5, "deflection")):
+        np.testing.assert_allclose(values[:, column], np.degrees(flown.outputs[name]), atol=1e-12)
+
+
+def test_what_is_printed_fits_a_terminal_and_names_what_is_assumed(tmp_path):
+    file = tmp_path / "flight.png"
+    said = run("--along-trajectory", "--peak-deg", 1, "--plot", file)
+
+    assert said.exit_code == 0, said.output
+    assert max(map(len, said.stdout.splitlines())) <= 80
+    for words in ("one plane", "mass falling", "1.1 times the linear boundary", "difference"):
+        assert words in said.stdout
+    assert file.stat().st_size > 10_000
+
+
+def test_without_jsbsim_the_extra_is_named(monkeypatch):
+    from tvclin.flight.sixdof import airframe
+
+    monkeypatch.setattr(airframe, "_IDLE", {})
+    monkeypatch.setitem(sys.modules, "jsbsim", None)
+    result = run("--engine", "sixdof")
+
+    assert result.exit_code == 2
+    assert 'pip install "tvclin[sixdof]"' in " ".join(result.output.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["configuration-3"], "configuration-3"),
+        (["--wind", "square"], "--wind must be one of"),
+        (["--duration", "0"], "--duration must be positive"),
+        (["--engine", "seven"], "--engine must be one of planar, sixdof"),
+        (["--law", "bang"], "--law must be one of report, trim"),
+        (["--law", "trim", "--dead-band", "0.5"], "--dead-band belongs to"),
+        (["--dead-band", "1.5"], "dead_band must be between 0 and 1"),
+        (["--limit-deg", "0"], "--limit-deg must be between"),
+        (["--plane", "roll"], "plane must be one of"),
+        (["--until", "0"], "--until must be between"),
+        (["--points", "1"], "--points must be between"),
+        (["--peak-deg", "0"], "peak must be"),
+        (["--peak-deg", "-80", "--engine", "sixdof"], "horizontal wind can make"),
+        (["--duration", "140", "--along-trajectory"], "nominal flight does not reach"),
+        (["--plot", "flight.xyz"], "xyz"),
+    ],
+)
+def test_bad_input_is_exit_code_two_in_one_sentence(arguments, words):
+    result = run(*arguments)
+
+    assert result.exit_code == 2, result.output
+    assert isinstance(result.exception, SystemExit)
+    assert words in " ".join(result.output.split())

@@ -1,0 +1,322 @@
+"""`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.inputs import peak_angle
+from tvclin.cli.options import AsJson, Duration, PeakDeg, PeakSpeed, Plane, Plot, Vehicle, Wind
+
+if TYPE_CHECKING:
+    from tvclin.flight import FlightBeside, FlightCondition, FlownBoundary, ReportControl
+    from tvclin.histories import History
+    from tvclin.laws import Law
+    from tvclin.plant import Plant
+    from tvclin.vehicle import Vehicle as OneVehicle
+
+LAWS = {
+    "trim": "trim",
+    "dead-band": "dead band 0.5",
+    "saturated": "attitude and rate",
+    "recoverable": "recoverable attitude",
+}
+"""What the laws of `tvclin laws` are called here."""
+_WITH_BAND = ("report", "dead-band")
+_SPARE = 1.1
+_LONGEST = 20.0
+_TOLERANCE, _HIGHEST = 5e-4, 4.0
+"""Of --boundary, over the largest trim deflection."""
+_ENGINES = {
+    "planar": "the report's nonlinear equations in one plane",
+    "sixdof": "JSBSim, six degrees of freedom, steps of 0.01 s",
+}
+
+
+def fly(
+    vehicle: Vehicle = "configuration-i",
+    wind: Wind = "triangular",
+    duration: Duration = 7.5,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
+    engine: Annotated[
+        str, typer.Option(help="planar: nonlinear, one plane; sixdof: JSBSim, six degrees.")
+    ] = "planar",
+    law: Annotated[
+        str, typer.Option(help="report, trim, dead-band, saturated or recoverable.")
+    ] = "report",
+    dead_band: Annotated[
+        float | None, typer.Option(help="Dead band K: of report (1) or of dead-band (0.5).")
+    ] = None,
+    limit_deg: Annotated[
+        float | None,
+        typer.Option(help="Deflection limit, in deg; without it 1.1 times the linear boundary."),
+    ] = None,
+    along_trajectory: Annotated[
+        bool, typer.Option("--along-trajectory", help="Let mass, speed and pressure vary.")
+    ] = False,
+    boundary: Annotated[
+        bool, typer.Option("--boundary", help="Also find the boundary by flying.")
+    ] = False,
+    plane: Plane = "pitch",
+    until: Annotated[float, typer.Option(help="Length in units of the wind's duration.")] = 2.0,
+    points: Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")] = 401,
+    csv: Annotated[
+        Path | None, typer.Option(help="Also write the flight into this CSV file.")
+    ] = None,
+    as_json: AsJson = False,
+    plot: Plot = None,
+) -> None:
+    """Fly a vehicle through a wind with a law, beside what the linear theory predicts.
+
+    Exit code 0: survived; 1: not survived; 2: bad input.
+    """
+    from tvclin.cli.output import print_json
+    from tvclin.errors import one_of, positive, within
+    from tvclin.flight import ENGINES, load_flight_condition
+    from tvclin.vehicle_file import load_vehicle
+
+    loaded = load_vehicle(vehicle)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+    positive("--duration", duration, "s")
+    within("--until", until, 1e-3, _LONGEST)
+    within("--points", points, 2, 1_000_000)
+    one_of("--engine", engine, ENGINES)
+    condition = load_flight_condition(vehicle) if along_trajectory else None
+    gust = _wind(loaded, wind, duration, peak, along_trajectory)
+    case = _case(loaded, wind, gust, engine, plane, law, dead_band, limit_deg, condition)
+    flight = _flown(case, until * duration, points)
+    found = _flown_boundary(case) if boundary else None
+    if csv is not None or plot is not None:
+        _write(flight, case, csv, plot)
+    if as_json:
+        print_json(_document(flight, case, found))
+    else:
+        _print(flight, case, found)
+    if not flight.survived:
+        raise typer.Exit(1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """What is flown, and the linear boundary [rad] of it."""
+
+    vehicle: "OneVehicle"
+    shape: str
+    wind: Any
+    engine: str
+    plane: str
+    law: str
+    control: "ReportControl | Law"
+    condition: "FlightCondition | None"
+    boundary: float
+    limit: float
+
+    @property
+    def dead_band(self) -> float | None:
+        """K, where the law has one."""
+        return getattr(self.control, "dead_band", None) if self.law in _WITH_BAND else None
+
+    @property
+    def title(self) -> str:
+        """The vehicle, the wind and the control, in one line."""
+        import numpy as np
+
+        peak = float(np.degrees(self.wind.peak))
+        length = float(self.wind.end - self.wind.onset)
+        band = self.dead_band
+        return (
+            f"{self.vehicle.name or 'Vehicle'}\n{self.shape} wind of {peak:.4g} deg and"
+            f" {length:.4g} s, {self.plane}, law {self.law}"
+            + ("" if band is None else f", K = {band:g}")
+        )
+
+    @property
+    def assumed(self) -> str:
+        """What the flight takes for granted."""
+        if self.condition is None:
+            return "assumed: parameters frozen, flat planet at rest, rigid, no actuator"
+        return (
+            "assumed: gravity turn, standard atmosphere, constant thrust, mass falling"
+            f"\nwith {self.condition.specific_impulse:g} s, wind centred on the vehicle's own"
+            " time, flat planet,\nrigid, no actuator"
+        )
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What every flight of it is told."""
+        return {"engine": self.engine, "plane": self.plane, "condition": self.condition}
+
+
+def _wind(vehicle: Any, shape: str, duration: float, peak: float, along: bool) -> "History":
+    """The wind, from t = 0 on, or with its middle at the vehicle's own time."""
+    from tvclin.errors import one_of
+    from tvclin.study import SHAPES
+
+    pulse = SHAPES[one_of("--wind", shape, SHAPES)](peak=peak, duration=duration)
+    middle = 0.0 if vehicle.time is None else float(vehicle.time)
+    return pulse.shift(middle - duration / 2) if along else pulse
+
+
+def _control(
+    plant: "Plant", law: str, dead_band: float | None, peak: float
+) -> "ReportControl | Law":
+    from dataclasses import replace
+
+    from tvclin.errors import InputError, one_of
+    from tvclin.flight import ReportControl
+    from tvclin.law_trials import standard_laws
+
+    one_of("--law", law, ["report", *LAWS])
+    if law == "report":
+        return ReportControl(1.0 if dead_band is None else dead_band)
+    chosen = standard_laws(plant, peak)[LAWS[law]]
+    if dead_band is None:
+        return chosen
+    if law not in _WITH_BAND:
+        raise InputError("--dead-band belongs to the laws report and dead-band")
+    return replace(chosen, dead_band=dead_band)  # type: ignore[type-var]
+
+
+def _case(
+    vehicle: "OneVehicle",
+    shape: str,
+    wind: Any,
+    engine: str,
+    plane: str,
+    law: str,
+    dead_band: float | None,
+    limit_deg: float | None,
+    condition: "FlightCondition | None",
+) -> _Case:
+    import numpy as np
+
+    from tvclin.errors import within
+    from tvclin.flight import LINEAR_MODEL, linear_boundary
+    from tvclin.plant import Plant
+
+    plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
+    control = _control(plant, law, dead_band, float(wind.peak))
+    least = linear_boundary(plant, control, wind)
+    limit = _SPARE * least
+    if limit_deg is not None:
+        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    return _Case(vehicle, shape, wind, engine, plane, law, control, condition, least, limit)
+
+
+def _flown(case: _Case, length: float, points: int) -> "FlightBeside":
+    import numpy as np
+
+    from tvclin.flight import fly_beside
+
+    start = float(case.wind.onset)
+    return fly_beside(
+        case.vehicle,
+        case.control,
+        case.wind,
+        np.linspace(start, start + length, points),
+        deflection_limit=case.limit,
+        boundary=case.boundary,
+        **case.options,
+    )
+
+
+def _flown_boundary(case: _Case) -> "FlownBoundary":
+    from tvclin.flight import ReportControl, flown_boundary
+
+    chosen: dict[str, Any] = {"law": case.control}
+    if isinstance(case.control, ReportControl):
+        chosen = {"dead_band": case.control.dead_band}
+    return flown_boundary(
+        case.vehicle,
+        case.wind,
+        frozen=case.condition is None,
+        tolerance=_TOLERANCE,
+        highest=_HIGHEST,
+        **chosen,
+        **case.options,
+    )
+
+
+def _write(flight: "FlightBeside", case: _Case, csv: Path | None, plot: Path | None) -> None:
+    import numpy as np
+
+    from tvclin.files import write_text
+    from tvclin.plots import flight_chart, flight_curves, save_figure
+
+    title = f"{case.title}, limit {np.degrees(case.limit):.4f} deg, {case.engine}"
+    numbers = flight_curves(flight, "fly", title.replace("\n", ", "))
+    if csv is not None:
+        write_text(csv, numbers.csv())
+    if plot is not None:
+        save_figure(flight_chart(numbers, title, float(case.wind.end)), plot)
+
+
+def _peaks(flight: "FlightBeside") -> dict[str, list[float]]:
+    """The largest of each over the wind, flown and linear [deg]."""
+    import numpy as np
+
+    names = ("attitude", "deflection", "angle_of_attack")
+    return {name: np.degrees(flight.peaks(name)).tolist() for name in names}
+
+
+def _print(flight: "FlightBeside", case: _Case, found: "FlownBoundary | None") -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+    from tvclin.flight import LINEAR_MODEL
+
+    limit, least = (float(np.degrees(angle)) for angle in (case.limit, case.boundary))
+    typer.echo(case.title)
+    typer.echo(f"flown: {_ENGINES[case.engine]}")
+    typer.echo(case.assumed)
+    typer.echo(f"linear: model {LINEAR_MODEL}, parameters frozen")
+    rows = [
+        [f"largest {name.replace('_', ' ')}", *_compared(*both)]
+        for name, both in _peaks(flight).items()
+    ]
+    if found is not None:
+        rows.append(["boundary", *_compared(float(np.degrees(found.deflection)), least)])
+    title = f"Limit {limit:.4f} deg, {limit / least:.4g} times the linear boundary"
+    print_table(title, ["over the wind, in deg", "flown", "linear", "difference"], rows)
+    words = {True: "SURVIVED", False: "NOT SURVIVED"}
+    typer.echo(f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}.")
+
+
+def _compared(flown: float, linear: float) -> list[str]:
+    return [f"{flown:.4f}", f"{linear:.4f}", f"{flown - linear:+.4f}"]
+
+
+def _document(flight: "FlightBeside", case: _Case, found: "FlownBoundary | None") -> dict[str, Any]:
+    import numpy as np
+
+    from tvclin.flight import LINEAR_MODEL
+
+    deg = np.degrees
+    return {
+        "vehicle": case.vehicle.name,
+        "engine": case.engine,
+        "plane": case.plane,
+        "law": case.law,
+        "dead_band": case.dead_band,
+        "along_trajectory": case.condition is not None,
+        "linear_model": LINEAR_MODEL,
+        "wind": {
+            "shape": case.shape,
+            "peak_deg": deg(case.wind.peak),
+            "onset_s": case.wind.onset,
+            "end_s": case.wind.end,
+        },
+        "limit_deg": deg(case.limit),
+        "survived": flight.survived,
+        "predicted": flight.predicted,
+        "peaks_over_the_wind_deg": {
+            name: {"flown": flown, "linear": linear}
+            for name, (flown, linear) in _peaks(flight).items()
+        },
+        "boundary_deg": {
+            "linear": deg(case.boundary),
+            "flown": None if found is None else deg(found.deflection),
+        },
+    }
