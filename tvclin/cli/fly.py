@@ -1,30 +1,17 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.flight_cases import FlightCase, flight_case, flight_wind
 from tvclin.cli.inputs import peak_angle
 from tvclin.cli.options import AsJson, Duration, PeakDeg, PeakSpeed, Plane, Plot, Vehicle, Wind
 
 if TYPE_CHECKING:
-    from tvclin.flight import FlightBeside, FlightCondition, FlownBoundary, ReportControl
-    from tvclin.histories import History
-    from tvclin.laws import Law
-    from tvclin.plant import Plant
-    from tvclin.vehicle import Vehicle as OneVehicle
+    from tvclin.flight import FlightBeside, FlownBoundary
 
-LAWS = {
-    "trim": "trim",
-    "dead-band": "dead band 0.5",
-    "saturated": "attitude and rate",
-    "recoverable": "recoverable attitude",
-}
-"""What the laws of `tvclin laws` are called here."""
-_WITH_BAND = ("report", "dead-band")
-_SPARE = 1.1
 _LONGEST = 20.0
 _TOLERANCE, _HIGHEST = 5e-4, 4.0
 """Of --boundary, over the largest trim deflection."""
@@ -84,8 +71,8 @@ def fly(
     within("--points", points, 2, 1_000_000)
     one_of("--engine", engine, ENGINES)
     condition = load_flight_condition(vehicle) if along_trajectory else None
-    gust = _wind(loaded, wind, duration, peak, along_trajectory)
-    case = _case(loaded, wind, gust, engine, plane, law, dead_band, limit_deg, condition)
+    gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
+    case = flight_case(loaded, wind, gust, engine, plane, law, dead_band, limit_deg, condition)
     flight = _flown(case, until * duration, points)
     found = _flown_boundary(case) if boundary else None
     if csv is not None or plot is not None:
@@ -98,114 +85,7 @@ def fly(
         raise typer.Exit(1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Case:
-    """What is flown, and the linear boundary [rad] of it."""
-
-    vehicle: "OneVehicle"
-    shape: str
-    wind: Any
-    engine: str
-    plane: str
-    law: str
-    control: "ReportControl | Law"
-    condition: "FlightCondition | None"
-    boundary: float
-    limit: float
-
-    @property
-    def dead_band(self) -> float | None:
-        """K, where the law has one."""
-        return getattr(self.control, "dead_band", None) if self.law in _WITH_BAND else None
-
-    @property
-    def title(self) -> str:
-        """The vehicle, the wind and the control, in one line."""
-        import numpy as np
-
-        peak = float(np.degrees(self.wind.peak))
-        length = float(self.wind.end - self.wind.onset)
-        band = self.dead_band
-        return (
-            f"{self.vehicle.name or 'Vehicle'}\n{self.shape} wind of {peak:.4g} deg and"
-            f" {length:.4g} s, {self.plane}, law {self.law}"
-            + ("" if band is None else f", K = {band:g}")
-        )
-
-    @property
-    def assumed(self) -> str:
-        """What the flight takes for granted."""
-        if self.condition is None:
-            return "assumed: parameters frozen, flat planet at rest, rigid, no actuator"
-        return (
-            "assumed: gravity turn, standard atmosphere, constant thrust, mass falling"
-            f"\nwith {self.condition.specific_impulse:g} s, wind centred on the vehicle's own"
-            " time, flat planet,\nrigid, no actuator"
-        )
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """What every flight of it is told."""
-        return {"engine": self.engine, "plane": self.plane, "condition": self.condition}
-
-
-def _wind(vehicle: Any, shape: str, duration: float, peak: float, along: bool) -> "History":
-    """The wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    from tvclin.errors import one_of
-    from tvclin.study import SHAPES
-
-    pulse = SHAPES[one_of("--wind", shape, SHAPES)](peak=peak, duration=duration)
-    middle = 0.0 if vehicle.time is None else float(vehicle.time)
-    return pulse.shift(middle - duration / 2) if along else pulse
-
-
-def _control(
-    plant: "Plant", law: str, dead_band: float | None, peak: float
-) -> "ReportControl | Law":
-    from dataclasses import replace
-
-    from tvclin.errors import InputError, one_of
-    from tvclin.flight import ReportControl
-    from tvclin.law_trials import standard_laws
-
-    one_of("--law", law, ["report", *LAWS])
-    if law == "report":
-        return ReportControl(1.0 if dead_band is None else dead_band)
-    chosen = standard_laws(plant, peak)[LAWS[law]]
-    if dead_band is None:
-        return chosen
-    if law not in _WITH_BAND:
-        raise InputError("--dead-band belongs to the laws report and dead-band")
-    return replace(chosen, dead_band=dead_band)  # type: ignore[type-var]
-
-
-def _case(
-    vehicle: "OneVehicle",
-    shape: str,
-    wind: Any,
-    engine: str,
-    plane: str,
-    law: str,
-    dead_band: float | None,
-    limit_deg: float | None,
-    condition: "FlightCondition | None",
-) -> _Case:
-    import numpy as np
-
-    from tvclin.errors import within
-    from tvclin.flight import LINEAR_MODEL, linear_boundary
-    from tvclin.plant import Plant
-
-    plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
-    control = _control(plant, law, dead_band, float(wind.peak))
-    least = linear_boundary(plant, control, wind)
-    limit = _SPARE * least
-    if limit_deg is not None:
-        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
-    return _Case(vehicle, shape, wind, engine, plane, law, control, condition, least, limit)
-
-
-def _flown(case: _Case, length: float, points: int) -> "FlightBeside":
+def _flown(case: FlightCase, length: float, points: int) -> "FlightBeside":
     import numpy as np
 
     from tvclin.flight import fly_beside
@@ -222,7 +102,7 @@ def _flown(case: _Case, length: float, points: int) -> "FlightBeside":
     )
 
 
-def _flown_boundary(case: _Case) -> "FlownBoundary":
+def _flown_boundary(case: FlightCase) -> "FlownBoundary":
     from tvclin.flight import ReportControl, flown_boundary
 
     chosen: dict[str, Any] = {"law": case.control}
@@ -239,7 +119,7 @@ def _flown_boundary(case: _Case) -> "FlownBoundary":
     )
 
 
-def _write(flight: "FlightBeside", case: _Case, csv: Path | None, plot: Path | None) -> None:
+def _write(flight: "FlightBeside", case: FlightCase, csv: Path | None, plot: Path | None) -> None:
     import numpy as np
 
     from tvclin.files import write_text
@@ -261,7 +141,7 @@ def _peaks(flight: "FlightBeside") -> dict[str, list[float]]:
     return {name: np.degrees(flight.peaks(name)).tolist() for name in names}
 
 
-def _print(flight: "FlightBeside", case: _Case, found: "FlownBoundary | None") -> None:
+def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | None") -> None:
     import numpy as np
 
     from tvclin.cli.output import print_table
@@ -288,7 +168,9 @@ def _compared(flown: float, linear: float) -> list[str]:
     return [f"{flown:.4f}", f"{linear:.4f}", f"{flown - linear:+.4f}"]
 
 
-def _document(flight: "FlightBeside", case: _Case, found: "FlownBoundary | None") -> dict[str, Any]:
+def _document(
+    flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | None"
+) -> dict[str, Any]:
     import numpy as np
 
     from tvclin.flight import LINEAR_MODEL

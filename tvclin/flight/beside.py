@@ -146,7 +146,7 @@ def fly_beside(
     >>> times = np.linspace(0, 10, 101)
     >>> one = tv.fly_beside(vehicle, tv.ReportControl(), wind, times, deflection_limit=0.00126)
     >>> one.survived, one.predicted, np.degrees(one.peaks("attitude")).round(2).tolist()
-    (True, True, [0.23, 0.23])
+    (True, True, [0.43, 0.43])
     """
     plant = Plant.from_vehicle(vehicle, MODEL, plane)
     limit = number("deflection_limit", deflection_limit, positive, "rad")

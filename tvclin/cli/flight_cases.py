@@ -1,0 +1,130 @@
+"""What `tvclin fly` flies, as its options name it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tvclin.flight import FlightCondition, ReportControl
+    from tvclin.histories import History
+    from tvclin.laws import Law
+    from tvclin.plant import Plant
+    from tvclin.vehicle import Vehicle
+
+LAWS = {
+    "trim": "trim",
+    "dead-band": "dead band 0.5",
+    "saturated": "attitude and rate",
+    "recoverable": "recoverable attitude",
+}
+"""What the laws of `tvclin laws` are called here."""
+_WITH_BAND = ("report", "dead-band")
+_SPARE = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class FlightCase:
+    """What is flown, and the linear boundary [rad] of it."""
+
+    vehicle: "Vehicle"
+    shape: str
+    wind: Any
+    engine: str
+    plane: str
+    law: str
+    control: "ReportControl | Law"
+    condition: "FlightCondition | None"
+    boundary: float
+    limit: float
+
+    @property
+    def dead_band(self) -> float | None:
+        """K, where the law has one."""
+        return getattr(self.control, "dead_band", None) if self.law in _WITH_BAND else None
+
+    @property
+    def title(self) -> str:
+        """The vehicle, and in a second line the wind and the control."""
+        import numpy as np
+
+        peak = float(np.degrees(self.wind.peak))
+        length = float(self.wind.end - self.wind.onset)
+        band = self.dead_band
+        return (
+            f"{self.vehicle.name or 'Vehicle'}\n{self.shape} wind of {peak:.4g} deg and"
+            f" {length:.4g} s, {self.plane}, law {self.law}"
+            + ("" if band is None else f", K = {band:g}")
+        )
+
+    @property
+    def assumed(self) -> str:
+        """What the flight takes for granted."""
+        if self.condition is None:
+            return "assumed: parameters frozen, flat planet at rest, rigid, no actuator"
+        return (
+            "assumed: gravity turn, standard atmosphere, constant thrust, mass falling"
+            f"\nwith a specific impulse of {self.condition.specific_impulse:g} s, wind centred on"
+            " the vehicle's own\ntime, flat planet at rest, rigid, no actuator"
+        )
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What every flight of it is told."""
+        return {"engine": self.engine, "plane": self.plane, "condition": self.condition}
+
+
+def flight_wind(vehicle: Any, shape: str, duration: float, peak: float, along: bool) -> "History":
+    """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
+    from tvclin.errors import one_of
+    from tvclin.study import SHAPES
+
+    pulse = SHAPES[one_of("--wind", shape, SHAPES)](peak=peak, duration=duration)
+    middle = 0.0 if vehicle.time is None else float(vehicle.time)
+    return pulse.shift(middle - duration / 2) if along else pulse
+
+
+def _control(
+    plant: "Plant", law: str, dead_band: float | None, peak: float
+) -> "ReportControl | Law":
+    from dataclasses import replace
+
+    from tvclin.errors import InputError, one_of
+    from tvclin.flight import ReportControl
+    from tvclin.law_trials import standard_laws
+
+    one_of("--law", law, ["report", *LAWS])
+    if law == "report":
+        return ReportControl(1.0 if dead_band is None else dead_band)
+    chosen = standard_laws(plant, peak)[LAWS[law]]
+    if dead_band is None:
+        return chosen
+    if law not in _WITH_BAND:
+        raise InputError("--dead-band belongs to the laws report and dead-band")
+    return replace(chosen, dead_band=dead_band)  # type: ignore[type-var]
+
+
+def flight_case(
+    vehicle: "Vehicle",
+    shape: str,
+    wind: Any,
+    engine: str,
+    plane: str,
+    law: str,
+    dead_band: float | None,
+    limit_deg: float | None,
+    condition: "FlightCondition | None",
+) -> FlightCase:
+    """Return the case that the options ask for, with a tenth of limit to spare if none is given."""
+    import numpy as np
+
+    from tvclin.errors import within
+    from tvclin.flight import LINEAR_MODEL, linear_boundary
+    from tvclin.plant import Plant
+
+    plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
+    _ = plant.coefficients.beta  # or there is no boundary
+    control = _control(plant, law, dead_band, float(wind.peak))
+    least = linear_boundary(plant, control, wind)
+    limit = _SPARE * least
+    if limit_deg is not None:
+        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    return FlightCase(vehicle, shape, wind, engine, plane, law, control, condition, least, limit)
