@@ -150,8 +150,8 @@ def quantities(
     return values
 
 
-def build_vehicle(table: dict[str, Any]) -> Vehicle:
-    """Return the vehicle of a table of keys with their units.
+def build_vehicle(table: dict[str, Any], heading: str = "vehicle") -> Vehicle:
+    """Return the vehicle of a table of keys with their units; the heading is for messages.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def build_vehicle(table: dict[str, Any]) -> Vehicle:
     """
     rest = dict(table)
     name = rest.pop("name", "")
-    values: dict[str, Any] = quantities(rest, _QUANTITIES, "vehicle", ("name",))
+    values: dict[str, Any] = quantities(rest, _QUANTITIES, heading, ("name",))
     aerodynamic = values.keys() & _AERODYNAMICS
     needed = _REQUIRED | (_AERODYNAMICS if aerodynamic else _FORCES)
     for quantity, dimension in needed.items():

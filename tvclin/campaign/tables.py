@@ -1,0 +1,212 @@
+"""The tables that campaign files share with study files, and how their keys are read."""
+
+import csv
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tvclin.campaign.dispersions import PARAMETERS, Dispersion, Dispersions
+from tvclin.campaign.winds import ShapedWind, WindEnsemble
+from tvclin.errors import InputError, number, one_of
+from tvclin.units import UNITS
+from tvclin.vehicle import Vehicle
+from tvclin.vehicle_file import build_vehicle, list_vehicles, load_vehicle
+
+TABLES = (
+    "study",
+    "campaign",
+    "wind",
+    "outputs",
+    "question",
+    "flight",
+    "laws",
+    "autopilot",
+    "criteria",
+    "dispersion",
+    "correlation",
+)
+"""Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
+LISTS = ("dispersion", "correlation")
+SUBJECT = ("vehicle", "model", "plane")
+"""What is studied: keys of [study], or of [campaign] where there is no [study]."""
+PERCENT = 100.0
+
+_ANGLE, _TIME = UNITS["angle"], UNITS["time"]
+_SPREADS = {
+    "weight": "force",
+    "moment_of_inertia": "inertia",
+    "normal_force_slope": "force slope",
+    "thrust": "force",
+    "aerodynamic_arm": "length",
+    "control_arm": "length",
+    "axial_force": "force",
+    "velocity": "speed",
+    "attitude": "angle",
+    "control_force_slope": "force slope",
+    "wind_peak": "angle",
+    "wind_duration": "time",
+}
+
+
+def read_tables(path: Path, hint: str) -> dict[str, Any]:
+    """Return the document of a TOML file; the hint says how to write one that is missing."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError) as error:
+        if isinstance(error, tomllib.TOMLDecodeError | UnicodeDecodeError):
+            raise InputError(f"{path} is not valid TOML: {error}") from None
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path} cannot be read: {reason}; {hint} {path}") from None
+    except RecursionError as error:
+        raise InputError(f"{path} is not valid TOML: {error}") from None
+
+
+def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return what is studied: the vehicle, and model and plane where they are given.
+
+    They stand in [study] or in [campaign], so that one file serves both.
+
+    Raises
+    ------
+    InputError
+        For an unknown table, one that is none, a vehicle that is missing, and what is given twice.
+    """
+    known("table", document, TABLES)
+    for name in document.keys() - set(LISTS):
+        if not isinstance(document[name], dict):
+            raise InputError(f"[{name}] must be a table")
+    study, campaign = document.get("study", {}), document.get("campaign", {})
+    for key in SUBJECT:
+        if key in study and key in campaign:
+            raise InputError(f"{key} is given in [study] and in [campaign]; keep one")
+    found = {key: table[key] for table in (study, campaign) for key in SUBJECT if key in table}
+    where = "study" if "study" in document else "campaign"
+    if "vehicle" not in found:
+        raise InputError(f"a key is missing in [{where}]: vehicle")
+    return found | {"vehicle": _vehicle(found["vehicle"], folder, where)}
+
+
+def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the limit [rad], and probability and confidence where they are given."""
+    asked = dict(document.get("question", {}))
+    limit = quantity("[question]", asked, "limit", _ANGLE, required=False)
+    known("key in [question]", asked, ("limit", "probability", "confidence"))
+    return asked | {"limit": limit}
+
+
+def _vehicle(source: Any, folder: Path, where: str) -> Vehicle:
+    if isinstance(source, dict) and "weight" not in source:
+        return build_vehicle(dict(source), f"{where}.vehicle")
+    if isinstance(source, dict):
+        known(f"key in [{where}.vehicle]", source, [f.name for f in fields(Vehicle)])
+        try:
+            return Vehicle(**source)
+        except TypeError:
+            raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
+    if not isinstance(source, str):
+        raise InputError(f"vehicle must be a name or a path; got {source!r}")
+    beside = folder / source
+    named = source in list_vehicles() or "\0" in source
+    return load_vehicle(beside if not named and beside.exists() else source)
+
+
+def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
+    """Return the wind of the table [wind]; a file of winds is looked for in the folder."""
+    if "file" in table:
+        known("key in [wind]", table, ("file", "unit"))
+        factor = _ANGLE[one_of("unit in [wind]", table.get("unit", "deg"), _ANGLE)]
+        time, angle = _read_winds(folder / str(table["file"]))
+        return WindEnsemble(time, angle * factor)
+    if "angle_rad" in table:
+        known("key in [wind]", table, ("time_s", "angle_rad"))
+        return WindEnsemble(np.array(table.get("time_s")), np.array(table["angle_rad"]))
+    rest = dict(table)
+    shape = rest.pop("shape", "triangular")
+    peak = quantity("[wind]", rest, "peak", _ANGLE)
+    duration = quantity("[wind]", rest, "duration", _TIME)
+    known("key in [wind]", rest, ("shape", "file", "unit"))
+    return ShapedWind(shape, float(peak or 0.0), float(duration or 0.0))
+
+
+def _read_winds(path: Path) -> tuple[Any, Any]:
+    """Times [s] from the first column, and one wind for each further column."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            rows = [row for row in csv.reader(stream) if row]
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read: {error}") from None
+    try:
+        table = np.array([[float(cell) for cell in row] for row in rows[1:]])
+    except ValueError:
+        raise InputError(f"{path} must hold numbers in equal rows below its headings") from None
+    if not rows or rows[0][0].strip() != "time_s" or table.ndim != 2 or table.shape[1] < 2:
+        raise InputError(f"{path} must have a first column time_s and one for each wind")
+    return table[:, 0], table[:, 1:].T
+
+
+def dispersions_of(each: Any, correlation: Any) -> Dispersions:
+    """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
+    for name, rows in (("dispersion", each), ("correlation", correlation)):
+        if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+            raise InputError(f"{name} must be given as [[{name}]], once for each")
+    made = tuple(_dispersion(row) for row in each)
+    names = [one.parameter for one in made]
+    if not correlation:
+        return Dispersions(made)
+    matrix = np.eye(len(made))
+    for row in correlation:
+        known("key in [[correlation]]", row, ("between", "coefficient"))
+        between = row.get("between")
+        if not isinstance(between, list) or len(between) != 2 or between[0] == between[1]:
+            raise InputError(f"between in [[correlation]] must name two parameters; got {between}")
+        i, j = (names.index(one_of("between in [[correlation]]", name, names)) for name in between)
+        matrix[i, j] = matrix[j, i] = number("coefficient", row.get("coefficient"))
+    return Dispersions(made, tuple(map(tuple, matrix.tolist())))
+
+
+def _dispersion(row: dict[str, Any]) -> Dispersion:
+    rest = dict(row)
+    parameter = one_of("parameter in [[dispersion]]", rest.pop("parameter", None), PARAMETERS)
+    units = UNITS[_SPREADS[parameter]] if parameter in _SPREADS else {"": 1.0}
+    shape = rest.pop("shape", "normal")
+    keys = dict(zip(spellings({"spread": units}), units.values(), strict=True))
+    spreads = {"part": 1.0, "percent": 1.0 / PERCENT, "spread": 1.0} | keys
+    known(f"key in [[dispersion]] of {parameter}", rest, spreads)
+    if len(rest) != 1:
+        raise InputError(
+            f"the spread of {parameter} must be given once, as percent or as {', '.join(keys)}"
+        )
+    (key, value) = rest.popitem()
+    spread = number(f"{key} of {parameter}", value) * spreads[key]
+    return Dispersion(parameter, shape, spread, relative=key in ("part", "percent"))
+
+
+def quantity(
+    where: str, table: dict[str, Any], name: str, units: Mapping[str, float], required: bool = True
+) -> float | None:
+    """Take a number with its unit in its key out of a table."""
+    keys = dict(zip(spellings({name: units}), units.values(), strict=True))
+    found = [key for key in keys if key in table]
+    if len(found) > 1 or (required and not found):
+        raise InputError(f"{where} must give {name} once, as {' or '.join(keys)}")
+    return number(found[0], table.pop(found[0])) * keys[found[0]] if found else None
+
+
+def known(what: str, given: Mapping[str, Any], names: Iterable[str]) -> None:
+    """Raise `InputError` for a key that is not among the names, and offer the near ones."""
+    legal = list(names)
+    for key in given:
+        if key not in legal:
+            near = get_close_matches(key, legal, n=2, cutoff=0.5)
+            hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(legal)}"
+            raise InputError(f"unknown {what}: {key!r}; {hint}")
+
+
+def spellings(quantities: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Return the keys of quantities, each with its unit."""
+    return [f"{k}_{unit}" if unit else k for k, units in quantities.items() for unit in units]
