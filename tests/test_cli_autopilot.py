@@ -101,7 +101,7 @@ def test_a_stable_vehicle_is_told_what_to_give(tmp_path):
     for command in ("margins", "autopilot"):
         result = run(command, str(file))
         assert result.exit_code == 2
-        assert "give --natural-frequency" in result.stderr
+        assert "give natural_frequency" in result.stderr
     assert run("margins", str(file), "--natural-frequency", "1").exit_code in {0, 1}
 
 
@@ -194,9 +194,9 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["margins", "--design", "guess"], "--design must be one of canonical, poles"),
-        (["margins", "--design", "poles"], "--design poles needs --natural-frequency"),
-        (["margins", "--rate-gain", "1"], "need --attitude-gain and --rate-gain, both"),
+        (["margins", "--design", "guess"], "design must be one of canonical, poles"),
+        (["margins", "--design", "poles"], "design poles needs natural_frequency, in rad/s"),
+        (["margins", "--rate-gain", "1"], "need attitude_gain and rate_gain, both"),
         (["margins", "--attitude-gain", "1", "--design", "lqr"], "not both"),
         (["margins", "--delay-ms", "-1"], "--delay-ms must be zero or positive"),
         (["margins", "--criteria", "none"], "--criteria must be one of classic, aircraft"),

@@ -116,6 +116,10 @@ if TYPE_CHECKING:
     from tvclin.soundings import synthetic_profile as synthetic_profile
     from tvclin.soundings import worst_month as worst_month
     from tvclin.study import Study as Study
+    from tvclin.study_file import GainsAsked as GainsAsked
+    from tvclin.study_file import LawsAsked as LawsAsked
+    from tvclin.study_file import StudyPlan as StudyPlan
+    from tvclin.study_file import load_study as load_study
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
     from tvclin.vehicle_file import load_vehicle as load_vehicle
@@ -235,6 +239,7 @@ _ROOMS = {
         "worst_total",
     ),
     "study": ("Study",),
+    "study_file": ("GainsAsked", "LawsAsked", "StudyPlan", "load_study"),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),
     "winds": (

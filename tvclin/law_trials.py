@@ -26,6 +26,8 @@ from tvclin.winds import (
 
 FloatArray = NDArray[np.float64]
 
+STANDARD_LAWS = ("attitude and rate", "trim", "dead band 0.5", "recoverable attitude")
+"""Names of the laws of the trials."""
 _SPARE = 1.2
 """Loads are those at so many times the boundary, where every law is at its ease."""
 _POINTS = 801
@@ -107,12 +109,13 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     """
     gains = canonical_gains(plant.coefficients)
     fixed = Plant.from_coefficients(plant.coefficients)
-    return {
-        "attitude and rate": SaturatedLaw(gains),
-        "trim": TrimLaw(fixed),
-        "dead band 0.5": DeadBandLaw(fixed),
-        "recoverable attitude": RecoverableAttitudeLaw(plant, design_peak=peak),
-    }
+    laws = (
+        SaturatedLaw(gains),
+        TrimLaw(fixed),
+        DeadBandLaw(fixed),
+        RecoverableAttitudeLaw(plant, design_peak=peak),
+    )
+    return dict(zip(STANDARD_LAWS, laws, strict=True))
 
 
 def law_trials(

@@ -41,8 +41,12 @@ class Study:
         The plane, and the model on which the verdict rests.
     coefficients : Coefficients
         Its linear coefficients in that plane.
+    shape : str
+        Shape of the wind, a key of `SHAPES`.
     wind : RectangularWind or TriangularWind
         The wind.
+    switch : str
+        What leaves the dead band, as in `trim_then_hold`.
     modes : dict of str to Modes
         Unstable poles of every model.
     trim_deflection : float
@@ -74,7 +78,9 @@ class Study:
     plane: str
     model: str
     coefficients: Coefficients
+    shape: str
     wind: Any
+    switch: str
     modes: dict[str, Modes]
     trim_deflection: float
     boundaries: dict[str, BoundaryLimit]
@@ -166,7 +172,9 @@ class Study:
             plane=plane,
             model=model,
             coefficients=coefficients,
+            shape=wind,
             wind=alone,
+            switch=switch,
             modes={name: unstable_modes(plant) for name, plant in plants.items()},
             trim_deflection=abs(float(coefficients.B * history.peak)),
             boundaries={

@@ -78,7 +78,8 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
     looks_like_a_path = isinstance(source, PathLike) or path.suffix == ".toml" or path.name != text
     if not looks_like_a_path and not path.exists():
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
-    return read_text(path, "a vehicle file", f"write one with: tvclin init {path}"), text
+    start = f"write one with: tvclin init {path}, or a study file with: tvclin init --study {path}"
+    return read_text(path, "a vehicle file", start), text
 
 
 def parse_vehicle(text: str, source: str) -> Vehicle:

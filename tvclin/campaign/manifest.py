@@ -134,13 +134,11 @@ def check_versions(manifest: Manifest) -> None:
 
 
 def _versions(compiled: bool) -> dict[str, str]:
-    from tvclin import __version__
-
-    names = ("numpy", "scipy", *(("numba",) if compiled else ()))
     try:
-        return {"tvclin": __version__} | {name: version(name) for name in names}
+        numba = {"numba": version("numba")} if compiled else {}
     except PackageNotFoundError:
         raise InputError("compiled kernels need numba; install tvclin[fast]") from None
+    return {name: version(name) for name in ("tvclin", "numpy", "scipy")} | numba
 
 
 def _content(described: dict[str, Any], versions: dict[str, str]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from tvclin.campaign.statistics import (
 )
 from tvclin.campaign.winds import ShapedWind
 from tvclin.errors import InputError, whole_number
-from tvclin.study import SHAPES, Study
+from tvclin.study import Study
 
 FloatArray = NDArray[np.float64]
 
@@ -118,10 +118,9 @@ def disperse_study(
     if whole_number("cases", cases) == 0:
         raise InputError("cases must be one or more; got 0")
     wind = study.wind
-    shape = next(name for name, kind in SHAPES.items() if isinstance(wind, kind))  # type: ignore[arg-type]
     campaign = Campaign(
         vehicle=study.vehicle,
-        wind=ShapedWind(shape, wind.peak, wind.duration),
+        wind=ShapedWind(study.shape, wind.peak, wind.duration),
         dispersions=dispersions,
         cases=cases,
         seed=seed,

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
     from tvclin.autopilot import Autopilot
     from tvclin.plant import Plant
 
-DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
-
 Design = Annotated[
     str | None,
     typer.Option(
@@ -53,8 +51,9 @@ class GainOptions:
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
-        from tvclin.autopilot import Actuator, Autopilot
-        from tvclin.errors import InputError, nonnegative
+        from tvclin.autopilot import Actuator
+        from tvclin.autopilot.rules import designed_autopilot
+        from tvclin.errors import nonnegative
 
         frequency = float(nonnegative("--actuator-frequency", self.actuator_frequency, "rad/s"))
         options: dict[str, Any] = {
@@ -64,19 +63,14 @@ class GainOptions:
             "delay": float(nonnegative("--delay-ms", self.delay_ms, "ms")) / 1000.0,
             "integral_gain": self.integral_gain,
         }
-        rule = self.design, self.natural_frequency, self.damping
-        if all(gain is None for gain in (self.attitude_gain, self.rate_gain, self.alpha_gain)):
-            return _by_rule(plant, *rule, options)
-        if any(part is not None for part in rule):
-            raise InputError(
-                "give gains or a rule for them (--design, --natural-frequency), not both"
-            )
-        if self.attitude_gain is None or self.rate_gain is None:
-            raise InputError("gains of your own need --attitude-gain and --rate-gain, both")
-        return Autopilot(
+        return designed_autopilot(
+            plant,
+            design=self.design,
+            natural_frequency=self.natural_frequency,
+            damping=self.damping,
             attitude_gain=self.attitude_gain,
             rate_gain=self.rate_gain,
-            alpha_gain=self.alpha_gain or 0.0,
+            alpha_gain=self.alpha_gain,
             **options,
         )
 
@@ -101,44 +95,6 @@ def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
 def make_autopilot(plant: "Plant", **options: Any) -> "Autopilot":
     """Return the autopilot that the options of `GainOptions` ask for."""
     return GainOptions(**options).autopilot(plant)
-
-
-def _by_rule(
-    plant: "Plant",
-    design: str | None,
-    natural_frequency: float | None,
-    damping: float | None,
-    options: dict[str, Any],
-) -> "Autopilot":
-    from tvclin import autopilot
-    from tvclin.errors import InputError, one_of
-
-    asked = natural_frequency is not None or damping is not None
-    rule = one_of("--design", design or ("poles" if asked else "canonical"), DESIGNS)
-    if rule in {"canonical", "lqr"}:
-        if asked:
-            raise InputError(f"--design {rule} takes no --natural-frequency and no --damping")
-        if rule == "lqr":
-            return autopilot.lqr_gains(plant, **options)
-        if plant.coefficients.mu_alpha <= 0.0:
-            raise InputError(
-                "--design canonical needs an aerodynamically unstable vehicle, and this one has"
-                f" mu_alpha = {plant.coefficients.mu_alpha:.6g} 1/s^2: give --natural-frequency"
-            )
-        return autopilot.canonical_gains(plant.coefficients, **options)
-    if natural_frequency is None:
-        raise InputError(f"--design {rule} needs --natural-frequency, in rad/s")
-    rules = {
-        "poles": autopilot.design_gains,
-        "drift-minimum": autopilot.drift_minimum_gains,
-        "load-minimum": autopilot.load_minimum_gains,
-    }
-    return rules[rule](
-        plant.coefficients,
-        natural_frequency=natural_frequency,
-        damping=0.7 if damping is None else damping,
-        **options,
-    )
 
 
 def described(autopilot: "Autopilot") -> list[tuple[str, str]]:

@@ -1,9 +1,10 @@
 """What several commands make of their options."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tvclin.histories import History
+    from tvclin.study_file import StudyPlan
     from tvclin.vehicle import Vehicle
 
 
@@ -49,3 +50,28 @@ def gust_words(gust: "History | None") -> str:
     if gust is None:
         return ""
     return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
+
+
+def changed_plan(
+    plan: "StudyPlan",
+    wind: str | None,
+    duration: float | None,
+    peak: tuple[float | None, float | None],
+    limit_deg: float | None,
+    given: dict[str, Any],
+) -> "StudyPlan":
+    """Return the plan with what the options say in place of the file."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from tvclin.errors import within
+
+    changes = {name: value for name, value in given.items() if value is not None}
+    if limit_deg is not None:
+        changes["limit"] = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    asked: dict[str, Any] = {"shape": wind, "duration": duration}
+    if peak != (None, None):
+        asked["peak"] = peak_angle(plan.vehicle, changes.get("plane", plan.plane), *peak)
+    asked = {name: value for name, value in asked.items() if value is not None}
+    return replace(plan, wind=replace(plan.wind, **asked), **changes)

@@ -4,17 +4,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of, gust_words, peak_angle
+from tvclin.cli.inputs import changed_plan, gust_of, gust_words
 from tvclin.cli.options import (
     MODELS_HELP,
+    VEHICLE_HELP,
     AsJson,
-    Duration,
     PeakDeg,
     PeakSpeed,
-    Plane,
     Plot,
-    Vehicle,
-    Wind,
 )
 
 if TYPE_CHECKING:
@@ -23,9 +20,19 @@ if TYPE_CHECKING:
 
 
 def study(
-    vehicle: Vehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="[VEHICLE|STUDY]",
+            help=f"{VEHICLE_HELP[:-1]}, or a study file (see: tvclin init --study).",
+        ),
+    ] = "configuration-i",
+    wind: Annotated[
+        str | None, typer.Option(help="Shape of the wind: triangular (as without) or rectangular.")
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Duration of the wind, in s; 7.5 if nothing is given.")
+    ] = None,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     gust: Annotated[
@@ -39,75 +46,84 @@ def study(
         typer.Option(help="When the gust peaks, in s; in the middle of the wind if not given."),
     ] = None,
     dead_band: Annotated[
-        float, typer.Option(help="Dead band K of the verdict, from 0 to 1; 1 needs no forecast.")
-    ] = 1.0,
+        float | None,
+        typer.Option(
+            help="Dead band K of the verdict, from 0 to 1; 1, as without, needs no forecast."
+        ),
+    ] = None,
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
     ] = None,
-    model: Annotated[str, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = "fixed-path",
-    plane: Plane = "pitch",
+    model: Annotated[str | None, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = None,
+    plane: Annotated[
+        str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
+    ] = None,
     switch: Annotated[
-        str, typer.Option(help="What leaves the dead band: report (the wind) or literal (trim).")
-    ] = "report",
+        str | None,
+        typer.Option(help="What leaves the dead band: report (the wind) or literal (trim)."),
+    ] = None,
     disperse: Annotated[
         bool, typer.Option("--disperse", help="Disperse vehicle and wind by assumed amounts too.")
     ] = False,
-    cases: Annotated[int, typer.Option(help="Cases of --disperse.")] = 2000,
-    seed: Annotated[int, typer.Option(help="Seed of --disperse.")] = 0,
+    cases: Annotated[int | None, typer.Option(help="Cases of --disperse; 2000.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of --disperse; 0.")] = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
     """Say how much deflection a booster needs in a wind, and whether its limit is enough.
 
+    What stands in a study file counts where no option is given.
+
     Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
     """
-    import numpy as np
+    from dataclasses import replace
 
     from tvclin.cli.output import print_json
-    from tvclin.errors import within
-    from tvclin.study import Study
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.study_file import load_study
 
-    loaded = load_vehicle(vehicle)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    limit = (
-        None
-        if limit_deg is None
-        else np.radians(float(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    given = {
+        "dead_band": dead_band,
+        "model": model,
+        "plane": plane,
+        "switch": switch,
+        "cases": cases,
+        "seed": seed,
+    }
+    plan = changed_plan(
+        load_study(source), wind, duration, (peak_deg, peak_speed), limit_deg, given
     )
-    result = Study.from_vehicle(
-        loaded,
-        wind=wind,
-        duration=duration,
-        peak=peak,
-        limit=limit,
-        dead_band=dead_band,
-        model=model,
-        plane=plane,
-        switch=switch,
-        gust=gust_of(gust, 0.5 * duration if gust_at is None else gust_at),
-    )
+    if gust is not None:
+        middle = 0.5 * plan.wind.duration
+        plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
+    result = plan.study()
     dispersed = None
     if disperse:
-        from tvclin.campaign import disperse_study
+        from tvclin.campaign import DEFAULT_DISPERSIONS, disperse_study
 
-        dispersed = disperse_study(result, cases=cases, seed=seed)
+        dispersed = disperse_study(
+            result,
+            plan.dispersions or DEFAULT_DISPERSIONS,
+            cases=plan.cases,
+            seed=plan.seed,
+            probability=plan.probability,
+            confidence=plan.confidence,
+        )
     if plot is not None:
         from tvclin.plots import save_figure, study_chart
 
         save_figure(study_chart(result), plot)
     if as_json:
         extra = {} if dispersed is None else {"dispersed": _dispersed_document(dispersed)}
-        print_json(_document(result, wind) | extra)
+        print_json(_document(result) | extra)
     else:
-        _print(result, wind, vehicle)
+        _print(result, source)
         if dispersed is not None:
             _print_dispersed(dispersed)
     if result.sufficient is False:
         raise typer.Exit(1)
 
 
-def _print(result: "Study", shape: str, source: str) -> None:
+def _print(result: "Study", source: str) -> None:
     import numpy as np
 
     from tvclin.cli.output import print_pairs
@@ -147,10 +163,10 @@ def _print(result: "Study", shape: str, source: str) -> None:
         columns=1,
     )
     typer.echo()
-    _print_boundaries(result, shape)
+    _print_boundaries(result)
 
 
-def _print_boundaries(result: "Study", shape: str) -> None:
+def _print_boundaries(result: "Study") -> None:
     import numpy as np
 
     from tvclin.cli.output import print_table
@@ -168,7 +184,8 @@ def _print_boundaries(result: "Study", shape: str) -> None:
     rows += _without_and_with_forecast(result, names)
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
     print_table(
-        f"Boundary in a {shape} wind of {peak:.4g} deg and {duration:g} s{gust_words(result.gust)}"
+        f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
+        f"{gust_words(result.gust)}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
         ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
         rows,
@@ -262,7 +279,7 @@ def _poles(poles: Any) -> str:
     return ", ".join(shown) or "none"
 
 
-def _document(result: "Study", shape: str) -> dict[str, Any]:
+def _document(result: "Study") -> dict[str, Any]:
     import numpy as np
 
     v, c, deg = result.vehicle, result.coefficients, np.degrees
@@ -275,7 +292,7 @@ def _document(result: "Study", shape: str) -> dict[str, Any]:
             **{name: getattr(c, name) for name in c.__dataclass_fields__},
         },
         "wind": {
-            "shape": shape,
+            "shape": result.shape,
             "peak_deg": deg(result.wind.peak),
             "duration_s": result.wind.duration,
         },

@@ -29,14 +29,19 @@ def vehicles(as_json: AsJson = False) -> None:
 
 
 def init(
-    file: Annotated[Path, typer.Argument(help="The vehicle file to write, such as my.toml.")],
+    file: Annotated[Path, typer.Argument(help="The file to write, such as my.toml.")],
+    study: Annotated[
+        bool, typer.Option("--study", help="A study file: vehicle, wind, laws, margins and more.")
+    ] = False,
 ) -> None:
-    """Write a commented vehicle file to fill in."""
+    """Write a commented vehicle file to fill in, or with --study a whole study."""
     from tvclin.errors import InputError
     from tvclin.files import write_text
+    from tvclin.study_file import example
     from tvclin.vehicle_file import template
 
     if file.exists() and not file.is_dir():
         raise InputError(f"{file} exists already; name another file or move it away")
-    write_text(file, template())
-    typer.echo(f"Wrote {file}. Fill in its numbers, then: tvclin study {file}")
+    write_text(file, example() if study else template())
+    then = f"tvclin report {file}" if study else f"tvclin study {file}"
+    typer.echo(f"Wrote {file}. Fill in what differs, then: {then}")

@@ -1,0 +1,178 @@
+"""Study files: one file for studies and campaigns, and one sentence for what it should not say."""
+
+import json
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.campaign.file import parse_campaign
+from tvclin.cli.app import app
+from tvclin.study_file.read import example, parse_study
+
+HEAD = {"vehicle": "configuration-i"}
+WIND = {"peak_deg": 5.0, "duration_s": 7.5}
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(one) for one in arguments])
+
+
+def plan(**tables: object) -> tv.StudyPlan:
+    return parse_study({"study": HEAD, "wind": WIND} | tables)
+
+
+def test_the_example_says_what_its_keys_say() -> None:
+    found = parse_study(tomllib.loads(example()))
+
+    assert found.vehicle == tv.load_vehicle("configuration-i")
+    assert found.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
+    assert found.limit == pytest.approx(np.radians(0.4), rel=1e-15)
+    assert found.criteria is tv.CRITERIA["classic"]
+    assert (found.laws.sample_rate, found.laws.model) == (50.0, "drift-exact")
+    assert (found.gains.design, found.gains.model) == ("canonical", "drift")
+    assert len(found.dispersions.each) == 5
+
+
+def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    assert run("init", "--study", file).exit_code == 0
+    study, campaign = tv.load_study(file), tv.load_campaign(file)
+
+    for name in ("vehicle", "model", "plane", "wind", "limit", "dispersions", "cases", "seed"):
+        assert getattr(study, name) == getattr(campaign, name), name
+
+
+def test_a_campaign_file_is_a_study_file() -> None:
+    tables = {"campaign": HEAD | {"cases": 10, "model": "drift"}, "wind": WIND}
+
+    assert parse_study(tables).model == parse_campaign(tables).model == "drift"
+
+
+def test_the_three_ways_to_name_a_vehicle_are_the_same(tmp_path: Path) -> None:
+    text = (Path(tv.__file__).parent / "vehicles" / "configuration-ii.toml").read_text()
+    (tmp_path / "mine.toml").write_text(text)
+    table = tomllib.loads(text)["vehicle"]
+    wind = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+    (tmp_path / "study.toml").write_text('[study]\nvehicle = "mine.toml"\n' + wind)
+
+    named = plan(study={"vehicle": "configuration-ii"})
+    assert named == plan(study={"vehicle": table}) == tv.load_study(tmp_path / "study.toml")
+
+
+def test_a_vehicle_alone_is_a_plan_with_nothing_else(tmp_path: Path) -> None:
+    bare = tv.load_study("configuration-i")
+
+    assert bare == tv.StudyPlan(vehicle=tv.load_vehicle("configuration-i"))
+
+
+def test_the_study_of_a_file_is_that_of_its_options(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(
+        '[study]\nvehicle = "configuration-ii"\nmodel = "drift"\nplane = "yaw"\ndead_band = 0.6\n'
+        '[wind]\nshape = "rectangular"\npeak_deg = 3\nduration_s = 6\n[question]\nlimit_deg = 0.3\n'
+    )
+    options = ["--model", "drift", "--plane", "yaw", "--dead-band", "0.6", "--peak-deg", "3"]
+    options += ["--wind", "rectangular", "--duration", "6", "--limit-deg", "0.3"]
+    by_file = run("study", file, "--json")
+    by_options = run("study", "configuration-ii", *options, "--json")
+
+    assert json.loads(by_file.output) == json.loads(by_options.output)
+    assert by_file.exit_code == by_options.exit_code
+
+
+def test_an_option_counts_more_than_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(example())
+    found = json.loads(run("study", file, "--duration", "9", "--plane", "yaw", "--json").output)
+    kept = tv.load_study(file)
+    expected = replace(kept, plane="yaw", wind=replace(kept.wind, duration=9.0)).study()
+
+    assert found["plane"] == "yaw"
+    assert found["verdict"]["required_deflection_deg"] == pytest.approx(
+        np.degrees(expected.required_deflection), rel=1e-15
+    )
+
+
+def test_gains_and_criteria_of_ones_own() -> None:
+    own = {"attitude_gain": 0.3, "rate_gain_s": 0.4, "delay_ms": 20, "model": "fixed-path"}
+    wanted = {"name": "aircraft", "delay_margin_ms": 50.0}
+    found = plan(autopilot=own, criteria=wanted)
+    plant = tv.Plant.from_vehicle(found.vehicle)
+    autopilot = found.gains.autopilot(plant)
+
+    assert (autopilot.attitude_gain, autopilot.rate_gain, autopilot.delay) == (0.3, 0.4, 0.02)
+    limits = {one.margin: one.limit for one in found.criteria.requirements}
+    assert (limits["phase_margin_deg"], limits["delay_margin"]) == (45.0, 0.05)
+    by_rule = plan(autopilot={"design": "poles", "natural_frequency_rad_per_s": 2.0})
+    expected = tv.design_gains(plant.coefficients, natural_frequency=2.0, damping=0.7)
+    assert by_rule.gains.autopilot(plant).attitude_gain == expected.attitude_gain
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"studdy": {}}, "unknown table: 'studdy'; did you mean study?"),
+        ({"study": HEAD | {"dead_bnd": 1.0}}, "'dead_bnd'; did you mean dead_band?"),
+        ({"study": HEAD | {"model": "drifty"}}, "model must be one of .*'drift'"),
+        ({"study": HEAD | {"dead_band": 2.0}}, "dead_band must be between 0 and 1"),
+        ({"study": {}}, r"a key is missing in \[study\]: vehicle"),
+        ({"study": {"vehicle": "configuration-3"}}, "did you mean 'configuration-i"),
+        ({"study": {"vehicle": "none.toml"}}, "none.toml does not exist"),
+        ({"study": {"vehicle": "a\0b"}}, "vehicle must be a name or a path"),
+        ({"study": {"vehicle": {"name": "a\x1b[31m"}}}, "key is missing: weight_N"),
+        ({"study": {"vehicle": {"weigth_N": 1.0}}}, "'weigth_N' in .study.vehicle.; did you mean"),
+        ({"campaign": {"cases": 5, "model": "drift"}, "study": HEAD | {"model": "drift"}}, "keep"),
+        ({"campaign": {"cases": 0}}, "cases must be from 1"),
+        ({"wind": WIND | {"shape": "one-minus-cosine"}}, "shape of the wind of a study must be"),
+        (
+            {"wind": {"time_s": [0, 1], "angle_rad": [[0.1, 0]]}},
+            "a study needs a wind of one shape",
+        ),
+        ({"question": {"limt_deg": 0.4}}, "'limt_deg'; did you mean limit"),
+        ({"question": {"limit_deg": -0.4}}, "limit must be positive"),
+        ({"laws": {"names": ["trimm"]}}, "names of the laws must be one of .*'trim'"),
+        ({"laws": {"names": "trim"}}, r"names in \[laws\] must be a list"),
+        ({"laws": {"winds": []}}, "winds of the laws must be one or more different names"),
+        ({"laws": {"sample_rate": 50}}, "'sample_rate'; did you mean sample_rate_Hz"),
+        ({"laws": {"sample_rate_Hz": 0}}, "sample rate of the laws must be positive"),
+        ({"autopilot": {"desing": "lqr"}}, "'desing'; did you mean design"),
+        ({"autopilot": {"design": "guess"}}, "design must be one of canonical"),
+        ({"autopilot": {"delay_ms": -1}}, "delay must be zero or positive"),
+        ({"autopilot": {"delay_ms": 1, "delay_s": 1}}, "delay once"),
+        ({"criteria": {"name": "clasic"}}, "name in .criteria. must be one of .*'classic'"),
+        ({"criteria": {}}, "criteria need a limit"),
+        ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
+        ({"laws": 3}, r"\[laws\] must be a table"),
+    ],
+)
+def test_what_a_study_file_should_not_say_is_one_sentence(
+    tables: dict[str, object], message: str
+) -> None:
+    with pytest.raises(tv.InputError, match=message) as caught:
+        plan(**tables).study()
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+def test_a_name_with_control_characters_is_refused() -> None:
+    text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
+    table = tomllib.loads(text)["vehicle"] | {"name": "a\x1b[31m"}
+    with pytest.raises(tv.InputError, match="printable"):
+        plan(study={"vehicle": table})
+
+
+def test_the_command_line_refuses_a_bad_study_file(tmp_path: Path) -> None:
+    file = tmp_path / "bad.toml"
+    file.write_text(re.sub("dead_band", "dead_bant", example()))
+    for command in ("study", "poles"):
+        result = run(command, file)
+        assert result.exit_code == 2
+        assert isinstance(result.exception, SystemExit)
+    assert "did you mean dead_band" in run("study", file).stderr
+    assert run("init", "--study", file).exit_code == 2

@@ -1,0 +1,154 @@
+"""Study files: TOML in, a `StudyPlan` out."""
+
+import tomllib
+from collections.abc import Mapping
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from tvclin.campaign.file import parse_campaign
+from tvclin.campaign.tables import (
+    SUBJECT,
+    dispersions_of,
+    known,
+    quantity,
+    question_of,
+    spellings,
+    subject_of,
+    wind_of,
+)
+from tvclin.errors import InputError, one_of
+from tvclin.margins import CRITERIA, Criteria
+from tvclin.study_file.plan import GainsAsked, LawsAsked, StudyPlan
+from tvclin.vehicle_file import parse_vehicle, vehicle_text
+
+Units = dict[str, dict[str, float]]
+
+_TIME = {"s": 1.0, "ms": 1e-3}
+_LAWS: Units = {"sample_rate": {"Hz": 1.0}}
+_GAINS: Units = {
+    "natural_frequency": {"rad_per_s": 1.0},
+    "damping": {"": 1.0},
+    "attitude_gain": {"": 1.0},
+    "rate_gain": {"s": 1.0},
+    "alpha_gain": {"": 1.0},
+    "integral_gain": {"per_s": 1.0},
+    "actuator_frequency": {"rad_per_s": 1.0},
+    "actuator_damping": {"": 1.0},
+    "delay": _TIME,
+}
+_CRITERIA: Units = {
+    "aero_margin_dB": {"": 1.0},
+    "gain_increase_dB": {"": 1.0},
+    "phase_margin_deg": {"": 1.0},
+    "delay_margin": _TIME,
+    "disk_margin": {"": 1.0},
+    "peak_sensitivity": {"": 1.0},
+    "peak_complementary_sensitivity": {"": 1.0},
+}
+
+
+def load_study(source: str | PathLike[str]) -> StudyPlan:
+    """Return what a study file asks for, or a plan with nothing but a vehicle.
+
+    Parameters
+    ----------
+    source : str or path
+        A study file, a campaign file, a vehicle file, or the name of a vehicle of the package.
+        The paths in a study file are relative to its folder; `tvclin init --study` writes one.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
+        offered), and as `StudyPlan`. One sentence says which and how to mend it.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plan = tv.load_study("configuration-i")
+    >>> plan.wind.shape, plan.limit
+    ('triangular', None)
+    """
+    text, name = vehicle_text(source)
+    try:
+        document = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{name} is not valid TOML: {error}") from None
+    if "vehicle" in document and not {"study", "campaign"} & document.keys():
+        return StudyPlan(vehicle=parse_vehicle(text, name))
+    try:
+        return parse_study(document, Path(name).parent)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+
+
+def example() -> str:
+    """Return the study file of the package, which is commented."""
+    return files("tvclin").joinpath("study_file", "example.toml").read_text(encoding="utf-8")
+
+
+def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
+    """Return the plan of a document; see `load_study`.
+
+    A campaign that stands in it as well is checked too.
+    """
+    subject = subject_of(document, folder)
+    if "cases" in document.get("campaign", {}):
+        parse_campaign(document, folder)
+    head, drawn = dict(document.get("study", {})), document.get("campaign", {})
+    known("key in [study]", head, (*SUBJECT, "dead_band", "switch"))
+    given = {key: head[key] for key in ("dead_band", "switch") if key in head}
+    given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
+    if "dispersion" in document:
+        rows = document["dispersion"], document.get("correlation", [])
+        given["dispersions"] = dispersions_of(*rows)
+    wind: Any = wind_of(dict(document.get("wind", {})), folder)
+    return StudyPlan(
+        **subject,
+        wind=wind,
+        laws=_laws(dict(document["laws"])) if "laws" in document else None,
+        gains=_gains(dict(document["autopilot"])) if "autopilot" in document else None,
+        criteria=_criteria(dict(document["criteria"])) if "criteria" in document else None,
+        **question_of(document),
+        **given,
+    )
+
+
+def _laws(table: dict[str, Any]) -> LawsAsked:
+    given: dict[str, Any] = _numbers(table, _LAWS, "laws", ("names", "winds", "model")) | table
+    for key in ("names", "winds"):
+        if key in given:
+            if not isinstance(given[key], list):
+                raise InputError(f"{key} in [laws] must be a list; got {given[key]!r}")
+            given[key] = tuple(given[key])
+    return LawsAsked(**given)
+
+
+def _gains(table: dict[str, Any]) -> GainsAsked:
+    given: dict[str, Any] = _numbers(table, _GAINS, "autopilot", ("design", "model")) | table
+    return GainsAsked(**given)
+
+
+def _criteria(table: dict[str, Any]) -> Criteria:
+    limits = _numbers(table, _CRITERIA, "criteria", ("name",))
+    if "name" in table:
+        named = CRITERIA[one_of("name in [criteria]", table["name"], CRITERIA)]
+        if not limits:
+            return named
+        limits = {one.margin: one.limit for one in named.requirements} | limits
+    name = f"{table['name']} as changed" if "name" in table else "own"
+    return Criteria.own(name, "the study file", **limits)
+
+
+def _numbers(
+    table: dict[str, Any], quantities: Units, heading: str, others: tuple[str, ...]
+) -> dict[str, float]:
+    """Take the numbers that a table gives out of it, in SI units; the others are what stays."""
+    known(f"key in [{heading}]", table, (*others, *spellings(quantities)))
+    found = {
+        name: quantity(f"[{heading}]", table, name, units, required=False)
+        for name, units in quantities.items()
+    }
+    return {name: value for name, value in found.items() if value is not None}
