@@ -43,6 +43,6 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group test --group lint
-	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,sixdof]" \
+	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,report,sixdof]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
 	touch $@

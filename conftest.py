@@ -5,6 +5,7 @@ from importlib.util import find_spec
 _NEEDED = {
     "numba": ["tvclin/kernels/compiled/*"],
     "jsbsim": ["tvclin/flight/sixdof/*", "docs/six-*"],
+    "jinja2": ["tvclin/report/page.py", "docs/report.md"],
     "pyarrow": ["docs/campaigns.md", "tvclin/campaign/engine.py"],
 }
 

@@ -39,6 +39,15 @@ def test_the_example_says_what_its_keys_say() -> None:
     assert len(found.dispersions.each) == 5
 
 
+def test_the_page_shows_a_study() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
+    (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
+    found = parse_study(tomllib.loads(text))
+
+    assert (found.model, found.dead_band, found.gains.delay) == ("drift", 0.5, 0.02)
+    assert found.laws.winds == ("triangle", "1 - cosine")
+
+
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     assert run("init", "--study", file).exit_code == 0

@@ -95,6 +95,7 @@ if TYPE_CHECKING:
     from tvclin.optimum import single_pole_validity as single_pole_validity
     from tvclin.plant import Plant as Plant
     from tvclin.plant import available_models as available_models
+    from tvclin.report import report_html as report_html
     from tvclin.response import Responses as Responses
     from tvclin.response import attitude_response as attitude_response
     from tvclin.response import attitude_responses as attitude_responses
@@ -216,6 +217,7 @@ _ROOMS = {
         "single_pole_validity",
     ),
     "plant": ("Plant", "available_models"),
+    "report": ("report_html",),
     "response": ("Responses", "attitude_response", "attitude_responses"),
     "soundings": (
         "Climb",

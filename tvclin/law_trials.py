@@ -58,7 +58,7 @@ class LawTrial:
         Whether every limit above one that survives survives as well.
     peak_angle_of_attack, peak_attitude : float
         Largest of 801 samples of a flight at 1.2 times the boundary, over the peak of the wind;
-        NaN where there is no boundary.
+        NaN where there is no boundary, or where they were not asked for.
     """
 
     law: str
@@ -125,6 +125,7 @@ def law_trials(
     *,
     sample_rate: float = _RATE,
     cuts: int = 0,
+    loads: bool = True,
     **hardware: Any,
 ) -> tuple[LawTrial, ...]:
     """Return what each law needs in each wind, winds within laws.
@@ -139,11 +140,13 @@ def law_trials(
         Samples of the law in a second [Hz].
     cuts : int
         Sudden stops that are tried as well, as of `closed_loop_boundary`.
+    loads : bool
+        Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
     **hardware
         rate_limit and actuator, as of `closed_loop_boundary`.
     """
     return tuple(
-        _trial(plant, (law, laws[law]), (wind, winds[wind]), sample_rate, cuts, hardware)
+        _trial(plant, (law, laws[law]), (wind, winds[wind]), sample_rate, cuts, loads, hardware)
         for law in laws
         for wind in winds
     )
@@ -184,6 +187,7 @@ def _trial(
     wind: tuple[str, History],
     sample_rate: float,
     cuts: int,
+    loads: bool,
     hardware: dict[str, Any],
 ) -> LawTrial:
     found = closed_loop_boundary(
@@ -196,7 +200,7 @@ def _trial(
         **hardware,
     )
     angle = attitude = np.nan
-    if np.isfinite(found.limit):
+    if loads and np.isfinite(found.limit):
         start, end = float(wind[1].onset), float(wind[1].end)
         flown = fly(
             plant,

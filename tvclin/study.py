@@ -202,6 +202,18 @@ class Study:
         row = int(np.argmax(self.dead_bands == self.dead_band))
         return float(np.abs(self.boundaries[self.model].deflection[row]))
 
+    def to_html(self) -> str:
+        """Return the whole answer as one self-contained HTML page, as `report_html`.
+
+        Raises
+        ------
+        InputError
+            Where jinja2, of the extra `report`, is missing.
+        """
+        from tvclin.report import report_html
+
+        return report_html(self)
+
 
 def _with_gust(wind: History, gust: History) -> History:
     instance("gust", gust, History, "such as OneMinusCosineGust")

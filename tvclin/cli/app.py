@@ -19,6 +19,7 @@ from tvclin.cli.laws import laws
 from tvclin.cli.margins import margins
 from tvclin.cli.optimum import optimum
 from tvclin.cli.poles import poles
+from tvclin.cli.report import report
 from tvclin.cli.reproduce import reproduce
 from tvclin.cli.respond import respond
 from tvclin.cli.size import size
@@ -56,6 +57,7 @@ app = typer.Typer(
 for command in (
     study,
     size,
+    report,
     boundary,
     optimum,
     respond,

@@ -52,7 +52,9 @@ def response_curves(
     return Curves(name, parameters, "time [s]", response.time, tuple(columns))
 
 
-def response_chart(curves: Curves, title: str, calm: float = np.inf) -> "ControlPlot":
+def response_chart(
+    curves: Curves, title: str, calm: float = np.inf, across: int = 2
+) -> "ControlPlot":
     """Draw the curves of `response_curves`: angles, rate, deflection and wind.
 
     Parameters
@@ -63,8 +65,12 @@ def response_chart(curves: Curves, title: str, calm: float = np.inf) -> "Control
         Title of the figure.
     calm : float
         Time [s] at which the wind ends. What the response exceeds later leaves the frame.
+    across : int
+        Panels in one row.
     """
-    return draw(curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves, calm)))
+    return draw(
+        curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves, calm), across=across)
+    )
 
 
 def frames(curves: Curves, calm: float) -> dict[str, tuple[float, float]]:

@@ -5,6 +5,6 @@ that campaigns know too are read by `campaign.tables`.
 """
 
 from tvclin.study_file.plan import GainsAsked, LawsAsked, StudyPlan
-from tvclin.study_file.read import example, load_study
+from tvclin.study_file.read import example, example_plan, load_study
 
-__all__ = ["GainsAsked", "LawsAsked", "StudyPlan", "example", "load_study"]
+__all__ = ["GainsAsked", "LawsAsked", "StudyPlan", "example", "example_plan", "load_study"]

@@ -89,6 +89,11 @@ def example() -> str:
     return files("tvclin").joinpath("study_file", "example.toml").read_text(encoding="utf-8")
 
 
+def example_plan() -> StudyPlan:
+    """Return the plan of the study file of the package."""
+    return parse_study(tomllib.loads(example()))
+
+
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
     """Return the plan of a document; see `load_study`.
 

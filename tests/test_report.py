@@ -1,0 +1,371 @@
+"""The page: every number is the library's, every text escaped, the same inputs the same bytes."""
+
+import re
+import tomllib
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.law_trials import law_trials
+from tvclin.report import verdict
+from tvclin.report.findings import find
+from tvclin.study_file.read import example, parse_study
+
+pytest.importorskip("jinja2")
+
+
+class Page(HTMLParser):
+    """Numbers by their names, tags, links and texts of a page."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.numbers: dict[str, tuple[float, str]] = {}
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: list[str] = []
+        self._name: str | None = None
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.tags.append((tag, given))
+        if "data-value" in given:
+            assert given["data-name"] not in self.numbers
+            self._name = given["data-name"]
+            self.numbers[self._name] = (float(given["data-value"]), "")
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+        if self._name is not None:
+            self.numbers[self._name] = (self.numbers[self._name][0], data)
+            self._name = None
+
+    def attributes(self, tag: str) -> list[dict[str, str | None]]:
+        return [attributes for name, attributes in self.tags if name == tag]
+
+
+@pytest.fixture(scope="module")
+def plan() -> tv.StudyPlan:
+    """Return the example, with fewer laws, samples and cases."""
+    whole = parse_study(tomllib.loads(example()))
+    laws = tv.LawsAsked(names=("trim", "attitude and rate"), sample_rate=20.0)
+    return replace(whole, laws=laws, cases=300)
+
+
+@pytest.fixture(scope="module")
+def html(plan: tv.StudyPlan) -> str:
+    return tv.report_html(plan)
+
+
+@pytest.fixture(scope="module")
+def page(html: str) -> Page:
+    return Page(html)
+
+
+def expected_boundaries(study: tv.Study) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for name in ("fixed-path", "drift"):
+        plant = tv.Plant.from_vehicle(study.vehicle, name)
+        for i, K in enumerate((1.0, 0.75, 0.5, 0.25, 0.0)):
+            one = tv.boundary_limit(plant, study.wind, K)
+            found[f"boundary.{i}.K"] = K
+            found[f"boundary.{name}.{i}.limit"] = one.limit
+            found[f"boundary.{name}.{i}_deg"] = abs(np.degrees(one.deflection))
+        trim = abs(study.coefficients.B * study.wind.peak)
+        free = abs(tv.forecast_free_limit(plant, study.wind).deflection)
+        least = tv.optimum_deflection(plant, study.wind).peak
+        for key, value in (("trim", trim), ("forecast_free", free), ("minimum", least)):
+            found[f"{key}.{name}.part"] = value / trim
+            found[f"{key}.{name}_deg"] = np.degrees(value)
+    return found
+
+
+def expected_inputs(vehicle: tv.Vehicle) -> dict[str, float]:
+    c = tv.Coefficients.from_vehicle(vehicle)
+    coefficients = {
+        f"coefficients.{k}": getattr(c, k) for k in ("beta", "K1", "B", "C1", "C2", "b1", "b2")
+    }
+    return coefficients | {
+        "vehicle.weight": 1.48e6,
+        "vehicle.thrust": 2.495e6,
+        "vehicle.inertia": 0.225e8,
+        "vehicle.slope": 0.667e6,
+        "vehicle.axial_force": 0.807e5,
+        "vehicle.l_a": 9.45,
+        "vehicle.l_c": 23.56,
+        "vehicle.velocity": 538.81,
+        "vehicle.attitude_deg": 44.83,
+        "vehicle.time": 66.0,
+        "wind.peak_deg": 5.0,
+        "wind.duration": 7.5,
+        "question.dead_band": 1.0,
+        "question.limit_deg": 0.4,
+    }
+
+
+def expected_verdict(study: tv.Study) -> dict[str, float]:
+    need = np.degrees(study.required_deflection)
+    plant = tv.Plant.from_vehicle(study.vehicle)
+    return {
+        "verdict.required_deg": need,
+        "verdict.limit_deg": 0.4,
+        "verdict.surplus_deg": 0.4 - need,
+        "verdict.surplus_percent": 100.0 * (0.4 - need) / need,
+        "basis.dead_band": 1.0,
+        "basis.peak_deg": 5.0,
+        "basis.duration_s": 7.5,
+        "facts.required_deg": need,
+        "facts.limit_deg": 0.4,
+        "facts.survivable_peak_deg": np.degrees(
+            tv.survivable_peak(plant, study.wind, np.radians(0.4))
+        ),
+        "facts.trim_deg": 5.0 * study.coefficients.B,
+        "facts.minimum_deg": np.degrees(tv.optimum_deflection(plant, study.wind).peak),
+        "validity.duration": 7.5,
+        "validity.edge": tv.single_pole_validity(study.coefficients),
+    }
+
+
+def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
+    plant = tv.Plant.from_vehicle(plan.vehicle, "drift-exact")
+    laws = tv.standard_laws(plant, study.wind.peak)
+    trim = 5.0 * study.coefficients.B
+    parts = {"trim": 1.0, "no_forecast": tv.forecast_free_limit(plant, study.wind).limit}
+    parts["minimum"] = np.degrees(tv.optimum_deflection(plant, study.wind).peak) / trim
+    found: dict[str, float] = {}
+    for key, part in parts.items():
+        found |= {f"laws.{key}.0.part": part, f"laws.{key}.0_deg": part * trim}
+    for i, name in enumerate(plan.laws.names):
+        (one,) = law_trials(plant, {name: laws[name]}, {"w": study.wind}, sample_rate=20.0)
+        found |= {f"laws.{i}.0.part": one.limit, f"laws.{i}.0_deg": one.limit * trim}
+    return found
+
+
+def expected_autopilot(study: tv.Study) -> dict[str, float]:
+    plant = tv.Plant.from_vehicle(study.vehicle, "drift")
+    actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
+    autopilot = tv.canonical_gains(plant.coefficients, actuator=actuator)
+    m, c = autopilot.margins(plant), tv.compare_with_trim(plant, autopilot, study.wind)
+    margins = {
+        "aero_margin_dB": (m.aero_margin_dB, m.aero_frequency),
+        "gain_increase_dB": (m.gain_increase_dB, m.gain_increase_frequency),
+        "phase_margin_deg": (m.phase_margin_deg, m.crossover_frequency),
+        "delay_margin": (1000.0 * m.delay_margin, m.delay_margin_frequency),
+        "disk_margin": (m.disk_margin, m.disk_frequency),
+        "peak_sensitivity": (m.peak_sensitivity, m.peak_sensitivity_frequency),
+        "peak_complementary_sensitivity": (
+            m.peak_complementary_sensitivity,
+            m.peak_complementary_sensitivity_frequency,
+        ),
+    }
+    found = {f"margin.{name}": value for name, (value, _) in margins.items()}
+    found |= {f"margin.{name}.rad_per_s": at for name, (_, at) in margins.items()}
+    angles = {
+        "deflection": c.peak_deflection,
+        "deflection_rate": c.peak_deflection_rate,
+        "angle_of_attack": c.peak_angle_of_attack,
+        "attitude": c.peak_attitude,
+        "trim": c.trim_deflection,
+        "minimum": c.minimum,
+    }
+    return (
+        found
+        | {f"wind.{name}_deg": np.degrees(angle) for name, angle in angles.items()}
+        | {
+            "wind.relative": c.relative,
+            "gains.attitude": 2.0 * study.coefficients.B,
+            "gains.rate": study.coefficients.B / study.coefficients.beta,
+            "gains.actuator_frequency": 25.1,
+            "gains.actuator_damping": 0.7,
+            "gains.delay_ms": 0.0,
+            "criteria.aero_margin_dB": 6.0,
+            "criteria.gain_increase_dB": 6.0,
+            "criteria.phase_margin_deg": 30.0,
+        }
+    )
+
+
+def expected_dispersed(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
+    d = tv.disperse_study(study, plan.dispersions, cases=300, seed=1)
+    return {
+        "basis.success": 100.0 * d.success.estimate,
+        "facts.covers_deg": np.degrees(d.required.upper),
+        "dispersed.cases": 300.0,
+        "dispersed.seed": 1.0,
+        "dispersed.median_deg": np.degrees(np.median(d.deflection)),
+        "dispersed.estimate_deg": np.degrees(d.required.estimate),
+        "dispersed.upper_deg": np.degrees(d.required.upper),
+        "dispersed.success": 100.0 * d.success.estimate,
+        "dispersed.success_lower": 100.0 * d.success.lower,
+        "dispersed.success_upper": 100.0 * d.success.upper,
+    } | {f"dispersed.driver.{name}": rank for name, rank in d.drivers.items()}
+
+
+def test_every_number_is_that_of_the_library(plan: tv.StudyPlan, page: Page) -> None:
+    study = plan.study()
+    expected = (
+        expected_verdict(study)
+        | expected_inputs(plan.vehicle)
+        | expected_boundaries(study)
+        | expected_laws(plan, study)
+        | expected_autopilot(study)
+        | expected_dispersed(plan, study)
+    )
+    expected = {name: value for name, value in expected.items() if np.isfinite(value)}
+    found = {name: value for name, (value, _) in page.numbers.items()}
+
+    assert {name for name in found if not name.startswith("response.")} == expected.keys()
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
+
+
+def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
+    """Against a dense sample of the report's eq (13) flown to the end that the page names."""
+    study = plan.study()
+    plant = tv.Plant.from_vehicle(plan.vehicle)
+    limit = -np.radians(0.4)
+    deflection = tv.trim_then_hold(plant, study.wind, limit, 1.0)
+    shown = {name: value for name, (value, _) in page.numbers.items()}
+    times = np.linspace(0.0, shown["response.at_end_s"], 20001)
+    times = np.unique([*times, 7.5 / 2])
+    answer = tv.attitude_responses(plant, deflection, study.wind, times)
+    attitude = np.degrees(answer["attitude"])
+    attack = np.degrees(answer["angle_of_attack"])[times < study.wind.end]
+
+    assert shown["response.at_end_deg"] == pytest.approx(0.0, abs=1e-9)
+    assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-6)
+    assert shown["response.with_wind_s"] == pytest.approx(times[attitude.argmin()], abs=1e-3)
+    at = np.interp(7.5, times, attitude)
+    assert shown["response.at_wind_end_deg"] == pytest.approx(at, rel=1e-6)
+    assert shown["response.at_wind_end_s"] == 7.5
+    assert shown["response.angle_of_attack_deg"] == pytest.approx(attack.min(), rel=1e-6)
+    assert shown["response.angle_of_attack_s"] == pytest.approx(times[attack.argmin()], abs=1e-3)
+
+
+def test_every_text_is_its_number_rounded(page: Page) -> None:
+    for name, (value, text) in page.numbers.items():
+        match = re.fullmatch(r"-?\d+(?:\.(\d+))?(?:e([+-]\d+))?", text)
+        assert match, (name, text)
+        if not match.group(1):
+            assert float(text) == value, name
+        step = 10.0 ** (int(match.group(2) or 0) - len(match.group(1) or ""))
+        assert abs(float(text) - value) <= 0.5 * step * (1 + 1e-9), (name, value, text)
+
+
+def test_the_same_inputs_give_the_same_bytes(plan: tv.StudyPlan, html: str) -> None:
+    assert tv.report_html(plan) == html
+    assert len(html.encode()) < 2_000_000
+
+
+def test_the_seal_is_that_of_the_inputs(plan: tv.StudyPlan, html: str) -> None:
+    short = replace(plan, laws=None, gains=None, criteria=None, dispersions=None)
+    nearly = replace(short, limit=plan.limit * (1 + 1e-15))
+
+    assert len(set(re.findall(r"[0-9a-f]{64}", html))) == 1
+    assert find(short).seal == find(short).seal != find(nearly).seal
+
+
+def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
+    tags = [tag for tag, _ in page.tags]
+    ids = [attributes["id"] for _, attributes in page.tags if "id" in attributes]
+    targets = [one["href"] for one in page.attributes("a")]
+    targets += [one["xlink:href"] for one in page.attributes("use")]
+    targets += re.findall(r"url\((#[^)]+)\)", html)
+
+    assert not {"script", "img", "iframe", "object"} & set(tags)
+    assert [one["href"] for one in page.attributes("link")] == ["data:,"]
+    assert not re.search(r"@import|src=|https?://(?!www\.w3\.org/)", html)
+    assert len(ids) == len(set(ids))
+    assert {target[1:] for target in targets} <= set(ids)
+    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 9]
+    assert all(one["scope"] in ("row", "col") for one in page.attributes("th"))
+    assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
+    assert tags.count("svg") == 4
+    assert tags.count("table") == tags.count("caption")
+
+
+def test_names_are_escaped() -> None:
+    name = '<script>alert("1")</script> & \'--><b>'
+    vehicle = tv.load_vehicle("configuration-i").replace(name=name)
+    criteria = tv.Criteria.own("--><script>", aero_margin_dB=3)
+    html = tv.report_html(tv.StudyPlan(vehicle=vehicle, criteria=criteria))
+    page = Page(html)
+
+    assert not {"script", "b"} & {tag for tag, _ in page.tags}
+    assert any(name in text for text in page.texts)
+    assert html.count("<svg") == html.count("</svg>") == 4
+
+
+def test_what_no_page_can_hold_is_replaced() -> None:
+    vehicle = tv.load_vehicle("configuration-i")
+    object.__setattr__(vehicle, "name", "a\0b\x1b[31m\u202ec")
+    html = tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.08).to_html()
+
+    assert "a\ufffdb\ufffd[31m\ufffdc: deflection study" in html
+    assert all(one.isprintable() or one in "\n\t" for one in html)
+
+
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        (0.3, "Not enough: the limit of 0.3000 deg is 0.0681 deg (18.5 %) short of the 0.3681 deg"),
+        (None, "This wind needs 0.3681 deg of deflection."),
+    ],
+)
+def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
+    vehicle = tv.load_vehicle("configuration-i")
+    limit = None if limit is None else np.radians(limit)
+    heading = verdict.sentence(find(tv.StudyPlan(vehicle=vehicle, limit=limit)))
+    words = "".join(one if isinstance(one, str) else one.text for one in heading)
+
+    assert words.startswith(said)
+
+
+def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
+    stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
+    html = tv.report_html(replace(plan, vehicle=stable))
+
+    assert "No deflection is needed" in html
+    assert html.count("There is no answer:") == 2
+
+
+def test_the_command_writes_the_page_and_exits_by_the_verdict(tmp_path: Path) -> None:
+    text = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+    study, output = tmp_path / "study.toml", tmp_path / "report.html"
+    study.write_text(text + "[question]\nlimit_deg = 0.3\n")
+    result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
+
+    assert result.exit_code == 1
+    assert "<h1>Not enough: the limit of " in output.read_text()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[study]\nvehicle = "configuration-i"\nlimt = 1\n', "unknown key in .study.: 'limt'"),
+        ("[studdy]\n", "did you mean study"),
+        ('[study]\nvehicle = "gone.toml"\n', "gone.toml does not exist"),
+        ("[study\n", "not valid TOML"),
+    ],
+)
+def test_a_bad_study_writes_nothing(tmp_path: Path, text: str, message: str) -> None:
+    study, output = tmp_path / "study.toml", tmp_path / "report.html"
+    study.write_text(text)
+    result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
+
+    assert result.exit_code == 2
+    assert re.search(message, result.stderr)
+    assert result.stderr.count("\n") == 1
+    assert [one.name for one in tmp_path.iterdir()] == ["study.toml"]
+
+
+def test_a_folder_that_is_not_there_is_told() -> None:
+    result = CliRunner().invoke(app, ["report", "-o", "/nowhere/at/all/x.html"])
+
+    assert result.exit_code == 2
+    assert "/nowhere/at/all/x.html cannot be written" in result.stderr

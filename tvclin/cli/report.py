@@ -1,0 +1,41 @@
+"""`tvclin report`: the whole answer as one page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def report(
+    source: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[STUDY]",
+            help="A study file (see: tvclin init --study), a vehicle file or a vehicle of the"
+            " package; the example of the package without it.",
+        ),
+    ] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.")] = Path(
+        "report.html"
+    ),
+) -> None:
+    """Write the whole answer of a study as one HTML page, which needs no network.
+
+    Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
+    """
+    from tvclin.files import write_whole
+    from tvclin.report import report_html
+    from tvclin.study_file import example_plan, load_study
+
+    plan = example_plan() if source is None else load_study(source)
+    sufficient = plan.study().sufficient
+
+    # The page is made within, so that a place that cannot be written is told before the work.
+    def write(target: str) -> None:
+        Path(target).write_text(report_html(plan), encoding="utf-8", newline="")
+
+    write_whole(output, write)
+    said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
+    typer.echo(f"Wrote {output}: {said[sufficient]}.")
+    if sufficient is False:
+        raise typer.Exit(1)

@@ -1,0 +1,107 @@
+"""What a page is made of: texts, numbers with their full precision, tables, figures."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of the page.
+
+    Attributes
+    ----------
+    name : str
+        What it is, with its unit; every number of a page has another.
+    value : float
+        In full precision, in the unit shown.
+    text : str
+        As it is shown.
+    """
+
+    name: str
+    value: float
+    text: str
+
+
+Inline = str | Number
+Line = tuple[Inline, ...]
+"""A run of text with numbers in it; a table's cell is one too."""
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph."""
+
+    line: Line
+    kind = "paragraph"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One assumption: whether it holds here ("ok"), does not ("doubt"), or is the reader's."""
+
+    state: str
+    line: Line
+
+
+@dataclass(frozen=True)
+class Checks:
+    """A list of assumptions."""
+
+    each: tuple[Check, ...]
+    kind = "checks"
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table; the first cell of each row is its heading."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[Line, ...], ...]
+    kind = "table"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure: what it shows in words for those who do not see it, its caption, and its SVG."""
+
+    label: str
+    caption: str
+    svg: str
+    kind = "figure"
+
+
+Block = Paragraph | Checks | Table | Figure
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page; the name is the target of links to it."""
+
+    name: str
+    title: str
+    blocks: tuple[Block, ...]
+
+
+def number(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
+    """Return a number with so many digits behind the point; a dash or "none" where it is none."""
+    plain = float(value)
+    if not np.isfinite(plain):
+        return ("-" if np.isnan(plain) else "unlimited",)
+    shown = Number(name, plain, f"{plain:.{digits}f}")
+    return (shown, f" {unit}") if unit else (shown,)
+
+
+def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
+    """Return a number with so many significant digits."""
+    plain = float(value)
+    shown = Number(name, plain, f"{plain:.{digits}g}")
+    return (shown, f" {unit}") if unit else (shown,)
+
+
+def degrees(name: str, angle: Any, digits: int = 4, unit: str = "") -> Line:
+    """Return an angle [rad] in degrees; the name gets its unit."""
+    return number(f"{name}_deg", float(np.degrees(angle)), digits, unit)

@@ -1,0 +1,78 @@
+"""Figures as SVG that stands in a page: the same bytes every time, and colours that can change."""
+
+import io
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+_WIDTH, _PANEL, _FOOT = 6.4, 2.6, 1.1
+"""Sizes [inch]: of a figure, of one panel where there are several, and of the legend."""
+_ALONE = 4.2
+_COLOUR = re.compile(r"#([0-9a-f]{6})\b")
+_NAMED = re.compile(r'\b(id="|href="#|url\(#)')
+
+
+def inline_svg(plot: "ControlPlot", name: str, label: str) -> str:
+    """Return a figure as an `svg` element, and close it.
+
+    Titles go, for the page has a caption, and the legend stands below, so that the letters stay
+    large on a narrow screen. Every colour becomes a variable of the page's style sheet with the
+    colour itself in reserve, and every name within the figure begins with that of the figure.
+
+    Parameters
+    ----------
+    plot : control.ControlPlot
+        The figure.
+    name : str
+        Letters; of another figure of the page another.
+    label : str
+        What it shows, for those who do not see it.
+    """
+    import matplotlib.pyplot as plt
+    from markupsafe import escape
+
+    _narrow(plot)
+    with plt.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
+        target = io.StringIO()
+        nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+        plot.figure.savefig(target, format="svg", transparent=True, metadata=nothing)
+    plt.close(plot.figure)
+    text = target.getvalue()
+    body = text[text.index("<svg") :]
+    body = _NAMED.sub(rf"\1{name}-", body)
+    body = _COLOUR.sub(r"var(--c\1, #\1)", body)
+    opening = re.search(r'viewBox="[^"]+"', body)
+    assert opening is not None
+    inside = body[body.index(">") + 1 :]
+    head = f'<svg role="img" aria-label="{escape(label)}" {opening.group()}'
+    return f'{head} xmlns:xlink="http://www.w3.org/1999/xlink">{inside.strip()}'
+
+
+def _narrow(plot: "ControlPlot") -> None:
+    """Give a figure the width of a page's column, and put one legend below it."""
+    figure = plot.figure
+    panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
+    entries: dict[str, Any] = {}
+    for axes in panels:
+        axes.minorticks_off()
+        entries |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        if axes.get_legend() is not None:
+            axes.get_legend().remove()
+        if len(panels) == 1:
+            axes.set_title("")
+    for legend in figure.legends:
+        legend.remove()
+    figure.suptitle("")
+    height = _ALONE if len(panels) == 1 else _PANEL * len(panels)
+    figure.set_size_inches(_WIDTH, height + _FOOT)
+    figure.legend(
+        handles=list(entries.values()),
+        labels=list(entries),
+        loc="outside lower center",
+        ncols=2,
+        frameon=False,
+    )

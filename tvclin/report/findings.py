@@ -1,0 +1,126 @@
+"""Everything that a page shows, computed before anything is written."""
+
+import json
+import warnings
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from typing import Any
+
+from tvclin.campaign import DispersedStudy, disperse_study
+from tvclin.comparison import TrimComparison, compare_with_trim
+from tvclin.errors import InputError
+from tvclin.law_trials import LawTrial, law_trials, standard_laws, standard_winds
+from tvclin.margins import CRITERIA, Criteria
+from tvclin.plant import Plant
+from tvclin.study import Study
+from tvclin.study_file import GainsAsked, StudyPlan
+
+MOST_CASES = 20_000
+"""Dispersed cases of a page; more are for a campaign."""
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """A plan and all that was found for it.
+
+    Attributes
+    ----------
+    plan : StudyPlan
+        What was asked.
+    study : Study
+        The boundaries and the verdict.
+    trials : tuple of LawTrial
+        The laws, each in each wind; none where none were asked for.
+    comparison : TrimComparison or None
+        The autopilot in the wind, with its margins.
+    criteria : Criteria
+        What the margins are held to.
+    dispersed : DispersedStudy or None
+        The study with vehicle and wind dispersed.
+    reasons : dict of str to str
+        Why something that was asked for has no answer, by the name of its field.
+    warnings : tuple of str
+        What was said on the way.
+    """
+
+    plan: StudyPlan
+    study: Study
+    trials: tuple[LawTrial, ...]
+    comparison: TrimComparison | None
+    criteria: Criteria
+    dispersed: DispersedStudy | None
+    reasons: dict[str, str]
+    warnings: tuple[str, ...]
+
+    @property
+    def seal(self) -> str:
+        """SHA-256 of the inputs, in SI units and in one order."""
+        return sha256(json.dumps(asdict(self.plan), sort_keys=True).encode()).hexdigest()
+
+
+def find(plan: StudyPlan) -> Findings:
+    """Return everything that a plan asks for.
+
+    A part that cannot be answered for this vehicle, such as margins of laws for one that is
+    stable, has its reason in place of an answer.
+
+    Raises
+    ------
+    InputError
+        As `StudyPlan.study`.
+    """
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", UserWarning)
+        study = plan.study()
+        reasons: dict[str, str] = {}
+
+        def part(name: str, wanted: Any, compute: Callable[[StudyPlan, Study], Any]) -> Any:
+            try:
+                return compute(plan, study) if wanted is not None else None
+            except InputError as error:
+                reasons[name] = str(error)
+                return None
+
+        return Findings(
+            plan=plan,
+            study=study,
+            trials=part("trials", plan.laws, _trials) or (),
+            comparison=part("comparison", plan.gains or plan.criteria, _comparison),
+            criteria=plan.criteria or CRITERIA["classic"],
+            dispersed=part("dispersed", plan.dispersions, _dispersed),
+            reasons=reasons,
+            warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
+        )
+
+
+def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
+    asked, peak = plan.laws, study.wind.peak
+    assert asked is not None
+    plant = Plant(study.coefficients, asked.model)
+    laws, winds = standard_laws(plant, peak), standard_winds(peak, study.wind.duration)
+    return law_trials(
+        plant,
+        {name: laws[name] for name in asked.names},
+        {name: winds[name] for name in asked.winds},
+        sample_rate=asked.sample_rate,
+        loads=False,
+    )
+
+
+def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+    asked = plan.gains or GainsAsked()
+    plant = Plant(study.coefficients, asked.model)
+    return compare_with_trim(plant, asked.autopilot(plant), study.wind)
+
+
+def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
+    assert plan.dispersions is not None
+    return disperse_study(
+        study,
+        plan.dispersions,
+        cases=min(plan.cases, MOST_CASES),
+        seed=plan.seed,
+        probability=plan.probability,
+        confidence=plan.confidence,
+    )

@@ -1,0 +1,216 @@
+"""The sections of the study itself: inputs, boundaries and the response."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tvclin.deflections import trim_then_hold
+from tvclin.extremes import Point, extremes
+from tvclin.histories import History
+from tvclin.loads import wind_loads
+from tvclin.plant import Plant
+from tvclin.plots import response_chart, response_curves, study_chart
+from tvclin.report.blocks import (
+    Figure,
+    Line,
+    Paragraph,
+    Section,
+    Table,
+    degrees,
+    number,
+    significant,
+)
+from tvclin.report.figures import inline_svg
+from tvclin.report.findings import Findings
+from tvclin.response import attitude_responses
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+_TO_SHOW, _POINTS = 2.0, 401
+"""A response is shown for so many durations of the wind, at so many points."""
+_ABOVE = 1.1
+"""Without a limit in question, the response is that to so many times what is needed."""
+
+
+def inputs(found: Findings) -> Section:
+    """Return what went in, each number with its unit."""
+    v, plan = found.study.vehicle, found.plan
+    vehicle = [
+        ("gross weight W", significant("vehicle.weight", v.weight, 6, "N")),
+        ("thrust T", significant("vehicle.thrust", v.thrust, 6, "N")),
+        ("moment of inertia I", significant("vehicle.inertia", v.moment_of_inertia, 6, "kg m²")),
+        ("normal force slope N", significant("vehicle.slope", v.normal_force_slope, 6, "N/rad")),
+        ("axial force F_A", significant("vehicle.axial_force", v.axial_force, 6, "N")),
+        ("aerodynamic arm l_a", significant("vehicle.l_a", v.aerodynamic_arm, 6, "m")),
+        ("control arm l_c", significant("vehicle.l_c", v.control_arm, 6, "m")),
+        ("velocity V_n", significant("vehicle.velocity", v.velocity, 6, "m/s")),
+        ("attitude Theta_n", degrees("vehicle.attitude", v.attitude, unit="deg")),
+    ]
+    if v.time is not None:
+        vehicle.append(("time of flight", significant("vehicle.time", v.time, 6, "s")))
+    if v.control_force_slope is not None:
+        slope = significant("vehicle.control_slope", v.control_force_slope, 6, "N/rad")
+        vehicle.append(("control force slope", slope))
+    case: list[tuple[str, Line]] = [
+        ("plane", (plan.plane,)),
+        ("model of the verdict", (plan.model,)),
+        ("wind shape", (plan.wind.shape,)),
+        ("peak wind angle", degrees("wind.peak", plan.wind.peak, unit="deg")),
+        ("wind duration", significant("wind.duration", plan.wind.duration, 6, "s")),
+        ("dead band K of the verdict", significant("question.dead_band", plan.dead_band)),
+        ("dead band is left by", ("the wind" if plan.switch == "report" else "the trim",)),
+    ]
+    if plan.limit is not None:
+        case.append(("deflection limit", degrees("question.limit", plan.limit, unit="deg")))
+    name = v.name or "unnamed"
+    blocks = (
+        Table(f"Vehicle: {name}", ("quantity", "value"), _pairs(vehicle)),
+        Table("Wind and question", ("quantity", "value"), _pairs(case)),
+        Table("Linear coefficients", ("quantity", "value"), _pairs(_coefficients(found))),
+    )
+    return Section("inputs", "Inputs", blocks)
+
+
+def boundaries(found: Findings) -> Section:
+    """Return the boundary at every dead band, and what stands above and below it."""
+    s = found.study
+    names = tuple(s.boundaries)
+    rows: list[tuple[Line, ...]] = []
+    for i, K in enumerate(s.dead_bands):
+        row: list[Line] = [(*significant(f"boundary.{i}.K", K), *_marked(K == s.dead_band))]
+        for name in names:
+            one, key = s.boundaries[name], f"boundary.{name}.{i}"
+            row.append(number(f"{key}.limit", one.limit[i]))
+            row.append(degrees(key, abs(one.deflection[i])))
+        rows.append(tuple(row))
+    free = {name: abs(one.deflection) for name, one in s.forecast_free.items()}
+    for label, key, needs in (
+        ("no forecast, any law", "forecast_free", free),
+        ("minimum, wind known", "minimum", s.minima),
+    ):
+        rows.append(((label,), *_parts(found, key, needs)))
+    trim = dict.fromkeys(names, s.trim_deflection)
+    rows.insert(0, (("ideal trim",), *_parts(found, "trim", trim)))
+    head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
+    peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
+    caption = f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg, {tau:g} s"
+    label = f"Required deflection over the duration of the wind, for {' and '.join(names)}"
+    figure = Figure(
+        label,
+        "Required deflection over the duration of the wind, by dead band K and model. The dot is"
+        " this study.",
+        inline_svg(study_chart(s), "boundaries", label),
+    )
+    words = (
+        "K is the dead band: the vehicle is trimmed up to K times the limit, then the whole limit"
+        ' is used. K = 1 needs no forecast of the wind, K = 0 a certain one. "No forecast" is what'
+        " no law can do without that does not know when the wind will stop (with drift a lower"
+        ' bound), "minimum" what no control whatever can. The row of the verdict is marked.'
+    )
+    return Section(
+        "boundaries", "Boundaries", (Table(caption, head, tuple(rows)), figure, Paragraph((words,)))
+    )
+
+
+def response(found: Findings) -> Section | None:
+    """Return the exact response to the limit in question; None where nothing is needed."""
+    s = found.study
+    limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
+    if not limit:
+        return None
+    plant = Plant(s.coefficients, s.model)
+    against = -float(np.sign(s.coefficients.B * s.wind.peak)) or 1.0
+    deflection = trim_then_hold(plant, s.wind, against * limit, s.dead_band, s.switch)
+    longest = _TO_SHOW * float(s.wind.duration)
+    back = extremes(plant, deflection, s.wind, longest).back_at_zero
+    end = longest if back is None else back.time
+    whose = "the limit in question" if s.limit is not None else f"{_ABOVE:g} times what is needed"
+    label = f"Attitude, deflection and wind over time with {whose}"
+    caption = (
+        f"Exact response with {whose}, {np.degrees(limit):.4f} deg: trim until the dead band is"
+        " left, then the limit."
+    )
+    caption += (
+        " The attitude does not come back to zero in this time."
+        if back is None
+        else " It is shown until the attitude is back at zero, where an autopilot lets go."
+    )
+    svg = inline_svg(_over_time(found, plant, deflection, end), "response", label)
+    head = ("exact response", "[deg]", "at [s]")
+    table = Table("What stands out", head, _outstanding(found, plant, deflection, end))
+    return Section("response", "Response", (Figure(label, caption, svg), table))
+
+
+def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
+    """The figure of a response: angles, deflection and wind."""
+    wind = found.study.wind
+    times = np.linspace(0.0, end, _POINTS)
+    answer = attitude_responses(plant, deflection, wind, times)
+    curves = response_curves(answer, deflection, wind, "response", "")
+    kept = tuple(column for column in curves.columns if column.panel != "rate")
+    return response_chart(replace(curves, columns=kept), "", float(wind.end), across=1)
+
+
+def _outstanding(
+    found: Findings, plant: Plant, deflection: History, end: float
+) -> tuple[tuple[Line, ...], ...]:
+    wind = found.study.wind
+    stands, loads = extremes(plant, deflection, wind, end), wind_loads(plant, deflection, wind)
+    points = (
+        ("largest attitude error, with the wind", "with_wind", stands.with_wind),
+        ("largest attitude error, against it", "against_wind", stands.against_wind),
+        ("attitude when the wind ends", "at_wind_end", stands.at_wind_end),
+        ("attitude at the end of the figure", "at_end", stands.at_end),
+        (
+            "largest angle of attack in the wind",
+            "angle_of_attack",
+            Point(loads.peak_angle_of_attack, loads.peak_time),
+        ),
+    )
+    return tuple(
+        (
+            (label,),
+            degrees(f"response.{key}", point.value),
+            number(f"response.{key}_s", point.time, 3),
+        )
+        for label, key, point in points
+        if point is not None
+    )
+
+
+def _coefficients(found: Findings) -> list[tuple[str, Line]]:
+    c = found.study.coefficients
+    rows: list[tuple[str, Line]] = []
+    if c.mu_alpha > 0.0:
+        rows.append(("beta", significant("coefficients.beta", c.beta, 6, "1/s")))
+        rows.append(("K1", significant("coefficients.K1", c.K1, 6)))
+    rows += [
+        ("B", significant("coefficients.B", c.B, 6, "deg/deg")),
+        ("C1", significant("coefficients.C1", c.C1, 6, "1/s")),
+        ("C2", significant("coefficients.C2", c.C2, 6, "1/s³")),
+        ("b1", significant("coefficients.b1", c.b1, 6, "1/s")),
+        ("b2", significant("coefficients.b2", c.b2, 6, "1/s")),
+    ]
+    return rows
+
+
+def _parts(found: Findings, key: str, needs: dict[str, float]) -> list[Line]:
+    """Cells of a deflection for each model: over trim, and in degrees."""
+    cells: list[Line] = []
+    for name in found.study.boundaries:
+        if name in needs and found.study.trim_deflection:
+            part = needs[name] / found.study.trim_deflection
+            cells += [number(f"{key}.{name}.part", part), degrees(f"{key}.{name}", needs[name])]
+        else:
+            cells += [("-",), ("-",)]
+    return cells
+
+
+def _marked(here: bool) -> Line:
+    return (" (verdict)",) if here else ()
+
+
+def _pairs(rows: list[tuple[str, Line]]) -> tuple[tuple[Line, ...], ...]:
+    return tuple(((label,), line) for label, line in rows)

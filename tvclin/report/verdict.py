@@ -1,0 +1,77 @@
+"""The answer in one sentence, and the few numbers that stand beside it."""
+
+import numpy as np
+
+from tvclin.report.blocks import Line, degrees, number, significant
+from tvclin.report.findings import Findings
+
+_NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wind could excite."
+
+
+def state(found: Findings) -> str:
+    """Return "yes", "no", or "open" where no limit was given."""
+    return {True: "yes", False: "no", None: "open"}[found.study.sufficient]
+
+
+def sentence(found: Findings) -> Line:
+    """Return the verdict: enough or not, and by how much."""
+    study = found.study
+    need, limit = study.required_deflection, study.limit
+    needed = degrees("verdict.required", need, unit="deg")
+    if not need:
+        return (_NOTHING,)
+    if limit is None:
+        return ("This wind needs ", *needed, " of deflection.")
+    surplus = abs(limit - need)
+    by = degrees("verdict.surplus", surplus, unit="deg")
+    part = (" (", *number("verdict.surplus_percent", 100.0 * surplus / need, 1, "%"), ")")
+    have = degrees("verdict.limit", limit, unit="deg")
+    if study.sufficient:
+        tail = (*by, *part, " more than the ", *needed, " that this wind needs.")
+        return ("Enough: the limit of ", *have, " is ", *tail)
+    tail = (*by, *part, " short of the ", *needed, " that this wind needs.")
+    return ("Not enough: the limit of ", *have, " is ", *tail)
+
+
+def basis(found: Findings) -> Line:
+    """Return on what the verdict rests."""
+    s = found.study
+    line: Line = (
+        f"On the {s.model} model in the {s.plane} plane, with a dead band of ",
+        *significant("basis.dead_band", s.dead_band),
+        f", in a {s.shape} wind of ",
+        *significant("basis.peak_deg", np.degrees(s.wind.peak), unit="deg"),
+        " for ",
+        *significant("basis.duration_s", s.wind.duration, unit="s"),
+        ".",
+    )
+    if found.dispersed is None or found.dispersed.success is None:
+        return line
+    percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")
+    return (
+        *line,
+        " With vehicle and wind dispersed the limit is enough in ",
+        *percent,
+        " of cases.",
+    )
+
+
+def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
+    """Return the numbers beside the verdict, each with what it is."""
+    s = found.study
+    rows: list[tuple[str, Line]] = [
+        ("needed", degrees("facts.required", s.required_deflection, unit="deg"))
+    ]
+    if s.limit is not None:
+        rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
+    if s.survivable_peak is not None:
+        survived = degrees("facts.survivable_peak", abs(s.survivable_peak), 3, "deg")
+        rows.append(("wind it survives", survived))
+    rows.append(("ideal trim takes", degrees("facts.trim", s.trim_deflection, unit="deg")))
+    if s.model in s.minima:
+        rows.append(("least, wind known", degrees("facts.minimum", s.minima[s.model], unit="deg")))
+    if found.dispersed is not None:
+        required = found.dispersed.required
+        covers = f"covers {100 * required.probability:g} % of cases"
+        rows.append((covers, degrees("facts.covers", required.upper, unit="deg")))
+    return tuple(rows)
