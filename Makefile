@@ -1,10 +1,10 @@
-# `make study` and `make test` need Python 3.11 or newer and make, nothing else.
+# All commands need Python 3.11 or newer and make, nothing else.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: study test lint bench clean help
+.PHONY: study test lint bench docs clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -21,8 +21,11 @@ lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and print the ratios
 	cd benchmarks && ../$(BIN)/pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean
 
+docs: $(VENV)/.installed-docs  ## build the documentation as a site, docs/_build/html/index.html
+	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
+
 clean:  ## remove the environment and all caches
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist
+	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated
 	rm -rf tvclin/kernels/compiled/__pycache__
 
 help:  ## list the commands
@@ -45,4 +48,8 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group test --group lint
 	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,report,sixdof]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
+	touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --group docs
 	touch $@

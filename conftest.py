@@ -10,5 +10,7 @@ _NEEDED = {
 }
 
 collect_ignore_glob = [
-    pattern for module, some in _NEEDED.items() if not find_spec(module) for pattern in some
+    "docs/*.py",
+    "docs/_*",
+    *(pattern for module, some in _NEEDED.items() if not find_spec(module) for pattern in some),
 ]

@@ -1,8 +1,11 @@
 """The pages keep their promises: the map is the house, and links lead somewhere."""
 
+import ast
 import re
+import sys
 import tomllib
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -29,11 +32,77 @@ def test_the_map_names_every_room() -> None:
     assert rooms - set(re.findall(r"\| `(\w+)/?` \|", page)) == set()
 
 
+def _anchors(page: Path) -> set[str]:
+    """The anchors of the headings of a page, as GitHub and the site name them."""
+    outside = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    headings = re.findall(r"^#+ (.+)$", outside, flags=re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", one.lower()).replace(" ", "-") for one in headings}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_between_pages_lead_somewhere(page: Path) -> None:
-    for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text()):
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]+))?\)", page.read_text()):
         if "://" not in target:
-            assert (page.parent / target).exists(), target
+            there = page.parent / target if target else page
+            assert there.exists(), target
+            assert not anchor or anchor in _anchors(there), f"{target}#{anchor}"
+
+
+def test_the_front_page_of_the_site_lists_every_page() -> None:
+    """In its list for readers, and in the table of contents, by name or by a pattern."""
+    front = (ROOT / "docs" / "index.md").read_text()
+    entries = re.findall(
+        r"^([\w*\[\]-]+)$", "".join(re.findall(r"(?s)```.toctree.+?```", front)), re.M
+    )
+
+    for page in (ROOT / "docs").glob("*.md"):
+        if page.stem != "index":
+            assert f"]({page.name})" in front, page.name
+            assert any(page.match(f"{entry}.md") for entry in entries), page.name
+
+
+@pytest.fixture
+def pages(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    return pytest.importorskip("pages")
+
+
+def test_the_reference_names_every_public_name_once(pages: ModuleType) -> None:
+    listed = re.findall(r"^   (tvclin\.[\w.]+)$", pages.api(), flags=re.MULTILINE)
+    plots = [f"plots.{name}" for name in tvclin.plots.__all__]
+
+    assert sorted(listed) == sorted(f"tvclin.{name}" for name in [*tvclin.__all__, *plots])
+
+
+def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> None:
+    for name in pages.MOVED:
+        place = ROOT / "docs" / "_generated"
+        for target in re.findall(r"\]\(([^)#:]+)\)", pages.root_page(name)):
+            assert Path(*(place / target).parts).resolve().exists(), (name, target)
+
+    text = ["See [CONTRIBUTING.md](../CONTRIBUTING.md) and [map.md](map.md)."]
+    pages.for_the_site("index", text)
+    assert text == ["See [](_generated/contributing.md) and [](map.md)."]
+
+
+def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
+    """What the files of the site import or name as extensions stands in pyproject."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    needed = [*project["dependency-groups"]["docs"], *project["project"]["dependencies"]]
+    known = {re.split(r"[<>=]", one)[0].replace("-", "_") for one in needed}
+    own = {file.stem for file in (ROOT / "docs").glob("*.py")}
+    imported = set()
+    for file in (ROOT / "docs").glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                imported.add((node.module or "").partition(".")[0])
+            if isinstance(node, ast.Import):
+                imported |= {one.name.partition(".")[0] for one in node.names}
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "extensions":
+                named = ast.literal_eval(node.value)
+                imported |= {one.partition(".")[0].replace("-", "_") for one in named}
+
+    assert imported - set(sys.stdlib_module_names) <= known | own | {"tvclin"}
 
 
 def test_every_public_name_is_documented_with_its_errors_and_units() -> None:

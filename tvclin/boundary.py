@@ -198,7 +198,7 @@ def survivable_peak(
 ) -> Any:
     """Return the largest peak [rad] of a wind of this shape that a given limit survives.
 
-    The inverse of `boundary_limit`: |limit|/(y_BR |B|), with the sign of the wind. Infinite
+    The inverse of `boundary_limit`: ``|limit|/(y_BR |B|)``, with the sign of the wind. Infinite
     where no deflection is needed. The theory is linear; read a value of many degrees as
     "more than the small-angle model can say".
 

@@ -147,8 +147,8 @@ def trim_then_hold(
     dead_band : array_like
         K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
     switch : {"report", "literal"}
-        What leaves the dead band at K times the limit: |B alpha_w| (eqs (10), (11)), or the trim
-        deflection itself. They differ on the models with drift, where the report switches a
+        What leaves the dead band at K times the limit: ``|B alpha_w|`` (eqs (10), (11)), or the
+        trim deflection itself. They differ on the models with drift, where the report switches a
         little early.
 
     Returns

@@ -78,7 +78,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
         One wind of one sign, which ends.
     reversal : float
         R, the discounted impulse of a wind of the other sign that may come at any instant instead
-        of a stop, over the peak: p * integral of e^(-p r) |alpha_w(r)| dr, counted from the
+        of a stop, over the peak: ``p * integral of e^(-p r) |alpha_w(r)| dr``, counted from the
         reversal. Then y = max{W(onset), (sup W + R)/2, R}. One is a full reversal for ever.
 
     Raises

@@ -44,7 +44,7 @@ class LawTrial:
     law, wind : str
         Their names.
     limit : float
-        Boundary: least deflection limit, over |B alpha_w,max|; infinite if none was found, and
+        Boundary: least deflection limit, over ``|B alpha_w,max|``; infinite if none was found, and
         the lowest that was tried if that survives.
     status : str
         "ok", or in words what is to be said of the boundary, as of `ClosedLoopBoundary`.

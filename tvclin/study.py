@@ -50,7 +50,7 @@ class Study:
     modes : dict of str to Modes
         Unstable poles of every model.
     trim_deflection : float
-        |B alpha_w,max| [rad], the largest deflection that ideal trim without drift takes.
+        ``|B alpha_w,max|`` [rad], the largest deflection that ideal trim without drift takes.
     boundaries : dict of str to BoundaryLimit
         For "fixed-path" and for a model with drift, the boundary at each of `dead_bands`.
     dead_bands : ndarray

@@ -27,5 +27,5 @@ attitude_command                          deflection_disturbance               w
 def with_diagram(documented: _Documented) -> _Documented:
     """Put the loop diagram where the docstring says LOOP_DIAGRAM."""
     text = cleandoc(documented.__doc__ or "")
-    documented.__doc__ = text.replace("LOOP_DIAGRAM", indent(LOOP_DIAGRAM, "    "))
+    documented.__doc__ = text.replace("LOOP_DIAGRAM", "::\n\n" + indent(LOOP_DIAGRAM, "    "))
     return documented

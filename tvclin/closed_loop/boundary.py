@@ -41,12 +41,12 @@ class ClosedLoopBoundary:
     Attributes
     ----------
     limit : float
-        Least limit above which every limit of the scan survives, over |B alpha_w,max|; infinite
+        Least limit above which every limit of the scan survives, over ``|B alpha_w,max|``; infinite
         if the largest does not.
     deflection : float
         The same [rad].
     scan : ndarray
-        The limits that were tried, rising, over |B alpha_w,max|.
+        The limits that were tried, rising, over ``|B alpha_w,max|``.
     survives : ndarray of bool
         Which of them survive.
     growth : float
@@ -114,7 +114,7 @@ def closed_loop_boundary(
         So many sudden stops are tried as well, at even instants of the wind: a limit survives if
         it survives them all.
     lowest, highest : float
-        Range of the limits that are tried, over |B alpha_w,max|.
+        Range of the limits that are tried, over ``|B alpha_w,max|``.
 
     Returns
     -------

@@ -39,7 +39,7 @@ class TrimComparison:
     margins : Margins
         Those of the loop.
     trim_deflection : float
-        |B alpha_w,max|, what ideal trim without drift takes.
+        ``|B alpha_w,max|``, what ideal trim without drift takes.
     peak_deflection : float
         Largest deflection of the autopilot.
     peak_deflection_rate : float

@@ -36,7 +36,7 @@ class FlownBoundary:
     Attributes
     ----------
     limit : float
-        y, the least deflection limit that survives over |B alpha_w,max|.
+        y, the least deflection limit that survives over ``|B alpha_w,max|``.
     deflection : float
         The same [rad].
     error : float
@@ -84,9 +84,9 @@ def flown_boundary(
     frozen : bool
         Whether mass, forces and speed stay what they are; an engine may know no other way.
     tolerance : float
-        The limit is known to this part of |B alpha_w,max|.
+        The limit is known to this part of ``|B alpha_w,max|``.
     highest : float
-        Largest limit that is tried, over |B alpha_w,max|.
+        Largest limit that is tried, over ``|B alpha_w,max|``.
     **options
         What else the engine takes: "planar" drift, condition, actuator and rate_limit, as of
         `fly_planar`; "sixdof" these, step and earth, as of `fly_sixdof`.

@@ -24,9 +24,9 @@ class RecoverableAttitudeLaw(Law):
 
     With the coordinate z of the unstable mode (see `recoverable`), the felt wind w and D =
     limit/B it follows a lean Z: as far as the wind, never further than the recoverable set with
-    its `reach`, nor than the design wind asks of the part `trust` of the limit,
+    its `reach`, nor than the design wind asks of the part `trust` of the limit::
 
-        u = z - k w + gain (z - Z),     |Z| <= min(reach D, k max(A, 1.1 |w|) - trust D),
+        u = z - k w + gain (z - Z),     |Z| <= min(reach D, k max(A, 1.1 |w|) - trust D)
 
     A being the design peak. Full deflection into the wind, holding, following it down, and
     attitude feedback at rest are one formula. With drift an outer loop on the slow coordinate

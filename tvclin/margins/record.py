@@ -29,7 +29,7 @@ class Crossings:
     Attributes
     ----------
     gain_frequencies : ndarray
-        Gain crossovers, |L| = 1 [rad/s], ``(..., k)``.
+        Gain crossovers, ``|L| = 1`` [rad/s], ``(..., k)``.
     phase_margins : ndarray
         The phase [rad] by which L may lag more there (positive) or lead more (negative) before
         it is -1, ``(..., k)``.
@@ -68,10 +68,10 @@ class Margins:
     delay_margin : float or ndarray
         The further delay [s] that the loop bears.
     disk_margin : float or ndarray
-        alpha = 1/max |(S - T)/2|: gain and phase may change together by any factor in the disk
+        alpha = ``1/max |(S - T)/2|``: gain and phase may change together by any factor in the disk
         with the real axis cuts (2 - alpha)/(2 + alpha) and (2 + alpha)/(2 - alpha).
     peak_sensitivity, peak_complementary_sensitivity : float or ndarray
-        Largest |S| and |T|.
+        Largest ``|S|`` and ``|T|``.
     aero_frequency, gain_increase_frequency, crossover_frequency, delay_margin_frequency, \
 disk_frequency, peak_sensitivity_frequency, peak_complementary_sensitivity_frequency : \
 float or ndarray
@@ -200,7 +200,7 @@ def loop_margins(loop: Loop) -> Margins:
     -----
     Stability is decided by the roots of D + N and, with a delay, by counting what crosses the
     imaginary axis as it grows: exactly, not by an approximation of the delay. Gain crossovers are
-    roots of |N|^2 - |D|^2. Phase crossovers and peaks are bracketed between frequencies laid
+    roots of ``|N|^2 - |D|^2``. Phase crossovers and peaks are bracketed between frequencies laid
     around all poles and zeros, and refined to rounding.
 
     Examples

@@ -74,7 +74,7 @@ def optimum_with_rate_limit(
         As of `optimum_deflection`. The deflection is zero at the start; with a horizon the last
         value is dropped there, whatever the rate.
     rate_limit : float
-        Largest |delta'| [rad/s], positive.
+        Largest ``|delta'|`` [rad/s], positive.
     steps : int
         Number of pieces to begin with, at least 10.
 

@@ -25,7 +25,7 @@ def angle_from_speed(
     Raises
     ------
     InputError
-        When the wind is faster than the vehicle can meet: |V_w sin(gamma)| > V_R.
+        When the wind is faster than the vehicle can meet: ``|V_w sin(gamma)| > V_R``.
     """
     speed = finite("speed", speed, "m/s")
     velocity = positive("velocity", velocity, "m/s")

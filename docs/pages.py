@@ -1,0 +1,96 @@
+"""The pages that are made of other files: reference, notebooks, pages of the root, gallery."""
+
+import re
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+import gallery
+
+import tvclin
+
+ROOT = Path(__file__).parents[1]
+MOVED = ("CHANGELOG", "CONTRIBUTING")
+"""Pages that stand at the root of the repository."""
+
+
+def write(folder: Path) -> None:
+    """Write all of them. What is right already stays untouched, what is of no use any more goes.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is missing.
+    """
+    pages = {folder / "api.rst": api()}
+    pages |= {folder / f"{name.lower()}.md": root_page(name) for name in MOVED}
+    for notebook in sorted((ROOT / "notebooks").glob("*.py")):
+        pages[folder / "notebooks" / f"{notebook.stem}.ipynb"] = as_notebook(notebook)
+    pages[folder / "gallery.md"] = gallery.write(folder / "figures")
+    references = {folder / "api" / f"{name}.rst" for names in rooms().values() for name in names}
+    for suffix in ("md", "rst", "ipynb"):
+        for old in set(folder.rglob(f"*.{suffix}")) - set(pages) - references:
+            old.unlink()
+    for path, text in pages.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def rooms() -> dict[str, list[str]]:
+    """Return the public names of each room, by the name of the room as imported."""
+    found: dict[str, list[str]] = {}
+    for name in tvclin.__all__:
+        found.setdefault(f"tvclin.{tvclin._HOME[name]}", []).append(f"tvclin.{name}")
+    plots = [f"tvclin.plots.{name}" for name in tvclin.plots.__all__]
+    return dict(sorted(found.items())) | {"tvclin.plots": plots}
+
+
+def api() -> str:
+    """Return the page of all public names, room by room, as reStructuredText."""
+    return "\n".join(_api_lines())
+
+
+def _api_lines() -> Iterator[str]:
+    title = "Reference"
+    yield from (title, "=" * len(title), "")
+    yield "Every public name, by the room in which it lives. The names of all rooms but ``plots``"
+    yield "can be imported from ``tvclin`` itself."
+    for room, names in rooms().items():
+        heading = room.removeprefix("tvclin.")
+        yield from ("", heading, "-" * len(heading), "")
+        yield (import_module(room).__doc__ or "").partition("\n\n")[0]
+        yield from ("", ".. autosummary::", "   :nosignatures:", "   :toctree: api", "")
+        yield from (f"   {name}" for name in names)
+    yield ""
+
+
+def root_page(name: str) -> str:
+    """Return a page of the root with its links as seen from the folder of the site's pages."""
+    return (ROOT / f"{name}.md").read_text(encoding="utf-8").replace("](docs/", "](../")
+
+
+def for_the_site(name: str, text: list[str]) -> None:
+    """Adapt the links of a page: to where pages of the root stand, and to titles for file names.
+
+    Parameters
+    ----------
+    name : str
+        The page.
+    text : list of str
+        Its source, one item, which is replaced.
+    """
+    if "/" not in name:
+        for moved in MOVED:
+            text[0] = text[0].replace(f"](../{moved}.md", f"](_generated/{moved.lower()}.md")
+    text[0] = re.sub(r"\[[\w/-]+\.md\](\([\w./-]+\.md\))", r"[]\1", text[0])
+
+
+def as_notebook(path: Path) -> str:
+    """Return a notebook in percent format as Jupyter keeps it."""
+    import jupytext
+
+    notebook = jupytext.read(path, fmt="py:percent")
+    for number, cell in enumerate(notebook.cells):
+        cell.id = f"cell-{number}"  # else a new one at random each time
+    return jupytext.writes(notebook, fmt="ipynb")
