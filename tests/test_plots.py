@@ -264,6 +264,8 @@ def test_study_chart_and_pole_map_are_control_plots(configuration_i):
 
     assert isinstance(drawn, control.ControlPlot)
     assert len(all_lines(drawn)) == 6
+    numbers = curves_of(plots.study_chart(study, [7.5, 15.0])).column("K = 1, fixed-path")
+    assert numbers[0] == pytest.approx(np.degrees(study.required_deflection), rel=1e-12)
     assert (1, 2) == poles.axes.shape
     assert sorted(all_lines(poles)[0].get_xdata()) == pytest.approx([-0.52928, 0.52928], abs=5e-6)
 

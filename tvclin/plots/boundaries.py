@@ -15,8 +15,10 @@ from tvclin.plots.style import (
     COLOURS,
     INK,
     LINES,
+    MARKS,
     WARM,
     Look,
+    Style,
     broken_lines,
     control_plot,
     cycle,
@@ -31,6 +33,8 @@ from tvclin.vehicle_file import load_vehicle
 if TYPE_CHECKING:
     from control import ControlPlot
     from matplotlib.axes import Axes
+
+FloatArray = NDArray[np.float64]
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 CONFIGURATIONS = ("configuration-i", "configuration-ii")
@@ -124,8 +128,8 @@ def figure_5(
 def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlot":
     """Draw the required deflection against the duration of the wind, for one study.
 
-    Solid lines are the first model of the study's boundaries, broken ones the second; the wind
-    and the limit of the study are marked.
+    Solid lines are the first model of the study's boundaries, broken ones the second; marks tell
+    the dead bands apart. The wind and the limit of the study are shown.
 
     Parameters
     ----------
@@ -136,17 +140,15 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlo
     """
     chosen = float(study.wind.duration)
     x = np.linspace(0.02, 3.0, 200) * chosen if durations is None else np.asarray(durations)
-    wind = type(study.wind)(peak=study.wind.peak, duration=x[:, np.newaxis])
-    if study.gust is not None:  # as far from the middle of each wind
-        wind = wind + study.gust.shift(0.5 * (x[:, np.newaxis] - chosen))
-    shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
+    curves = _study_curves(study, x)
     axes = new_axes()
     lines: list[Any] = []
-    for model, style in zip(study.boundaries, ("-", "--"), strict=False):
-        found = boundary_limit(Plant(study.coefficients, model), wind, shown)
-        for K, y, colour in zip(shown, found.deflection.T, cycle(COLOURS), strict=False):
-            label = f"K = {K:g}, {model}"
-            lines += axes.plot(x, np.abs(np.degrees(y)), style, color=colour, lw=1.6, label=label)
+    of_each_model = len(curves.columns) // len(study.boundaries)
+    for index, column in enumerate(curves.columns):
+        model, row = divmod(index, of_each_model)
+        look: Style = {"color": cycle(COLOURS)[row], "marker": cycle(MARKS)[row], "ms": 4.5}
+        look |= {"ls": ("-", "--")[model], "markevery": max(x.size // 10, 1)}
+        lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
     axes.axvline(chosen, color=INK, lw=1.0)
     axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label="required")
     trim = float(np.degrees(study.trim_deflection))
@@ -154,11 +156,8 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlo
     if study.limit is not None:
         limit = float(np.degrees(study.limit))
         axes.axhline(limit, color=WARM, lw=1.6, label="available limit")
-    shape = type(study.wind).__name__.removesuffix("Wind").lower()
-    peak = float(np.degrees(study.wind.peak))
-    with_gust = "" if study.gust is None else f", gust of {np.degrees(study.gust.peak):.3g} deg"
     axes.set(
-        title=f"{study.vehicle.name or 'Vehicle'}: {shape} winds of {peak:.3g} deg{with_gust}",
+        title=curves.parameters,
         xlabel="wind duration [s]",
         ylabel="deflection [deg]",
         xlim=(0.0, float(x.max())),
@@ -166,7 +165,27 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlo
     )
     fine_grid(axes)
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    return control_plot(lines, axes)
+    return control_plot(lines, axes, curves)
+
+
+def _study_curves(study: Study, durations: FloatArray) -> Curves:
+    each = durations[:, np.newaxis]
+    wind = type(study.wind)(peak=study.wind.peak, duration=each)
+    if study.gust is not None:  # as far from the middle of each wind
+        wind = wind + study.gust.shift(0.5 * (each - float(study.wind.duration)))
+    shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
+    columns = []
+    for model in study.boundaries:
+        found = boundary_limit(Plant(study.coefficients, model), wind, shown)
+        sizes = np.abs(np.degrees(found.deflection)).T
+        columns += [
+            Column(f"K = {K:g}, {model}", y, "deg") for K, y in zip(shown, sizes, strict=True)
+        ]
+    shape = type(study.wind).__name__.removesuffix("Wind").lower()
+    peak = float(np.degrees(study.wind.peak))
+    gust = "" if study.gust is None else f", gust of {np.degrees(study.gust.peak):.3g} deg"
+    words = f"{study.vehicle.name or 'Vehicle'}: {shape} winds of {peak:.3g} deg{gust}"
+    return Curves("study", words, "wind duration [s]", durations, tuple(columns))
 
 
 def _draw_boundaries(
@@ -199,17 +218,17 @@ def _draw_boundaries(
     return plot
 
 
-def _mark_durations(axes: "Axes", tau_beta: NDArray[np.float64]) -> None:
+def _mark_durations(axes: "Axes", tau_beta: FloatArray) -> None:
     axes.set_xlim(0.0, float(tau_beta.max()))
     axes.locator_params(axis="x", nbins=11, steps=[1, 2, 4, 5, 10])
 
 
-def _abscissas(tau_beta: ArrayLike | None) -> NDArray[np.float64]:
+def _abscissas(tau_beta: ArrayLike | None) -> FloatArray:
     given = np.linspace(0.05, 20.0, 400) if tau_beta is None else tau_beta
     return np.array(given, dtype=float, ndmin=1)
 
 
-def _row(values: Any) -> NDArray[np.float64]:
+def _row(values: Any) -> FloatArray:
     return np.asarray(values, dtype=float)
 
 

@@ -87,4 +87,5 @@ def _write_residue(axes: "Axes", pole: complex, residue: complex, lift: int, col
         ha="center",
         fontsize=8,
         color=colour,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
     )
