@@ -41,6 +41,7 @@ autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 default_role = "autolink"
 add_module_names = False
+toc_object_entries_show_parents = "hide"
 
 html_theme = "pydata_sphinx_theme"
 html_title = "tvclin"

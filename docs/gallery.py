@@ -164,7 +164,7 @@ def _lines(parts: dict[str, list[Figure]], folder: Path) -> Iterator[str]:
         yield from ("", f"## {heading}")
         for one in figures:
             yield from ("", f"### {one.name}", "", f"{one.words} `{one.call}`".strip(), "")
-            yield f"![{one.name}: {one.words}](figures/{one.name}.png)"
+            yield f"![{one.words or one.name}](figures/{one.name}.png)"
             if (folder / f"{one.name}.csv").exists():
                 yield from ("", f"{{download}}`Its numbers <figures/{one.name}.csv>` (CSV)")
     yield from ("", "What four laws with limits need is drawn in [](../laws.md).", "")
