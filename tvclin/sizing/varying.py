@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.closed_loop.continuous import smooth_piece
 from tvclin.histories import History
 from tvclin.sizing.growing import ATOL, RTOL, GrowingMode
 
@@ -72,7 +73,9 @@ def varying_need(
     if np.any(blows < -_EDGE * trim.max()):
         boundary = np.full(dead_bands.shape, np.nan)
     else:
-        driver = np.array([side * course.driver(t) for t in times.tolist()])
+        driver = blows
+        if course.literal:
+            driver = np.array([side * course.trim(t) for t in times.tolist()])
         boundary = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
     return VaryingNeed(float(trim.max()), boundary, minimum)
 
@@ -170,13 +173,7 @@ def _swept(
 
     starts, solutions = [], []
     for begin, stop in pieces:
-        low, high = min(begin, stop), max(begin, stop)
-        piece = wind.before(high)  # so that a jump at the far end is not seen
-        ends = low, float(np.nextafter(high, low))
-
-        def blows(t: float, piece: History = piece, ends: tuple[float, float] = ends) -> float:
-            return float(piece(min(max(t, ends[0]), ends[1])))
-
+        low = min(begin, stop)
         found = solve_ivp(
             rates,
             (begin, stop),
@@ -185,7 +182,7 @@ def _swept(
             rtol=RTOL,
             atol=ATOL,
             dense_output=True,
-            args=(blows,),
+            args=(smooth_piece(wind, low),),
         )
         starts.append(low)
         solutions.append(found.sol)
