@@ -77,6 +77,23 @@ def test_a_pulse_is_moved_until_its_peak_meets_the_time(configuration_i) -> None
     assert found.ends[0] == pytest.approx([74.0, 72.0, 75.0], abs=1e-12)
 
 
+def test_winds_in_flight_time_stand_beside_pulses(configuration_i) -> None:
+    winds = {
+        "pulse": tv.TriangularWind(peak=PEAK, duration=8.0),
+        "measured": tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.08, 0.0]),
+    }
+    found = tv.size(
+        held(configuration_i), winds, times=[66.0], placing={"measured": "flight"}, window=8.0
+    )
+    assert (found.begins[0].tolist(), found.ends[0].tolist()) == ([62.0, 62.0], [70.0, 70.0])
+    for placing, words in (
+        ({"mesured": "flight"}, "did you mean 'measured'"),
+        ({"pulse": "up"}, "placing of pulse must be one of"),
+    ):
+        with pytest.raises(InputError, match=words):
+            tv.size(held(configuration_i), winds, times=[66.0], placing=placing)
+
+
 def test_a_wind_in_flight_time_is_cut_where_it_is(configuration_i) -> None:
     wind = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.08, 0.0])
     placed = place(wind, configuration_i, 66.0, "flight", 8.0)

@@ -11,11 +11,11 @@ CSV = """\
 # a flight
 time_s, weight_kN, moment_of_inertia_kg_m2, normal_force_slope_N_per_rad, thrust_N, \
 aerodynamic_arm_m, control_arm_m, axial_force_N, velocity_m_per_s, attitude_deg, \
-nominal_deflection_deg
-60, 1500, 2.25e7, 6.0e5, 2.495e6, 9.45, 23.56, 8e4, 500, 48, 0.02
+nominal_deflection_deg, altitude_m
+60, 1500, 2.25e7, 6.0e5, 2.495e6, 9.45, 23.56, 8e4, 500, 48, 0.02, 9e3
 
-70, 1450, 2.25e7, 6.8e5, ,        9.45, 23.56, 8e4, 560, 43, 0.01
-80, 1400, 2.25e7, 6.1e5, ,        9.45, 23.56, 7e4, 650, 38, 0
+70, 1450, 2.25e7, 6.8e5, ,        9.45, 23.56, 8e4, 560, 43, 0.01, 12e3
+80, 1400, 2.25e7, 6.1e5, ,        9.45, 23.56, 7e4, 650, 38, 0, 16e3
 """
 TOML = """
 [schedule]
@@ -31,6 +31,7 @@ axial_force_N = [8e4, 8e4, 7e4]
 velocity_m_per_s = [500, 560, 650]
 attitude_deg = [48, 43, 38]
 nominal_deflection_deg = [0.02, 0.01, 0]
+altitude_m = [9e3, 12e3, 16e3]
 """
 
 
@@ -52,6 +53,7 @@ def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
         assert schedule.nominal_at(75.0) == pytest.approx(np.radians(0.005))
         assert schedule.span == (60.0, 80.0)
         assert schedule.held(100.0).velocity == 650.0
+        assert schedule.height.tolist() == [9e3, 12e3, 16e3]
     assert lists.vehicle.name == "a flight"
     assert rows.at([60.0, 80.0]).velocity.tolist() == [500.0, 650.0]
 
@@ -64,7 +66,7 @@ def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
         ("1450", "-3", r"line 5: weight must be positive"),
         ("70,", "60,", r"line 5: time_s must rise; got 60 after 60"),
         ("70,", ",", r"line 5: time_s is missing"),
-        (", 43, 0.01", ", 43", r"line 5: 11 cells are needed; got 10"),
+        (", 43, 0.01", ", 43", r"line 5: 12 cells are needed; got 11"),
         ("weight_kN", "weight_stone", r"line 3: weight_stone has no known unit"),
         ("weight_kN", "time_s", r"every column needs a key of its own; got 'time_s'"),
         ("time_s,", "name,", r"line 3: a key is missing: time_s"),
@@ -113,6 +115,9 @@ def test_a_vehicle_has_its_nominal_flight() -> None:
     for name in ("velocity", "normal_force_slope", "weight", "attitude"):
         assert getattr(schedule.at(t), name) == pytest.approx(getattr(exact, name), rel=1e-5)
     assert schedule.nominal_at(t) == pytest.approx(flight.deflection(t), rel=1e-3)
+    # as a flight through a sounding sees it
+    states = schedule.speed, schedule.flight_path_angle, schedule.height
+    assert np.array(states) == pytest.approx(flight.states(schedule.time), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -137,3 +142,10 @@ def test_times_outside_are_refused(tmp_path) -> None:
         read(tmp_path, tv.vehicle_file.template(), "mine.toml")
     with pytest.raises(InputError, match="does not exist; name a flight schedule"):
         tv.load_schedule(tmp_path / "none.csv")
+
+
+def test_a_schedule_without_altitude_says_so_when_it_is_asked(configuration_i) -> None:
+    schedule = tv.FlightSchedule(configuration_i.replace(time=[1.0, 2.0]))
+    assert schedule.speed.tolist() == [configuration_i.velocity] * 2
+    with pytest.raises(InputError, match="no altitude; give altitude_m"):
+        _ = schedule.height

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from tvclin.sizing.placing import WindOf
 
 _SOURCE = (
-    "A flight schedule (CSV, or TOML with a table [schedule]), or a vehicle with a table [flight]:"
-    " then its nominal flight."
+    "A flight schedule (CSV, or TOML with a table named schedule), or a vehicle whose file has a"
+    " table named flight: then its nominal flight."
 )
 
 

@@ -57,6 +57,16 @@ def named_winds(winds: WindOf | Mapping[str, WindOf]) -> dict[str, WindOf]:
     return found
 
 
+def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> dict[str, str]:
+    """Return the placing of each wind by its name; `InputError` for unknown ones."""
+    if isinstance(placing, str):
+        return dict.fromkeys(winds, one_of("placing", placing, PLACINGS))
+    for name, value in placing.items():
+        one_of("placing's winds", name, winds)
+        one_of(f"placing of {name}", value, PLACINGS)
+    return {name: placing.get(name, PLACINGS[0]) for name in winds}
+
+
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
     """Return a wind placed at a flight time.
 
@@ -77,14 +87,14 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     Raises
     ------
     InputError
-        For a batch of winds, one that never ends or is zero, and an unknown placing.
+        For a batch of winds, and one that never ends or is zero.
     """
     history = wind if isinstance(wind, History) else wind(vehicle)
     if not isinstance(history, History) or history.batch:
         raise InputError("each wind must be one history, such as TriangularWind, or give one")
     if not np.isfinite(history.end):
         raise InputError("each wind must end, and be other than zero")
-    if one_of("placing", placing, PLACINGS) == "peak":
+    if placing == "peak":
         return PlacedWind(history, time - _middle_of_the_top(history))
     half = 0.5 * number("window", window, positive, "s")
     return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)

@@ -27,6 +27,8 @@ class FlightSchedule:
         once.
     nominal_deflection : array_like
         Deflection of the nominal flight delta_n [rad], ``(n,)`` or one for all; zero if not known.
+    altitude : array_like, optional
+        Altitude [m], ``(n,)``: only a wind over height needs it.
 
     Raises
     ------
@@ -45,6 +47,7 @@ class FlightSchedule:
 
     vehicle: Vehicle
     nominal_deflection: ArrayLike = 0.0
+    altitude: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -62,7 +65,11 @@ class FlightSchedule:
             )
         nominal = finite("nominal_deflection", self.nominal_deflection, "rad")
         object.__setattr__(self, "nominal_deflection", nominal)
-        for name, values in {"nominal_deflection": nominal, **_numbers(self.vehicle)}.items():
+        given = {"nominal_deflection": nominal, **_numbers(self.vehicle)}
+        if self.altitude is not None:
+            object.__setattr__(self, "altitude", finite("altitude", self.altitude, "m"))
+            given["altitude"] = self.altitude
+        for name, values in given.items():
             if np.shape(values) not in ((), times.shape):
                 raise InputError(
                     f"{name} must be one number or one for each of the {times.size} times; got"
@@ -73,6 +80,28 @@ class FlightSchedule:
     def times(self) -> FloatArray:
         """The times [s], rising, ``(n,)``."""
         return np.asarray(self.vehicle.time)
+
+    @property
+    def time(self) -> FloatArray:
+        """The times again, by the name under which a flight through a sounding has them."""
+        return self.times
+
+    @property
+    def height(self) -> FloatArray:
+        """The altitude at the times [m], ``(n,)``; `InputError` where it is not known."""
+        if self.altitude is None:
+            raise InputError("the schedule has no altitude; give altitude_m in it")
+        return np.broadcast_to(np.asarray(self.altitude), self.times.shape)
+
+    @property
+    def speed(self) -> FloatArray:
+        """The speed at the times [m/s], ``(n,)``."""
+        return np.broadcast_to(np.asarray(self.vehicle.velocity), self.times.shape)
+
+    @property
+    def flight_path_angle(self) -> FloatArray:
+        """The flight path angle at the times [rad], ``(n,)``: nominally that of the attitude."""
+        return np.broadcast_to(np.asarray(self.vehicle.attitude), self.times.shape)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -144,7 +173,7 @@ class FlightSchedule:
             raise InputError(f"step must give at most {_MOST} rows; got {width:.6g} s")
         before, after = np.arange(own, flight.start, -width), np.arange(own, flight.stop, width)
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
-        return cls(flight.vehicle_at(times), flight.deflection(times))
+        return cls(flight.vehicle_at(times), flight.deflection(times), flight.states(times)[2])
 
 
 def _numbers(vehicle: Vehicle) -> dict[str, Any]:

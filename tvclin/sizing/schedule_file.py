@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.errors import InputError, number
+from tvclin.errors import InputError
 from tvclin.flight import load_flight_condition
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
-from tvclin.vehicle_file import build_vehicle, parse_vehicle, vehicle_text
+from tvclin.vehicle_file import build_vehicle, parse_vehicle, quantities, vehicle_text
 
 _BEFORE, _AFTER = 25.0, 50.0
 """How much of a vehicle's nominal flight a schedule shows, from its own time [s]."""
-_NOMINAL = {f"nominal_deflection_{unit}": factor for unit, factor in UNITS["angle"].items()}
+_OWN = {"nominal_deflection": "angle", "altitude": "length"}
+_OTHERS = [f"{name}_{unit}" for name, dimension in _OWN.items() for unit in UNITS[dimension]]
 
 
 def load_schedule(
@@ -36,7 +37,8 @@ def load_schedule(
         A CSV file: one line of the keys of vehicle files, `time_s` among them, then a line for
         each time; a constant may stand in the first line only. A TOML file with a table
         [schedule]: lists of one length, and numbers that do not change. Or a vehicle with a table
-        [flight], by name or file: its nominal flight. Files may hold nominal_deflection_deg.
+        [flight], by name or file: its nominal flight. Tables may hold nominal_deflection_deg and
+        altitude_m as well.
     start, stop : float, optional
         Span [s] of the nominal flight; from 25 s before the vehicle's time to 50 s after it where
         not given. A table has its own.
@@ -76,10 +78,10 @@ Row = tuple[str, dict[str, Any]]
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
-    vehicles, nominal = [], []
+    vehicles, others = [], []
     for place, row in rows:
         try:
-            nominal.append(_take_nominal(row))
+            others.append(_taken(row))
             vehicles.append(build_vehicle(row))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
@@ -94,15 +96,15 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     columns: dict[str, Any] = {
         name: [getattr(v, name) for v in vehicles] for name in names if name != "name"
     }
-    return FlightSchedule(Vehicle(name=first.name, **columns), nominal)
+    nominal, altitude = zip(*others, strict=True)
+    known = None if altitude[0] is None else altitude
+    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known)
 
 
-def _take_nominal(row: dict[str, Any]) -> float:
-    """Take the nominal deflection [rad] out of a row; zero where there is none."""
-    given = [key for key in _NOMINAL if key in row]
-    if len(given) > 1:
-        raise InputError(f"nominal_deflection is given twice, as {' and '.join(given)}; keep one")
-    return sum(number(key, row.pop(key)) * _NOMINAL[key] for key in given)
+def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
+    """Take nominal deflection [rad] and altitude [m] out of a row: zero and None if not there."""
+    found = quantities({key: row.pop(key) for key in _OTHERS if key in row}, _OWN, "schedule")
+    return found.get("nominal_deflection", 0.0), found.get("altitude")
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:

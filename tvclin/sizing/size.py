@@ -13,7 +13,7 @@ from tvclin.optimum import single_pole_validity
 from tvclin.plant import MODELS, Plant
 from tvclin.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.sizing.growing import GrowingMode
-from tvclin.sizing.placing import PLACINGS, PlacedWind, WindOf, named_winds, place
+from tvclin.sizing.placing import PlacedWind, WindOf, named_winds, place, placings
 from tvclin.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing, beyond_one_pole
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.sizing.varying import VaryingNeed, varying_need
@@ -34,7 +34,7 @@ def size(
     model: str = "drift-exact",
     plane: str = "pitch",
     switch: str = "report",
-    placing: str = "peak",
+    placing: str | Mapping[str, str] = "peak",
     window: float = 20.0,
     law: str = "bound",
     varying: bool = False,
@@ -56,9 +56,10 @@ def size(
         As of `Plant`.
     switch : {"report", "literal"}
         What leaves the dead band, as in `trim_then_hold`.
-    placing : {"peak", "flight"}
-        Whether each wind is moved so that its peak meets the flight time, or blows in flight time
-        already: then what blows within half a `window` [s] of the flight time counts.
+    placing : {"peak", "flight"} or mapping of str to these
+        Whether a wind is moved so that its peak meets the flight time, or blows in flight time
+        already: then what blows within half a `window` [s] of the flight time counts. For all
+        winds, or by their names ("peak" for the others).
     window : float
         See `placing`.
     law : {"bound", "flown"}
@@ -93,7 +94,6 @@ def size(
         ("model", model, MODELS),
         ("plane", plane, PLANES),
         ("switch", switch, SWITCHES),
-        ("placing", placing, PLACINGS),
         ("law", law, LAWS),
     ):
         one_of(name, value, choices)
@@ -102,9 +102,10 @@ def size(
     if chosen.ndim != 1 or not chosen.size or not bands.size:
         raise InputError("times and dead_bands must hold one number or more each")
     named = named_winds(winds)
+    where = placings(named, placing)
     vehicles = [schedule.at(t) for t in chosen.tolist()]
     placed = [
-        [place(wind, v, t, placing, window) for wind in named.values()]
+        [place(wind, v, t, where[name], window) for name, wind in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
     needs = [
