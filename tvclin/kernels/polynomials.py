@@ -73,13 +73,16 @@ def divide(polynomial: NDArray[Any], root: NDArray[Any]) -> tuple[NDArray[Any], 
 def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     """Return the roots, shape ``(..., n)``; real when all roots of the whole batch are real.
 
-    Eigenvalues of the companion matrices, then two Newton steps each, which bring the small
-    roots of a polynomial with roots of very different size to full relative accuracy.
+    Those of a quadratic come from their sum and product. Others are eigenvalues of the companion
+    matrices, with two Newton steps each, which bring the small roots of a polynomial with roots
+    of very different size to full relative accuracy.
     """
     degree = polynomial.shape[-1] - 1
     if degree == 0:
         return np.zeros((*polynomial.shape[:-1], 0))
     monic = polynomial[..., 1:] / polynomial[..., :1]
+    if degree == 2:
+        return _quadratic(-0.5 * monic[..., 0], monic[..., 1])
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
     companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1.0
@@ -104,6 +107,19 @@ def _alternating(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:
 def _padded(polynomial: NDArray[np.float64], size: int) -> NDArray[np.float64]:
     width = [(0, 0)] * (polynomial.ndim - 1) + [(size - polynomial.shape[-1], 0)]
     return np.pad(polynomial, width)
+
+
+def _quadratic(middle: NDArray[np.float64], product: NDArray[np.float64]) -> NDArray[Any]:
+    """Two numbers by their mean and their product; none is a difference of nearly equal ones."""
+    square = middle**2 - product
+    far = middle + np.copysign(np.sqrt(np.maximum(square, 0.0)), middle)
+    near = np.where(far == 0.0, 0.0, product / np.where(far == 0.0, 1.0, far))
+    apart = square < 0.0
+    if not np.any(apart):
+        return np.stack([far, near], axis=-1)
+    height = np.sqrt(np.maximum(-square, 0.0))
+    pair = [np.where(apart, middle + sign * height, r) for sign, r in ((1j, far), (-1j, near))]
+    return np.stack(pair, axis=-1)
 
 
 def _newton(polynomial: NDArray[np.float64], found: NDArray[Any]) -> NDArray[Any]:

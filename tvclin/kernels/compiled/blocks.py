@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tvclin.kernels.compiled.compiler import compiled, lean, merged
+from tvclin.kernels.compiled.exponentials import exponential
 
 BLOCK = 512
 """Times in one block, at most."""
@@ -41,9 +42,8 @@ class Tables(NamedTuple):
 @compiled
 def room_for_tables(like, exponents, outputs):  # type: ignore[no-untyped-def]
     """Return tables with room for so many exponents, real or complex like `like`."""
-    even = np.empty((2 * exponents + 1, BLOCK))
-    uneven = np.empty((2 * exponents + 1, BLOCK))
-    even[-1], uneven[-1] = 0.0, 0.0
+    even = np.zeros((2 * exponents + 1, BLOCK))
+    uneven = np.zeros((2 * exponents + 1, BLOCK))
     return Tables(
         np.full(exponents, np.nan, like.dtype),
         even,
@@ -78,7 +78,10 @@ def fill(tables, poles, rates, step, off):  # type: ignore[no-untyped-def]
             return False
         if tables.exponents[e] != exponent:
             tables.exponents[e] = exponent
-            _powers(exponent * step, tables.even[2 * e], tables.even[2 * e + 1])
+            if np.iscomplexobj(poles):
+                _powers(exponent * step, tables.even[2 * e], tables.even[2 * e + 1])
+            else:
+                _real_powers(np.real(exponent) * step, tables.even[2 * e])
     return True
 
 
@@ -95,6 +98,18 @@ def _powers(z, real, imaginary):  # type: ignore[no-untyped-def]
             for j in range(stride):
                 real[i + j] = a * real[j] - b * imaginary[j]
                 imaginary[i + j] = a * imaginary[j] + b * real[j]
+
+
+@lean
+def _real_powers(z, row):  # type: ignore[no-untyped-def]
+    for j in range(_STRIDES[0]):
+        row[j] = exponential(z * j)
+    for level in range(1, len(_STRIDES)):
+        stride = _STRIDES[level - 1]
+        for i in range(stride, _STRIDES[level], stride):
+            coarse = exponential(z * i)
+            for j in range(stride):
+                row[i + j] = coarse * row[j]
 
 
 @merged
@@ -173,7 +188,10 @@ def _line(line, u, powers, length, factors, rows, which, count):  # type: ignore
     none = rows.shape[0] - 1
     first = rows[which[0] if fused > 0 else none]
     second = rows[which[1] if fused > 1 else none]
-    _begin(line, u, c[0], c[1], c[2], c[3], a, first, b, second)
+    if length <= 2:
+        _straight(line, u, c[0], c[1], a, first, b, second)
+    else:
+        _begin(line, u, c[0], c[1], c[2], c[3], a, first, b, second)
     while low > 0:
         low -= 4
         _lower(line, u, powers[low], powers[low + 1], powers[low + 2], powers[low + 3])
@@ -181,6 +199,12 @@ def _line(line, u, powers, length, factors, rows, which, count):  # type: ignore
         two = k + 1 < count
         second = rows[which[k + 1] if two else none]
         _add(line, factors[k], rows[which[k]], factors[k + 1] if two else 0.0, second)
+
+
+@merged
+def _straight(line, u, c0, c1, a, first, b, second):  # type: ignore[no-untyped-def]
+    for j in range(line.size):
+        line[j] = c1 * u[j] + c0 + (a * first[j] + b * second[j])
 
 
 @merged

@@ -74,8 +74,14 @@ def put_on_knots(forces, count, before, knots, coefficients, rates):  # type: ig
                 terms[k] = coefficients[piece, q, k]
                 sizes[k] = abs(coefficients[piece, q, k])
             if u > 0.0:
-                _move(terms, u, np.exp(rates[q] * u))
-                _move(sizes, u, np.exp(np.real(rates[q]) * u))
+                growth = _growth(rates[q], u)
+                _move(terms, u, growth)
+                _move(sizes, u, abs(growth))
+
+
+@lean
+def _growth(rate, u):  # type: ignore[no-untyped-def]
+    return np.exp(rate * u) if rate != 0.0 else 1.0 + rate
 
 
 @lean

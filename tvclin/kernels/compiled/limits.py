@@ -1,33 +1,26 @@
 """Eqs (12) and (18), element by element; for the formulas see `kernels.limits`.
 
 Eq (12) is written without a branch and without a call, so that the compiler computes several
-elements at once: exponentials and logarithms are series here, right to the last digit. It goes
-through a block in several short loops, because the processor works ahead over the elements of a
-short loop, while in a long one it waits for each result in turn.
+elements at once. It goes through a block in several short loops, because the processor works
+ahead over the elements of a short loop, while in a long one it waits for each result in turn.
 """
 
-from math import exp, expm1, factorial, log, log1p
+from math import exp, expm1, log, log1p
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels.compiled.compiler import compiled, inlined, lean
+from tvclin.kernels.compiled.exponentials import (
+    exponential_less_one,
+    small_exponential_less_one,
+)
 
 FloatArray = NDArray[np.float64]
 
 _BLOCK = 256
 """Elements whose intermediate results stay in the nearest cache."""
 _EPS = 2.0**-52
-_PER_LN2 = 1.4426950408889634
-_LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10
-"""ln 2 as a number with trailing zeros, whose multiples are exact, and the rest."""
-_C2, _C3, _C4, _C5, _C6, _C7, _C8, _C9, _C10, _C11, _C12, _C13 = (
-    1.0 / factorial(k) for k in range(2, 14)
-)
-_WHOLE = 1.5 * 2.0**52
-"""Beside so large a number nothing is left of fractions, and its last bits count the units."""
-_BIAS, _MANTISSA = 1023, 52
-"""Of a number of 64 bits: a power of two is its exponent and the bias, before the mantissa."""
 _DIED = 43.0
 """e^-43 is nothing beside one."""
 _SHORT = 0.6
@@ -120,9 +113,9 @@ def _last(L: float, c: float, s: float) -> float:
     e = _expm1(s)
     excess, bend = (s - c * e) - L, c * (1.0 + e)
     t = -_step(L, c, s, e)
-    change = _small(t)
+    change = small_exponential_less_one(t)
     t += (excess - t - bend * change) / (1.0 + bend + bend * change)
-    return -(e + (1.0 + e) * _small(t))
+    return -(e + (1.0 + e) * small_exponential_less_one(t))
 
 
 @inlined
@@ -140,25 +133,8 @@ def _minus_log_R(p: float) -> float:
 
 @inlined
 def _expm1(s: float) -> float:
-    """e^(-s) - 1 for s >= 0, from e^r with |r| below ln(2)/2 and a power of two."""
-    s = _DIED if s > _DIED else s
-    counted = _WHOLE - s * _PER_LN2
-    k = counted - _WHOLE
-    r = (-s - k * _LN2) - k * _LN2_REST
-    bits = (np.float64(counted).view(np.int64) + _BIAS) << _MANTISSA
-    power = np.int64(bits).view(np.float64)
-    x = r * r
-    low = (_C2 + r * _C3) + x * (_C4 + r * _C5)
-    middle = (_C6 + r * _C7) + x * (_C8 + r * _C9)
-    high = (_C10 + r * _C11) + x * (_C12 + r * _C13)
-    near = r + x * (low + (x * x) * (middle + (x * x) * high))
-    return power * near + (power - 1.0)
-
-
-@inlined
-def _small(t: float) -> float:
-    """e^t - 1 for a small t."""
-    return t * (1.0 + t * (_C2 + t * (_C3 + t * (_C4 + t * (_C5 + t * (_C6 + t * _C7))))))
+    """e^(-s) - 1 for s >= 0."""
+    return exponential_less_one(-_DIED if s > _DIED else -s)
 
 
 @compiled

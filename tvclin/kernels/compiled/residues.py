@@ -35,7 +35,11 @@ def residue(system, mode, forces, count, span, roundings):  # type: ignore[no-un
             gain = system.gains[mode, 0 if q < forces.own[0] else 1]
             if gap != known:
                 _weights(gap, width, span.weights)
-                _weights(np.real(gap), width, span.real_weights)
+                if np.iscomplexobj(span.weights):
+                    _weights(np.real(gap), width, span.real_weights)
+                else:
+                    for k in range(terms.size):
+                        span.real_weights[k] = np.real(span.weights[k])
                 known = gap
             for k in range(terms.size):
                 total += gain * terms[k] * span.weights[k]
@@ -43,8 +47,9 @@ def residue(system, mode, forces, count, span, roundings):  # type: ignore[no-un
         if np.isinf(width):
             future[i], size = total, own
         else:
-            future[i] = total + np.exp(-pole * width) * future[i + 1]
-            size = own + np.exp(-np.real(pole) * width) * size
+            decay = np.exp(-pole * width)
+            future[i] = total + decay * future[i + 1]
+            size = own + abs(decay) * size
     small = abs(future[0]) <= _EPS * roundings * size
     span.excess[mode] = 0.0 if small else future[0]
     return bool(np.isfinite(abs(future[0])))

@@ -92,14 +92,11 @@ def lay_out(system, forces, i, reach, span):  # type: ignore[no-untyped-def]
     Returns how many powers there are; 0 where a fast exponent is too near to another one.
     """
     length = _length(system, forces, reach, span.answer.size)
-    for r in range(span.powers.shape[0]):
-        for k in range(4 * ((length + 3) // 4)):
-            span.powers[r, k] = 0.0
-        for q in range(forces.rates.size if forces.own[1] else 0):
-            for k in range(span.forced.shape[2]):
-                span.forced[r, q, k] = 0.0
+    _clear(forces, length, span)
     for mode in range(system.poles.size):
-        if not _answer(system, mode, forces, i, reach, length, span):
+        if forces.own[1] == 0 and abs(system.poles[mode]) * reach > SLOW:
+            _follow(system, mode, forces, i, span)
+        elif not _answer(system, mode, forces, i, reach, length, span):
             return 0
     _subtract_wind(forces, i, reach, length, span)
     for q in range(forces.rates.size):
@@ -111,14 +108,31 @@ def lay_out(system, forces, i, reach, span):  # type: ignore[no-untyped-def]
 
 
 @merged
+def _clear(forces, length, span):  # type: ignore[no-untyped-def]
+    for r in range(span.powers.shape[0]):
+        for k in range(4 * ((length + 3) // 4)):
+            span.powers[r, k] = 0.0
+        for q in range(forces.rates.size if forces.own[1] else 0):
+            for k in range(span.forced.shape[2]):
+                span.forced[r, q, k] = 0.0
+
+
+@merged
 def _length(system, forces, reach, most):  # type: ignore[no-untyped-def]
-    """Return how many powers of the time bring every slow exponential to rounding."""
-    slowest = 0.0
-    for exponents in (system.poles, forces.rates):
-        for k in range(exponents.size):
-            size = abs(exponents[k]) * reach
-            slowest = max(slowest, size if size <= SLOW else 0.0)
-    degree, term, more = forces.terms.shape[2], 1.0, 1
+    """Return how many powers of the time bring every slow exponential to rounding.
+
+    Where all modes are fast, the inputs' own powers are enough.
+    """
+    degree, slowest = forces.terms.shape[2], -1.0
+    for k in range(system.poles.size):
+        size = abs(system.poles[k]) * reach
+        slowest = max(slowest, size if size <= SLOW else -1.0)
+    for q in range(forces.rates.size):
+        size = abs(forces.rates[q]) * reach
+        slowest = max(slowest, size if 0.0 < size <= SLOW else -1.0)
+    if slowest < 0.0:
+        return degree
+    term, more = 1.0, 1
     while slowest > 0.0 and term > _NOTHING and degree + more < most:
         term *= slowest / more
         more += 1
@@ -133,6 +147,9 @@ def _subtract_wind(forces, i, reach, length, span):  # type: ignore[no-untyped-d
         if abs(forces.rates[q]) * reach > SLOW:
             for k in range(terms.size):
                 span.forced[last, q, k] -= terms[k]
+        elif forces.rates[q] == 0.0:
+            for k in range(terms.size):
+                span.powers[last, k] -= np.real(terms[k])
         else:
             for k in range(length):
                 span.source[k] = 0.0
@@ -151,6 +168,29 @@ def _series(target, terms, rate, scale, length):  # type: ignore[no-untyped-def]
             if rate == 0.0:
                 break
             term *= rate / (n - k + 1)
+
+
+@merged
+def _follow(system, mode, forces, i, span):  # type: ignore[no-untyped-def]
+    """As `_answer`, for a fast mode that polynomials drive: it follows them by a polynomial."""
+    pole, width = system.poles[mode], forces.knots[i + 1] - forces.knots[i]
+    above, ending = 0.0 * pole, 0.0 * pole
+    for k in range(forces.terms.shape[2] - 1, -1, -1):
+        drive = 0.0 * pole
+        for q in range(forces.rates.size):
+            drive += system.gains[mode, 0 if q < forces.own[0] else 1] * forces.terms[i, q, k]
+        above = ((k + 1) * above - drive) / pole
+        ending = ending * width + above
+        for r in range(span.powers.shape[0]):
+            span.powers[r, k] += np.real(system.outputs[mode, r] * above)
+    _fast(pole, mode, i, width, span.state[mode] - above, ending, span)
+    _note_live(mode, span)
+
+
+@merged
+def _note_live(mode, span):  # type: ignore[no-untyped-def]
+    found = span.start[mode] != 0.0 or span.end[mode] != 0.0
+    span.live[mode] = found or span.lift[mode] != 0.0
 
 
 @merged
@@ -173,8 +213,7 @@ def _answer(system, mode, forces, i, reach, length, span):  # type: ignore[no-un
         for k in range(span.steady.size):
             span.source[k] += span.steady[k]
         _slow(pole, mode, width, value, ending, length, span)
-    found = span.start[mode] != 0.0 or span.end[mode] != 0.0
-    span.live[mode] = found or span.lift[mode] != 0.0
+    _note_live(mode, span)
     for r in range(span.powers.shape[0]):
         for k in range(length):
             span.powers[r, k] += np.real(system.outputs[mode, r] * span.answer[k])
