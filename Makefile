@@ -37,6 +37,10 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
 
+INSTALL_EXTRAS = $(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim \
+	  --editable ".[fast,campaign,sixdof]" \
+	  || echo "an extra has no wheel for this platform; going on without it"
+
 # slycot has wheels for the common platforms only; tvclin works without it.
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --editable .
@@ -48,8 +52,10 @@ $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group test --group lint
 	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,report,sixdof]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
+	$(INSTALL_EXTRAS)
 	touch $@
 
 $(VENV)/.installed-docs: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group docs
+	$(INSTALL_EXTRAS)
 	touch $@

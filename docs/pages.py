@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import gallery
 
@@ -84,6 +85,19 @@ def for_the_site(name: str, text: list[str]) -> None:
         for moved in MOVED:
             text[0] = text[0].replace(f"](../{moved}.md", f"](_generated/{moved.lower()}.md")
     text[0] = re.sub(r"\[[\w/-]+\.md\](\([\w./-]+\.md\))", r"[]\1", text[0])
+
+
+def drop_addresses(page: Any) -> None:
+    """Take out what a notebook says of an object that is only its address, as beside a figure.
+
+    Parameters
+    ----------
+    page : docutils.nodes.document
+        The page, which is changed.
+    """
+    for block in list(page.findall(lambda node: node.tagname == "literal_block")):
+        if re.fullmatch(r"\W*<[\w. ]+ at 0x[0-9a-f]+>\W*", block.astext()):
+            block.parent.remove(block)
 
 
 def as_notebook(path: Path) -> str:

@@ -5,7 +5,7 @@ import re
 import sys
 import tomllib
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -83,6 +83,23 @@ def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> No
     text = ["See [CONTRIBUTING.md](../CONTRIBUTING.md) and [map.md](map.md)."]
     pages.for_the_site("index", text)
     assert text == ["See [](_generated/contributing.md) and [](map.md)."]
+
+
+def test_of_a_notebook_s_outputs_only_bare_addresses_are_dropped(pages: ModuleType) -> None:
+    cell = SimpleNamespace(children=[])
+    cell.remove = cell.children.remove
+    for text in (
+        "<control.ctrlplot.ControlPlot at 0x7f6c5e450e10>",
+        "Verdict(stable=True)",
+        "0x7f",
+    ):
+        block = SimpleNamespace(tagname="literal_block", astext=lambda text=text: text, parent=cell)
+        cell.children.append(block)
+    kept = cell.children[1:]
+
+    pages.drop_addresses(SimpleNamespace(findall=lambda _: cell.children))
+
+    assert cell.children == kept
 
 
 def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
