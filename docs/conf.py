@@ -12,6 +12,7 @@ project = "tvclin"
 author = "The tvclin authors"
 copyright = "The tvclin authors"
 exclude_patterns = ["_build"]
+highlight_language = "none"  # what is Python says so; drawings and shells are plain
 templates_path = ["templates"]
 html_sidebars = {"**": ["all-pages.html"]}
 html_static_path = ["static"]
