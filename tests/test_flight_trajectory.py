@@ -117,6 +117,23 @@ def test_the_nominal_deflection_turns_the_nose_with_the_path(flight):
     assert flight.deflection(t) == pytest.approx(expected, rel=1e-3)
 
 
+def test_the_nominal_flight_as_histories_is_its_values(flight):
+    """Straight lines of 0.05 s are off by an eighth of the step's square times the curvature."""
+    found = flight.histories()
+    times = np.linspace(flight.start, flight.stop - 1e-6, 997)
+    speed, path, _ = flight.states(times)
+
+    np.testing.assert_allclose(found["velocity"](times), speed, rtol=1e-6)
+    for name in ("attitude", "flight_path_angle"):
+        np.testing.assert_allclose(found[name](times), path, atol=1e-6)
+    nominal = flight.deflection(times)
+    largest = np.abs(nominal).max()
+    np.testing.assert_allclose(found["deflection"](times), nominal, atol=2e-5 * largest)
+    assert 0.0 < np.degrees(largest) < 0.01
+    with pytest.raises(InputError, match="step must be positive"):
+        flight.histories(step=0.0)
+
+
 def test_aerodynamic_forces_go_with_the_dynamic_pressure(flight):
     t = flight.vehicle.time + np.array([-5.0, 0.0, 5.0])
     there, pressure = flight.vehicle_at(t), flight.dynamic_pressure(t)

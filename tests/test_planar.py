@@ -257,6 +257,27 @@ def test_what_cannot_fly_is_refused(change, words):
         fly_planar(**options | change)
 
 
+class Late(tv.Law):
+    """A law that has no answer to more than a third of a degree."""
+
+    def demand(self, seen, states, limit):
+        return np.where(np.abs(seen.angle_of_attack) < 0.006, 0.0 * seen.attitude, np.nan)
+
+
+@pytest.mark.parametrize("engine", ["planar", "sixdof"])
+def test_a_flight_whose_numbers_are_lost_says_when_and_which(engine):
+    """The wind is at 0.006 rad after a third of its first half."""
+    vehicle, wind = case(NAMES[0])
+    fly = {"planar": fly_planar, "sixdof": tv.fly_sixdof}[engine]
+    if engine == "sixdof":
+        pytest.importorskip("jsbsim")
+    with pytest.raises(
+        InputError, match="lost its numbers (at|near) t = 1.[23].* deflection"
+    ) as caught:
+        fly(vehicle, Late(), wind, [0.0, 8.0], deflection_limit=2e-3)
+    assert "not finite" in str(caught.value)
+
+
 def test_a_condition_belongs_to_parameters_that_vary():
     with pytest.raises(InputError, match="condition must be given exactly when"):
         flown_boundary(*case(NAMES[0]), frozen=False)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -182,6 +183,11 @@ class ContinuousFlight:
         seen = self._seen(t, states, wind)
         demand = self._demand(states, seen)
         command = mode * self.limit if mode else float(demand)
+        if not isfinite(command):
+            raise InputError(
+                f"the flight lost its numbers near t = {t:.6g} s: the deflection that the law asks"
+                " for is not finite"
+            )
         deflection = command
         rates = np.zeros(states.size)
         if self.actuator is not None:

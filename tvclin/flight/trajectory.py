@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance, number
+from tvclin.errors import InputError, finite, instance, number, positive
 from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at
 from tvclin.flight.condition import FlightCondition
+from tvclin.histories import History, Piecewise
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
+from tvclin.winds.sampled import straight_lines
 
 FloatArray = NDArray[np.float64]
 
@@ -114,6 +116,39 @@ class NominalFlight:
         )
         v = self.vehicle
         return np.asarray(-v.moment_of_inertia * bend / (v.control_force * v.control_arm))
+
+    def histories(self, step: float = 0.05) -> dict[str, History]:
+        """Return Theta_n, gamma_n, V_n and delta_n as histories, from `start` to `stop`.
+
+        Parameters
+        ----------
+        step : float
+            Straight lines lead from one value to the next after this time [s].
+
+        Returns
+        -------
+        dict of str to History
+            "attitude", "flight_path_angle" [rad], "velocity" [m/s] and "deflection" [rad]. The
+            first two are one: without lift the nose is on the path. No force asks for a
+            deflection, the thrust going through the centre of gravity; what there is turns the
+            nose with the path.
+
+        Raises
+        ------
+        InputError
+            For a step that is not positive.
+        """
+        length = number("step", step, positive, "s")
+        count = int(np.ceil((self.stop - self.start) / length)) + 1
+        times: FloatArray = np.linspace(self.start, self.stop, max(count, 2))
+        speed, path, _ = self.states(times)
+        turned = Piecewise(straight_lines(times, path))
+        return {
+            "attitude": turned,
+            "flight_path_angle": turned,
+            "velocity": Piecewise(straight_lines(times, speed)),
+            "deflection": Piecewise(straight_lines(times, self.deflection(times))),
+        }
 
     def vehicle_at(self, t: ArrayLike) -> Vehicle:
         """Return the vehicle at other times: a batch of the shape of `t`."""
