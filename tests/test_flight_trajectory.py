@@ -170,6 +170,14 @@ def test_a_span_that_cannot_be_flown_is_refused(span, words):
         nominal_flight(vehicle, condition, start=span[0], stop=span[1])
 
 
+@pytest.mark.parametrize("name", ["thrust", "axial_force", "time"])
+def test_a_batch_has_no_nominal_flight(name):
+    vehicle, condition = tv.load_vehicle(NAMES[0]), load_flight_condition(NAMES[0])
+    many = vehicle.replace(**{name: [getattr(vehicle, name)] * 2})
+    with pytest.raises(InputError, match="of one vehicle; got a batch"):
+        nominal_flight(many, condition, start=62.0, stop=70.0)
+
+
 def test_times_outside_the_span_are_refused(flight):
     with pytest.raises(InputError, match="t must be between"):
         flight.states(flight.stop + 1.0)

@@ -8,7 +8,7 @@ altitude): flights on this trajectory are reconstructed, not those of 1968.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -252,7 +252,7 @@ def nominal_flight(
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     instance("condition", condition, FlightCondition, "see load_flight_condition")
-    if np.ndim(vehicle.weight) or np.ndim(vehicle.velocity):
+    if any(np.ndim(value) for value in vars(vehicle).values()):
         raise InputError("a nominal flight is of one vehicle; got a batch")
     begin, end = number("start", start, unit="s"), number("stop", stop, unit="s")
     own = _time_of(vehicle)
@@ -261,6 +261,14 @@ def nominal_flight(
             f"start and stop must lie around the vehicle's time, {own:.6g} s; got {begin:.6g} and"
             f" {end:.6g} s"
         )
+    return _integrated_once(vehicle, condition, begin, end)
+
+
+@lru_cache(maxsize=8)
+def _integrated_once(
+    vehicle: Vehicle, condition: FlightCondition, begin: float, end: float
+) -> NominalFlight:
+    """Return the flight, kept for the next that goes the same way: it takes half of a flight."""
     flight = NominalFlight(vehicle, condition, begin, end)
     if flight.mass(end) <= 0.0:
         raise InputError(f"the mass is used up before t = {end:.6g} s; ask for a shorter span")
