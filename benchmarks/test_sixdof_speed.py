@@ -5,6 +5,7 @@ import pytest
 from peers import ratio
 
 import tvclin as tv
+from tvclin.flight import load_flight_condition
 from tvclin.flight.sixdof.case import SixDof
 from tvclin.flight.sixdof.engine import Engine
 from tvclin.flight.sixdof.model import model_xml, planet_xml
@@ -37,10 +38,26 @@ def test_sixdof_flight_with_a_law_in_python(benchmark, bare):
 
     ratio(
         benchmark,
-        lambda: tv.fly_sixdof(VEHICLE, law, WIND, TIMES, deflection_limit=0.0017),
+        lambda: tv.fly_sixdof(VEHICLE, law, WIND, TIMES, deflection_limit=0.0021),
         bare,
         peer_name="steps of JSBSim alone",
         floor="JSBSim's step, then the law in Python",
+    )
+
+
+def test_sixdof_flight_along_the_trajectory(benchmark, bare):
+    law = tv.TrimLaw(tv.Plant.from_vehicle(VEHICLE, model="drift-exact"))
+    condition, start = load_flight_condition("configuration-i"), VEHICLE.time - 3.75
+    wind, times = WIND.shift(start), TIMES + start
+
+    ratio(
+        benchmark,
+        lambda: tv.fly_sixdof(
+            VEHICLE, law, wind, times, deflection_limit=0.0021, condition=condition
+        ),
+        bare,
+        peer_name="steps of JSBSim alone",
+        floor="JSBSim's step, a hold in the other plane, then the law in Python",
     )
 
 
