@@ -49,8 +49,8 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --group test --group lint
-	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,report,sixdof]" \
+	$(BIN)/python -m pip install --quiet --group test --group lint --editable ".[report]"
+	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,sixdof]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
 	$(INSTALL_EXTRAS)
 	touch $@

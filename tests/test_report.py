@@ -326,6 +326,26 @@ def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
     assert words.startswith(said)
 
 
+def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyPlan) -> None:
+    edge = tv.single_pole_validity(tv.Coefficients.from_vehicle(plan.vehicle))
+    for duration, told in ((0.999 * edge, False), (1.001 * edge, True)):
+        long = tv.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration))
+        assert (
+            any("Beware" in part for part in verdict.basis(find(long)) if isinstance(part, str))
+            is told
+        )
+
+
+def test_a_notebook_shows_a_short_table() -> None:
+    vehicle = tv.load_vehicle("configuration-i").replace(name="<b>")
+    study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.3))
+    page = Page(study._repr_html_())
+
+    assert [tag for tag, _ in page.tags] == ["table", "caption", *["tr", "th", "td"] * 6]
+    assert "<b>" in page.texts
+    assert {"0.3681 deg", "0.5361 deg", "0.3000 deg: NOT sufficient"} <= set(page.texts)
+
+
 def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
     html = tv.report_html(replace(plan, vehicle=stable))

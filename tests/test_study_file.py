@@ -133,6 +133,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"study": {}}, r"a key is missing in \[study\]: vehicle"),
         ({"study": {"vehicle": "configuration-3"}}, "did you mean 'configuration-i"),
         ({"study": {"vehicle": "none.toml"}}, "none.toml does not exist"),
+        ({"study": {"vehicle": "a\x1b[31m.toml"}}, "vehicle must be a name or a path"),
         ({"study": {"vehicle": "a\0b"}}, "vehicle must be a name or a path"),
         ({"study": {"vehicle": {"name": "a\x1b[31m"}}}, "key is missing: weight_N"),
         ({"study": {"vehicle": {"weigth_N": 1.0}}}, "'weigth_N' in .study.vehicle.; did you mean"),

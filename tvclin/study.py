@@ -16,6 +16,7 @@ from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
 from tvclin.optimum import Optimum, optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
+from tvclin.short_html import short_html
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
 
@@ -202,6 +203,20 @@ class Study:
         row = int(np.argmax(self.dead_bands == self.dead_band))
         return float(np.abs(self.boundaries[self.model].deflection[row]))
 
+    def _repr_html_(self) -> str:
+        deg, wind = np.degrees, self.wind
+        rows = {
+            "model, plane": f"{self.model}, {self.plane}",
+            "wind": f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s",
+            "dead band": f"{self.dead_band:g}",
+            "required deflection": f"{deg(self.required_deflection):.4f} deg",
+            "ideal trim": f"{deg(self.trim_deflection):.4f} deg",
+        }
+        if self.limit is not None:
+            word = "sufficient" if self.sufficient else "NOT sufficient"
+            rows["limit"] = f"{deg(self.limit):.4f} deg: {word}"
+        return short_html(self.vehicle.name or "Study", rows)
+
     def to_html(self) -> str:
         """Return the whole answer as one self-contained HTML page, as `report_html`.
 
@@ -236,6 +251,11 @@ def _where_defined(
         with suppress(InputError):
             found[name] = function(plants[name], wind)
     return found
+
+
+def outlasts_one_pole(study: Study) -> bool:
+    """Return whether the wind lasts longer than `single_pole_validity` allows."""
+    return bool(study.wind.duration > single_pole_validity(study.coefficients))
 
 
 def _notes(plant: Plant, wind: Any, dead_band: float, switch: str) -> Iterator[str]:

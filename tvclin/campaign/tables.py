@@ -108,11 +108,10 @@ def _vehicle(source: Any, folder: Path, where: str) -> Vehicle:
             return Vehicle(**source)
         except TypeError:
             raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
-    if not isinstance(source, str):
+    if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {source!r}")
     beside = folder / source
-    named = source in list_vehicles() or "\0" in source
-    return load_vehicle(beside if not named and beside.exists() else source)
+    return load_vehicle(beside if source not in list_vehicles() and beside.exists() else source)
 
 
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:

@@ -9,6 +9,7 @@ from tvclin.optimum import single_pole_validity
 from tvclin.report.blocks import Check, Checks, Line, Paragraph, Section, Table, significant
 from tvclin.report.findings import Findings
 from tvclin.reproduce.claims import equations as every_equation
+from tvclin.study import outlasts_one_pole
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
 _ALWAYS = {
@@ -35,7 +36,9 @@ def assumptions(found: Findings) -> Section:
     for name, one in s.boundaries.items():
         odd = dict.fromkeys(str(status) for status in one.status if status != "ok")
         checks += [Check("doubt", (f"{name}: {status}.",)) for status in odd]
-    checks += [Check("doubt", (f"{note}.",)) for note in s.notes[1 if _too_long(found) else 0 :]]
+    checks += [
+        Check("doubt", (f"{note}.",)) for note in s.notes[1 if outlasts_one_pole(s) else 0 :]
+    ]
     checks += [Check("doubt", (f"{one}.",)) for one in found.warnings]
     if found.comparison is not None:
         notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))
@@ -98,7 +101,7 @@ def _one_pole(found: Findings) -> Check:
         return Check("reader", (words,))
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
     upto = significant("validity.edge", edge, unit="s")
-    if _too_long(found):
+    if outlasts_one_pole(s):
         needs = "; the slow mode of the flight path then needs more than the boundary says."
         line = ("One pole is not enough: the wind lasts ", *tau, ", longer than ", *upto, needs)
         return Check("doubt", line)
@@ -106,11 +109,6 @@ def _one_pole(found: Findings) -> Check:
         "ok",
         ("One unstable pole is enough: the wind lasts ", *tau, ", not longer than ", *upto, "."),
     )
-
-
-def _too_long(found: Findings) -> bool:
-    edge = float(single_pole_validity(found.study.coefficients))
-    return bool(found.study.wind.duration > edge)
 
 
 def _as_it_should_read(equation: dict[str, str]) -> str:

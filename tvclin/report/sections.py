@@ -79,7 +79,7 @@ def boundaries(found: Findings) -> Section:
     names = tuple(s.boundaries)
     rows: list[tuple[Line, ...]] = []
     for i, K in enumerate(s.dead_bands):
-        row: list[Line] = [(*significant(f"boundary.{i}.K", K), *_marked(K == s.dead_band))]
+        row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), *_marked(K == s.dead_band))]
         for name in names:
             one, key = s.boundaries[name], f"boundary.{name}.{i}"
             row.append(number(f"{key}.limit", one.limit[i]))

@@ -4,8 +4,13 @@ import numpy as np
 
 from tvclin.report.blocks import Line, degrees, number, significant
 from tvclin.report.findings import Findings
+from tvclin.study import outlasts_one_pole
 
 _NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wind could excite."
+
+
+_SENSIBLE = 1000.0
+"""Above this many percent a percentage says nothing."""
 
 
 def state(found: Findings) -> str:
@@ -24,7 +29,10 @@ def sentence(found: Findings) -> Line:
         return ("This wind needs ", *needed, " of deflection.")
     surplus = abs(limit - need)
     by = degrees("verdict.surplus", surplus, unit="deg")
-    part = (" (", *number("verdict.surplus_percent", 100.0 * surplus / need, 1, "%"), ")")
+    percent = 100.0 * surplus / need
+    part: Line = (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
+    if percent > _SENSIBLE:
+        part = ()
     have = degrees("verdict.limit", limit, unit="deg")
     if study.sufficient:
         tail = (*by, *part, " more than the ", *needed, " that this wind needs.")
@@ -45,6 +53,8 @@ def basis(found: Findings) -> Line:
         *significant("basis.duration_s", s.wind.duration, unit="s"),
         ".",
     )
+    if outlasts_one_pole(s):
+        line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
     if found.dispersed is None or found.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")
