@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.law_trials import law_trials
-from tvclin.report import verdict
+from tvclin.report import sections, verdict
 from tvclin.report.findings import find
 from tvclin.study_file.read import example, parse_study
 
@@ -245,6 +245,28 @@ def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
     assert shown["response.at_wind_end_s"] == 7.5
     assert shown["response.angle_of_attack_deg"] == pytest.approx(attack.min(), rel=1e-6)
     assert shown["response.angle_of_attack_s"] == pytest.approx(times[attack.argmin()], abs=1e-3)
+
+
+def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.StudyPlan) -> None:
+    lost = tv.StudyPlan(vehicle=plan.vehicle, limit=0.001, wind=replace(plan.wind, duration=20.0))
+    found = find(lost)
+    shown = {
+        cell.name: cell.value
+        for row in sections.response(found).blocks[1].rows
+        for line in row
+        for cell in line
+        if not isinstance(cell, str)
+    }
+    plant = tv.Plant.from_vehicle(plan.vehicle)
+    deflection = tv.trim_then_hold(plant, found.study.wind, -0.001, 1.0)
+    late = shown["response.at_end_s"]
+    answer = tv.attitude_responses(plant, deflection, found.study.wind, [late - 0.021, late])
+    before, after = np.degrees(np.abs(answer["attitude"]))
+
+    assert before < 90.0 < after
+    assert abs(shown["response.at_end_deg"]) == pytest.approx(after, rel=1e-9)
+    assert late < 20.0
+    assert "response.angle_of_attack_deg" not in shown
 
 
 def test_every_text_is_its_number_rounded(page: Page) -> None:

@@ -10,7 +10,7 @@ def report(
     source: Annotated[
         str | None,
         typer.Argument(
-            metavar="[STUDY]",
+            metavar="STUDY",
             help="A study file (see: tvclin init --study), a vehicle file or a vehicle of the"
             " package; the example of the package without it.",
         ),

@@ -23,7 +23,7 @@ def study(
     source: Annotated[
         str,
         typer.Argument(
-            metavar="[VEHICLE|STUDY]",
+            metavar="VEHICLE|STUDY",
             help=f"{VEHICLE_HELP[:-1]}, or a study file (see: tvclin init --study).",
         ),
     ] = "configuration-i",

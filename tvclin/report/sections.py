@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
+_FINE = 2001
+_LOST = np.pi / 2
+"""A vehicle with this attitude error [rad] is lost; linear equations would only go on and on."""
 _ABOVE = 1.1
 """Without a limit in question, the response is that to so many times what is needed."""
 
@@ -123,24 +126,35 @@ def response(found: Findings) -> Section | None:
     plant = Plant(s.coefficients, s.model)
     against = -float(np.sign(s.coefficients.B * s.wind.peak)) or 1.0
     deflection = trim_then_hold(plant, s.wind, against * limit, s.dead_band, s.switch)
-    longest = _TO_SHOW * float(s.wind.duration)
-    back = extremes(plant, deflection, s.wind, longest).back_at_zero
-    end = longest if back is None else back.time
+    end, ends = _end(found, plant, deflection)
     whose = "the limit in question" if s.limit is not None else f"{_ABOVE:g} times what is needed"
     label = f"Attitude, deflection and wind over time with {whose}"
     caption = (
         f"Exact response with {whose}, {np.degrees(limit):.4f} deg: trim until the dead band is"
-        " left, then the limit."
-    )
-    caption += (
-        " The attitude does not come back to zero in this time."
-        if back is None
-        else " It is shown until the attitude is back at zero, where an autopilot lets go."
+        f" left, then the limit. {ends}"
     )
     svg = inline_svg(_over_time(found, plant, deflection, end), "response", label)
     head = ("exact response", "[deg]", "at [s]")
     table = Table("What stands out", head, _outstanding(found, plant, deflection, end))
     return Section("response", "Response", (Figure(label, caption, svg), table))
+
+
+def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
+    """When a response has said all, and why."""
+    wind = found.study.wind
+    longest = _TO_SHOW * float(wind.duration)
+    back = extremes(plant, deflection, wind, longest).back_at_zero
+    if back is not None:
+        return (
+            back.time,
+            "It is shown until the attitude is back at zero, where an autopilot lets go.",
+        )
+    times = np.linspace(0.0, longest, _FINE)
+    attitude = attitude_responses(plant, deflection, wind, times)["attitude"]
+    lost = np.flatnonzero(np.abs(attitude) > _LOST)
+    if lost.size:
+        return float(times[lost[0]]), "It is shown until the attitude error exceeds 90 degrees."
+    return longest, "The attitude does not come back to zero in this time."
 
 
 def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
@@ -166,7 +180,7 @@ def _outstanding(
         (
             "largest angle of attack in the wind",
             "angle_of_attack",
-            Point(loads.peak_angle_of_attack, loads.peak_time),
+            Point(loads.peak_angle_of_attack, loads.peak_time) if end >= wind.end else None,
         ),
     )
     return tuple(
