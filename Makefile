@@ -50,8 +50,6 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 
 $(VENV)/.installed-dev: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --group test --group lint --editable ".[report]"
-	$(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim --editable ".[fast,campaign,sixdof]" \
-	  || echo "an extra has no wheel for this platform; going on without it"
 	$(INSTALL_EXTRAS)
 	touch $@
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
+from tvclin.cards import Row, card
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, instance, one_of, positive, within
 from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
@@ -16,7 +17,6 @@ from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
 from tvclin.optimum import Optimum, optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
-from tvclin.short_html import short_html
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
 
@@ -205,17 +205,17 @@ class Study:
 
     def _repr_html_(self) -> str:
         deg, wind = np.degrees, self.wind
-        rows = {
-            "model, plane": f"{self.model}, {self.plane}",
-            "wind": f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s",
-            "dead band": f"{self.dead_band:g}",
-            "required deflection": f"{deg(self.required_deflection):.4f} deg",
-            "ideal trim": f"{deg(self.trim_deflection):.4f} deg",
-        }
+        rows: list[Row] = [
+            ("model, plane", f"{self.model}, {self.plane}", ""),
+            ("wind", f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s", ""),
+            ("dead band", self.dead_band, "-"),
+            ("required deflection", deg(self.required_deflection), "deg"),
+            ("ideal trim", deg(self.trim_deflection), "deg"),
+        ]
         if self.limit is not None:
             word = "sufficient" if self.sufficient else "NOT sufficient"
-            rows["limit"] = f"{deg(self.limit):.4f} deg: {word}"
-        return short_html(self.vehicle.name or "Study", rows)
+            rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
+        return card(self.vehicle.name or "Study", rows)
 
     def to_html(self) -> str:
         """Return the whole answer as one self-contained HTML page, as `report_html`.
