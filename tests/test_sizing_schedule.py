@@ -69,6 +69,7 @@ def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
         (", 43, 0.01", ", 43", r"line 5: 12 cells are needed; got 11"),
         ("weight_kN", "weight_stone", r"line 3: weight_stone has no known unit"),
         ("weight_kN", "time_s", r"every column needs a key of its own; got 'time_s'"),
+        ("1450", "1" * 200_000, "not CSV: field larger"),
         ("time_s,", "name,", r"line 3: a key is missing: time_s"),
         (CSV[CSV.index("70,") :], "", "two or more times; got 1"),
         (CSV[CSV.index("time_s") :], "", "is empty; give a line of keys"),

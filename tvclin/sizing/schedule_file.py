@@ -109,7 +109,10 @@ def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
 
 def _csv_rows(text: str, source: str) -> list[Row]:
     reader = csv.reader(io.StringIO(text))
-    lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    try:
+        lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except csv.Error as error:
+        raise InputError(f"{source}, line {reader.line_num}: not CSV: {error}") from None
     lines = [(n, c) for n, c in lines if any(c) and not c[0].startswith("#")]
     if not lines:
         raise InputError(f"{source} is empty; give a line of keys, then a line for each time")
