@@ -121,6 +121,19 @@ def test_complex_roots_come_in_conjugate_pairs():
     assert found[0] == np.conj(found[1])
 
 
+def test_roots_of_quadratics_of_any_shape_keep_their_digits():
+    rng = np.random.default_rng(3)
+    sizes = 10.0 ** rng.uniform(-6.0, 6.0, (2, 100))
+    quadratics = np.stack([np.ones(100), *(sizes * rng.choice([-1.0, 1.0], (2, 100)))], axis=-1)
+    for quadratic, found in zip(quadratics, polynomials.roots(quadratics), strict=True):
+        with mp.workdps(50):
+            middle, product = -mp.mpf(quadratic[1]) / 2, mp.mpf(quadratic[2])
+            height = mp.sqrt(middle**2 - product)
+            for root in (middle - height, middle + height):
+                error = min(abs(mp.mpmathify(complex(r)) / root - 1) for r in found)
+                assert error <= 4 * EPS, quadratic
+
+
 def test_real_roots_are_real_and_one_complex_pair_makes_the_batch_complex():
     real, pair = [1.0, 0.0, -4.0], [1.0, 0.0, 4.0]
     assert polynomials.roots(np.array([real])).dtype == float
