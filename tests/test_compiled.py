@@ -125,6 +125,25 @@ def test_one_thread_or_several_the_numbers_are_the_same(cases, monkeypatch):
     np.testing.assert_array_equal(found[0], found[1])
 
 
+def test_exponentials_are_right_to_the_last_digit_but_one():
+    numba = pytest.importorskip("numba")
+    from tvclin.kernels.compiled.exponentials import exponential, exponential_less_one
+
+    @numba.njit
+    def both(x, found):
+        for i in range(x.size):
+            found[0, i], found[1, i] = exponential(x[i]), exponential_less_one(x[i])
+
+    rng = np.random.default_rng(1)
+    x = np.concatenate([rng.uniform(-700, 700, 300), rng.uniform(-1, 1, 300), [-700.0, 700.0]])
+    found = np.empty((2, x.size))
+    both(x, found)
+    with mp.workdps(40):
+        for row, exact in zip(found, (mp.exp, mp.expm1), strict=True):
+            errors = [abs(mp.mpf(y) / exact(mp.mpf(at)) - 1) for y, at in zip(row, x, strict=True)]
+            assert max(errors) <= 2.0**-52
+
+
 def test_slices_make_up_the_cases(monkeypatch):
     monkeypatch.setattr(threads, "thread_count", lambda: 3)
     done = []
