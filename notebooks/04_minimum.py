@@ -62,7 +62,8 @@ tv.is_stable(plant, switching.deflection, long)
 
 # %%
 times = np.linspace(0.0, 60.0, 601)
-tv.attitude_response(plant, switching.deflection, long, times).plot()
+response = tv.attitude_response(plant, switching.deflection, long, times)
+response.plot().figure.set_size_inches(7.0, 9.0)
 
 # %% [markdown]
 # Where does the theory of one pole end? Up to this duration of a triangular wind the slow pole

@@ -60,7 +60,8 @@ needs
 name = "recoverable attitude"
 times = np.linspace(0.0, 2.5 * float(wind.duration), 401)
 limit = 1.2 * needs[name] * plant.coefficients.B * peak
-tv.fly(plant, laws[name], wind, times, deflection_limit=limit).plot()
+flown = tv.fly(plant, laws[name], wind, times, deflection_limit=limit)
+flown.plot().figure.set_size_inches(7.0, 9.0)
 
 # %% [markdown]
 # Now the honest part. A wind that jumps to its peak leaves no time to lean, and one that turns

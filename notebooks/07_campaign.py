@@ -85,7 +85,7 @@ axes.set(xlabel="required deflection, K = 1 [deg]", ylabel="part of the cases [-
 
 # %%
 worst = found.replay(int(found.worst(1)[0]))
-worst.response().plot()
+worst.response().plot().figure.set_size_inches(7.0, 9.0)
 
 # %% [markdown]
 # **Try:** another seed, and look by how much the numbers move; then half the cases. On the
