@@ -72,5 +72,5 @@ def setup(app: Any) -> None:
     import pages
 
     app.connect("config-inited", lambda *_: pages.write(HERE / "_generated"))
-    app.connect("doctree-read", lambda _, page: pages.drop_addresses(page))
+    app.connect("doctree-read", lambda _, page: pages.drop_parts_of_figures(page))
     app.connect("source-read", lambda _, name, text: pages.for_the_site(name, text))

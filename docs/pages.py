@@ -87,8 +87,8 @@ def for_the_site(name: str, text: list[str]) -> None:
     text[0] = re.sub(r"\[[\w/-]+\.md\](\([\w./-]+\.md\))", r"[]\1", text[0])
 
 
-def drop_addresses(page: Any) -> None:
-    """Take out what a notebook says of an object that is only its address, as beside a figure.
+def drop_parts_of_figures(page: Any) -> None:
+    """Take out what a notebook says of an object that is only its address or a figure's labels.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def drop_addresses(page: Any) -> None:
         The page, which is changed.
     """
     for block in list(page.findall(lambda node: node.tagname == "literal_block")):
-        if re.fullmatch(r"\W*<[\w. ]+ at 0x[0-9a-f]+>\W*", block.astext()):
+        if re.fullmatch(r"(?s)\W*<[\w. ]+ at 0x[0-9a-f]+>\W*|\[Text\(.*\)\]\s*", block.astext()):
             block.parent.remove(block)
 
 

@@ -85,19 +85,22 @@ def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> No
     assert text == ["See [](_generated/contributing.md) and [](map.md)."]
 
 
-def test_of_a_notebook_s_outputs_only_bare_addresses_are_dropped(pages: ModuleType) -> None:
+def test_of_a_notebook_s_outputs_only_what_stands_for_a_figure_is_dropped(
+    pages: ModuleType,
+) -> None:
     cell = SimpleNamespace(children=[])
     cell.remove = cell.children.remove
     for text in (
         "<control.ctrlplot.ControlPlot at 0x7f6c5e450e10>",
+        "[Text(0.5, 0, 'time [s]'),\n Text(0, 0.5, 'angle [deg]')]",
         "Verdict(stable=True)",
         "0x7f",
     ):
         block = SimpleNamespace(tagname="literal_block", astext=lambda text=text: text, parent=cell)
         cell.children.append(block)
-    kept = cell.children[1:]
+    kept = cell.children[2:]
 
-    pages.drop_addresses(SimpleNamespace(findall=lambda _: cell.children))
+    pages.drop_parts_of_figures(SimpleNamespace(findall=lambda _: cell.children))
 
     assert cell.children == kept
 
