@@ -12,6 +12,7 @@ from tvclin.flight import (
     nominal_flight,
     standard_atmosphere,
 )
+from tvclin.flight.atmosphere import air_at, density_at
 
 G = 9.80665
 NAMES = ("configuration-i", "configuration-ii")
@@ -56,6 +57,14 @@ def test_the_air_is_the_published_one(altitude, temperature, density):
 def test_the_layers_begin_at_the_published_pressures(height, pressure):
     altitude = 6_356_766.0 * height / (6_356_766.0 - height)
     assert standard_atmosphere(altitude).pressure == pytest.approx(pressure, rel=3e-6)
+
+
+def test_the_density_alone_is_that_of_the_air():
+    heights = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
+    bases = 6_356_766.0 * heights / (6_356_766.0 - heights)
+    altitudes = np.concatenate([bases, bases - 1e-6, np.linspace(-7e3, 90e3, 500)])
+    found = [density_at(float(altitude)) for altitude in altitudes]
+    np.testing.assert_allclose(found, air_at(altitudes).density, rtol=1e-13)
 
 
 def test_the_air_is_in_hydrostatic_balance():

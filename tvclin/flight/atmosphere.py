@@ -4,8 +4,10 @@ Source: U.S. Standard Atmosphere, 1976 (NOAA-S/T 76-1562), table 4 (the layers, 
 height) and section 1.2 (constants); temperature is linear in each layer and the air at rest.
 """
 
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache
+from math import exp, log1p
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,12 +81,32 @@ def air_at(altitude: FloatArray) -> Air:
     return Air(temperature, pressure, density, sound)
 
 
+def density_at(altitude: float) -> float:
+    """Return the density [kg/m^3] at one geometric altitude [m], as `air_at` gives it.
+
+    Flights ask for it at every step, so it is plain arithmetic.
+    """
+    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
+    bottom, base, pressure, lapse = _layers()[max(bisect_right(_BASES, height) - 1, 0)]
+    above = height - bottom
+    ratio = lapse * above / base
+    mean = log1p(ratio) / ratio if ratio else 1.0
+    pressure *= exp(-_GRAVITY * above / (_GAS_CONSTANT * base) * mean)
+    return pressure / (_GAS_CONSTANT * (base + lapse * above))
+
+
 def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
     """The logarithm by which the pressure falls within a layer: the integral of g/(R T)."""
     ratio = lapse * above / base
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(ratio == 0.0, 1.0, np.log1p(ratio) / ratio)
     return _GRAVITY * above / (_GAS_CONSTANT * base) * mean
+
+
+@cache
+def _layers() -> list[list[float]]:
+    """Height, temperature and pressure at the bottom of each layer, and its lapse."""
+    return np.column_stack([_BASES, *_bases(), _LAPSES]).tolist()
 
 
 @cache

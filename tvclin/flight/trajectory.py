@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.errors import InputError, finite, instance, number, positive
-from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at
+from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at, density_at
 from tvclin.flight.condition import FlightCondition
 from tvclin.histories import History, Piecewise
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
@@ -98,7 +98,7 @@ class NominalFlight:
 
     def pressure_ratio(self, speed: Any, altitude: Any) -> Any:
         """Return the dynamic pressure at an air speed and altitude over that of the vehicle."""
-        density = air_at(np.asarray(altitude, dtype=float)).density
+        density = density_at(altitude) if np.ndim(altitude) == 0 else air_at(altitude).density
         return density / self._density * (speed / self.vehicle.velocity) ** 2
 
     def dynamic_pressure(self, t: ArrayLike) -> FloatArray:
