@@ -12,6 +12,7 @@ deviation is what the equations give beyond the nominal flight, so rest is a sol
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -152,7 +153,7 @@ class PlanarMotion:
         v = self.vehicle
         if self.nominal is None:
             return _Now(v.mass, v.velocity, v.attitude, 0.0)
-        return _Now(self.nominal.mass(t), *self.nominal.states_within(t))
+        return _nominal_at(self.nominal, t) if np.ndim(t) else _latest(self.nominal, float(t))
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,3 +164,11 @@ class _Now:
     speed: Any
     path: Any
     altitude: Any
+
+
+def _nominal_at(nominal: NominalFlight, t: Any) -> _Now:
+    return _Now(nominal.mass(t), *nominal.states_within(t))
+
+
+_latest = lru_cache(maxsize=1)(_nominal_at)
+"""The same at one time [s]: a law and the equations of motion ask for it in turn."""
