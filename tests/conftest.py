@@ -2,6 +2,7 @@
 
 import copy
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -68,6 +69,23 @@ def linearised():
         return both[:, :4], both[:, 4:]
 
     return jacobian
+
+
+@pytest.fixture(scope="module")
+def no_flights():
+    """Put still attitudes and one boundary in the place of the flights of figures, which cost."""
+    from tvclin.plots import flown
+
+    def still(vehicle, control, wind, times, **_):
+        return SimpleNamespace(outputs={"attitude": np.zeros_like(times)})
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name, (words, _) in flights.FLOWN.items():
+            patch.setitem(flights.FLOWN, name, (words, still))
+        patch.setattr(flights, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
+        flights.flown_limit.cache_clear()
+        yield
+    flights.flown_limit.cache_clear()
 
 
 def _planar_motion(vehicle, values):

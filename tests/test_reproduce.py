@@ -9,12 +9,14 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin import files
 from tvclin.cli.app import app
-from tvclin.reproduce import figures
+from tvclin.plots import flown
+from tvclin.reproduce import figures, ledger
 
 mpl.use("Agg")
+pytestmark = pytest.mark.usefixtures("no_flights")
 
 NAMES = [
-    *(f"figure-{number}" for number in range(1, 10)),
+    *(f"figure-{number}" for number in range(1, 12)),
     *(f"sketch-{letter}" for letter in "abc"),
 ]
 
@@ -24,9 +26,11 @@ def run(*arguments):
 
 
 @pytest.fixture(scope="module")
-def everything(tmp_path_factory):
+def everything(tmp_path_factory, no_flights):
     output = tmp_path_factory.mktemp("out") / "made" / "here"
-    return output, run("--output", output)
+    with pytest.MonkeyPatch.context() as patch:  # the page itself belongs to test_ledger
+        patch.setattr(ledger, "ledger", lambda: "The ledger.\n" * 100)
+        return output, run("--output", output)
 
 
 def test_all_files_are_written_and_told(everything):
@@ -66,6 +70,16 @@ def test_each_csv_holds_what_the_figure_draws(everything):
     import matplotlib.pyplot as plt
 
     plt.close(plot.figure)
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_what_flies_is_said_where_jsbsim_is_missing(tmp_path, monkeypatch, there):
+    monkeypatch.setattr(figures, "WRITERS", ())
+    monkeypatch.setattr(flights, "find_spec", lambda name: object() if there else None)
+    result = run("--output", tmp_path)
+
+    assert result.exit_code == 0
+    assert ('pip install "tvclin[sixdof]"' in result.output) is not there
 
 
 def test_no_figure_stays_open(everything):

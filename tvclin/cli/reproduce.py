@@ -11,10 +11,19 @@ def reproduce(
         Path, typer.Option(help="Directory for the files; made if it is missing.")
     ] = Path("reproduced"),
 ) -> None:
-    """Write the report's figures (PNG), their numbers (CSV), and the ledger (ledger.md)."""
+    """Write the report's figures (PNG), their numbers (CSV), and the ledger (ledger.md).
+
+    Figures 6 to 11 stand beside flights of their own, so it takes a minute or two.
+    """
+    from tvclin.plots.flown import chosen_engine
     from tvclin.reproduce.figures import reproduce as write_everything
 
     written = write_everything(output)
     for path in written:
         typer.echo(str(path))
+    if chosen_engine(None) == "planar":
+        typer.echo(
+            "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
+            ' JSBSim, pip install "tvclin[sixdof]".'
+        )
     typer.echo(f"Wrote {len(written)} files into {output}.")

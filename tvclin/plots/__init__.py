@@ -10,6 +10,7 @@ from tvclin.plots.closed_loops import step_chart, wind_chart
 from tvclin.plots.comparison import comparison_chart
 from tvclin.plots.curves import Column, Curves, curves_of
 from tvclin.plots.flights import flight_chart, flight_curves
+from tvclin.plots.flown_boundaries import figure_10, figure_11
 from tvclin.plots.laws import laws_chart
 from tvclin.plots.loops import bode_chart, nichols_chart
 from tvclin.plots.nyquist import nyquist_chart
@@ -50,6 +51,8 @@ __all__ = [
     "figure_9",
     "flight_chart",
     "flight_curves",
+    "figure_10",
+    "figure_11",
     "laws_chart",
     "nichols_chart",
     "nyquist_chart",

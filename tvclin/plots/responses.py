@@ -12,7 +12,8 @@ from tvclin.deflections import trim_then_hold
 from tvclin.errors import positive, within
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, Look, Style, cycle, draw
+from tvclin.plots.flown import FLOWN, PEAK, Flights, chosen_engine, flown_attitudes
+from tvclin.plots.style import COLOURS, INK, LINES, MARKS, Look, Style, cycle, draw
 from tvclin.response import attitude_responses
 from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import load_vehicle
@@ -28,6 +29,8 @@ FACTORS = (0.8, 0.9, 1.0, 1.1, 1.2)
 
 _COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
 _NEVER = "trim never saturates"
+_STILL = 1e-3
+"""Attitude over the wind's peak below which a flight is one of trim alone."""
 _ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$  [-]"
 
 
@@ -39,6 +42,7 @@ def attitude_chart(
     factors: Sequence[float] = FACTORS,
     until: float = 2.0,
     points: int = 401,
+    flights: Flights | None = None,
     name: str = "attitude",
     title: str = "Attitude error in triangular winds, analytic",
 ) -> "ControlPlot":
@@ -58,6 +62,8 @@ def attitude_chart(
         End of the abscissa t/tau.
     points : int
         Points of each curve.
+    flights : callable, optional
+        Flies the same winds, of 1 degree, with the same limits; the marks are what it finds.
     name, title : str
         Name of the numbers, and title of the figure.
 
@@ -72,16 +78,20 @@ def attitude_chart(
     within("points", points, 2, 1e6)
     x = np.linspace(0.0, float(positive("until", until)), int(points))
     columns = [
-        column for b in tau_beta for column in _attitudes(plant, x, b, factors, float(dead_band))
+        column
+        for b in tau_beta
+        for column in _attitudes(plant, x, b, factors, float(dead_band), flights)
     ]
     c = plant.coefficients
     what = f"(Theta - Theta_n)/(-alpha_w,max); model {plant.model}, K = {dead_band:g}"
     if plant.model != "fixed-path":
         what += f", beta = {c.beta:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+    if flights is not None:
+        what += "; flown with the same deflection limits in pitch, tail wind of 1 deg (assumed)"
     curves = Curves(name, what, "time t/tau [-]", x, tuple(columns))
     middle = int(np.argmin(np.abs(np.array(factors) - 1.0)))
     limits = {panel: _frame(group[middle].values) for panel, group in curves.panels.items()}
-    styles = _styles(factors)
+    styles = _styles(factors, x.size)
     return draw(curves, Look(title, _ORDINATE, styles, "deflection limit", limits=limits))
 
 
@@ -110,9 +120,13 @@ def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
 
 
 def figure_6(
-    vehicle: Vehicle | str = "configuration-i", dead_band: float = 1.0, **options: Any
+    vehicle: Vehicle | str = "configuration-i",
+    dead_band: float = 1.0,
+    *,
+    engine: str | None = None,
+    **options: Any,
 ) -> "ControlPlot":
-    """Draw the report's figure 6: attitude of configuration I with drift, K = 1, eq (B9).
+    """Draw the report's figure 6: attitude of configuration I with drift, K = 1, and flown.
 
     Parameters
     ----------
@@ -120,53 +134,69 @@ def figure_6(
         One vehicle, or what `load_vehicle` finds it by.
     dead_band : float
         K.
+    engine : {"sixdof", "planar"}, optional
+        What flies; JSBSim where it is installed, else "planar".
     **options
         tau_beta, factors, until and points, as of `attitude_chart`.
 
     Notes
     -----
-    The analytic curves alone; the flown points beside them in the report are not known.
+    Curves are eq (B9), marks are flights with the same deflection limits. The flights of the
+    report are not printed as numbers; these are frozen at the vehicle's own time, and the size
+    of the wind is assumed.
     """
-    return _with_drift(6, vehicle, dead_band, options)
+    return _with_drift(6, vehicle, dead_band, engine, options)
 
 
 def figure_7(
-    vehicle: Vehicle | str = "configuration-i", dead_band: float = 0.5, **options: Any
+    vehicle: Vehicle | str = "configuration-i",
+    dead_band: float = 0.5,
+    *,
+    engine: str | None = None,
+    **options: Any,
 ) -> "ControlPlot":
-    """Draw the report's figure 7: attitude of configuration I with drift, K = 0.5, eq (B9).
+    """Draw the report's figure 7: attitude of configuration I with drift, K = 0.5, and flown.
 
     Parameters
     ----------
-    vehicle, dead_band, **options
+    vehicle, dead_band, engine, **options
         As of `figure_6`.
     """
-    return _with_drift(7, vehicle, dead_band, options)
+    return _with_drift(7, vehicle, dead_band, engine, options)
 
 
 def figure_8(
-    vehicle: Vehicle | str = "configuration-ii", dead_band: float = 1.0, **options: Any
+    vehicle: Vehicle | str = "configuration-ii",
+    dead_band: float = 1.0,
+    *,
+    engine: str | None = None,
+    **options: Any,
 ) -> "ControlPlot":
-    """Draw the report's figure 8: attitude of configuration II with drift, K = 1, eq (B9).
+    """Draw the report's figure 8: attitude of configuration II with drift, K = 1, and flown.
 
     Parameters
     ----------
-    vehicle, dead_band, **options
+    vehicle, dead_band, engine, **options
         As of `figure_6`.
     """
-    return _with_drift(8, vehicle, dead_band, options)
+    return _with_drift(8, vehicle, dead_band, engine, options)
 
 
 def figure_9(
-    vehicle: Vehicle | str = "configuration-ii", dead_band: float = 0.5, **options: Any
+    vehicle: Vehicle | str = "configuration-ii",
+    dead_band: float = 0.5,
+    *,
+    engine: str | None = None,
+    **options: Any,
 ) -> "ControlPlot":
-    """Draw the report's figure 9: attitude of configuration II with drift, K = 0.5, eq (B9).
+    """Draw the report's figure 9: attitude of configuration II with drift, K = 0.5, and flown.
 
     Parameters
     ----------
-    vehicle, dead_band, **options
+    vehicle, dead_band, engine, **options
         As of `figure_6`.
     """
-    return _with_drift(9, vehicle, dead_band, options)
+    return _with_drift(9, vehicle, dead_band, engine, options)
 
 
 def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
@@ -176,49 +206,81 @@ def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "C
 
 
 def _with_drift(
-    number: int, vehicle: Vehicle | str, dead_band: float, options: dict[str, Any]
+    number: int,
+    vehicle: Vehicle | str,
+    dead_band: float,
+    engine: str | None,
+    options: dict[str, Any],
 ) -> "ControlPlot":
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
+    flies = chosen_engine(engine)
     plant = Plant.from_vehicle(loaded, "drift")
     title = (
-        f"Figure {number}. Attitude error with drift, K = {dead_band:g}, analytic: eq (B9)\n"
-        f"{loaded.name or 'one vehicle'}"
+        f"Figure {number}. Attitude error with drift, K = {dead_band:g}: eq (B9), and flown with"
+        f" {FLOWN[flies][0]}\n{loaded.name or 'one vehicle'}; flights in a tail wind of 1 deg,"
+        " parameters frozen, same deflection limits"
     )
+    options = {"flights": flown_attitudes(loaded, flies), **options}
     return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)
 
 
 def _attitudes(
-    plant: Plant, x: FloatArray, tau_beta: float, factors: Sequence[float], dead_band: float
+    plant: Plant,
+    x: FloatArray,
+    tau_beta: float,
+    factors: Sequence[float],
+    dead_band: float,
+    flights: Flights | None,
 ) -> list[Column]:
     """One panel: each factor of the boundary limit in the wind of one duration."""
     duration = tau_beta / float(plant.coefficients.beta)
-    wind = TriangularWind(peak=0.1, duration=duration)
+    wind = TriangularWind(peak=PEAK, duration=duration)
     boundary = boundary_limit(plant, wind, dead_band)
-    control = trim_then_hold(plant, wind, boundary.deflection * np.array(factors), dead_band)
-    found = attitude_responses(plant, control, wind, x * duration)["attitude"] / -0.1
-    return [
+    limits = boundary.deflection * np.array(factors)
+    control = trim_then_hold(plant, wind, limits, dead_band)
+    found = attitude_responses(plant, control, wind, x * duration)["attitude"] / -PEAK
+    panel = f"tau*beta = {tau_beta:g}"
+    columns = [
         Column(
             _name(factor),
             row,
-            panel=f"tau*beta = {tau_beta:g}",
+            panel=panel,
             note=_NEVER if factor * boundary.limit * dead_band > 1.0 else "",
         )
         for factor, row in zip(factors, found, strict=True)
     ]
+    if flights is None:
+        return columns
+    for factor, limit in zip(factors, limits, strict=True):
+        row = flights(wind, abs(limit), dead_band, x * duration) / -PEAK
+        note = _NEVER if np.nanmax(np.abs(row)) < _STILL else ""
+        columns.append(Column(_name(factor, flown=True), row, panel=panel, note=note))
+    return columns
 
 
-def _name(factor: float) -> str:
-    return "y_BR (boundary)" if factor == 1.0 else f"{factor:g} y_BR"
+def _name(factor: float, flown: bool = False) -> str:
+    theory = "y_BR (boundary)" if factor == 1.0 else f"{factor:g} y_BR"
+    return f"{theory}, flown" if flown else theory
 
 
-def _styles(factors: Sequence[float]) -> dict[str, Style]:
-    """Solid ink on the boundary; the others broken, each in its own way."""
-    others = [_name(factor) for factor in factors if factor != 1.0]
-    broken = zip(others, cycle(_COLOURS), cycle(LINES[1:]), strict=False)
-    styles: dict[str, Style] = {
-        label: {"color": colour, "ls": line, "lw": 1.8} for label, colour, line in broken
-    }
-    return styles | {_name(1.0): {"color": INK, "ls": "-", "lw": 2.2}}
+def _styles(factors: Sequence[float], points: int) -> dict[str, Style]:
+    """Solid ink on the boundary; the others broken, each in its own way; marks where flown."""
+    others = [factor for factor in factors if factor != 1.0]
+    broken = zip(others, cycle(_COLOURS), cycle(LINES[1:]), cycle(MARKS), strict=False)
+    looks = [*broken, (1.0, INK, "-", "x")]
+    styles: dict[str, Style] = {}
+    for factor, colour, line, mark in looks:
+        width = 2.2 if factor == 1.0 else 1.8
+        styles[_name(factor)] = {"color": colour, "ls": line, "lw": width}
+        styles[_name(factor, flown=True)] = {
+            "color": colour,
+            "ls": "",
+            "marker": mark,
+            "mfc": "none",
+            "ms": 5.0,
+            "markevery": max(points // 40, 1),
+        }
+    return styles
 
 
 def _frame(boundary: FloatArray) -> tuple[float, float]:

@@ -24,6 +24,8 @@ FIGURES: dict[str, "Callable[[], ControlPlot]"] = {
     "figure-7": plots.figure_7,
     "figure-8": plots.figure_8,
     "figure-9": plots.figure_9,
+    "figure-10": plots.figure_10,
+    "figure-11": plots.figure_11,
     "sketch-c": plots.sketch_c,
 }
 """Name of the files, and the function that draws them, in the order of the report."""

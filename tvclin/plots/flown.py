@@ -1,0 +1,122 @@
+"""Flights beside the curves of the theory: which engine flies, and what is flown."""
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.coefficients import Coefficients
+from tvclin.errors import one_of
+from tvclin.flight import (
+    ReportControl,
+    flown_boundary,
+    fly_planar,
+    fly_sixdof,
+    load_flight_condition,
+)
+from tvclin.histories import History
+from tvclin.vehicle import Vehicle
+from tvclin.vehicle_file import load_vehicle
+from tvclin.winds import TriangularWind
+
+FloatArray = NDArray[np.float64]
+
+Flights = Callable[[History, float, float, FloatArray], FloatArray]
+"""Takes a wind, a deflection limit [rad], a dead band and times [s], ``(n,)``, and gives the
+attitude [rad] that was flown, ``(n,)``, NaN from where the flight ended."""
+
+PEAK = float(np.radians(1.0))
+"""Of the winds that are flown [rad]: a tail wind. The report does not give its own."""
+FLOWN: dict[str, tuple[str, Callable[..., Any]]] = {
+    "sixdof": ("six degrees of freedom (JSBSim)", fly_sixdof),
+    "planar": ("planar equations (B1)", fly_planar),
+}
+"""For each engine, what it is, and how it flies."""
+
+
+def chosen_engine(engine: str | None) -> str:
+    """Return an engine by name, or where none is named JSBSim if it is installed, else "planar".
+
+    Raises
+    ------
+    InputError
+        For any other name.
+    """
+    if engine is None:
+        return "sixdof" if find_spec("jsbsim") else "planar"
+    return one_of("engine", engine, FLOWN)
+
+
+def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
+    """Return what flies the report's control on a vehicle with frozen parameters, in pitch.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    engine : str
+        One of `FLOWN`.
+    """
+    fly = FLOWN[engine][1]
+
+    def attitude(wind: History, limit: float, dead_band: float, times: FloatArray) -> FloatArray:
+        control = ReportControl(dead_band)
+        with warnings.catch_warnings():  # that a flight below the boundary ends is what is shown
+            warnings.filterwarnings("ignore", "the flight ends", UserWarning)
+            flown = fly(vehicle, control, wind, times, deflection_limit=limit)
+        return np.asarray(flown.outputs["attitude"])
+
+    return attitude
+
+
+@cache
+def flown_limit(
+    name: str,
+    tau_beta: float,
+    dead_band: float,
+    *,
+    plane: str = "pitch",
+    peak: float = PEAK,
+    engine: str = "planar",
+    along: bool = False,
+    tolerance: float = 2.5e-3,
+) -> float:
+    """Return the boundary limit of the report's control in a triangular wind, by flying.
+
+    Parameters
+    ----------
+    name : str
+        What `load_vehicle` and `load_flight_condition` find the vehicle by.
+    tau_beta, dead_band : float
+        Duration of the wind, and K.
+    plane : {"pitch", "yaw"}
+        Plane of the wind.
+    peak : float
+        Its peak [rad], at the vehicle's own time.
+    engine : str
+        One of `FLOWN`.
+    along : bool
+        Whether the parameters vary along the trajectory, which planar flights know; frozen where
+        not.
+    tolerance : float
+        As of `flown_boundary`.
+    """
+    vehicle = load_vehicle(name)
+    options: dict[str, Any] = {}
+    if along:
+        options = {"frozen": False, "condition": load_flight_condition(name)}
+    wind = centred_wind(vehicle, peak, tau_beta)
+    return flown_boundary(
+        vehicle, wind, dead_band, engine=engine, plane=plane, tolerance=tolerance, **options
+    ).limit
+
+
+def centred_wind(vehicle: Vehicle, peak: float, tau_beta: float) -> History:
+    """Return the triangular wind of a given tau beta that has its peak at the vehicle's time."""
+    wind = TriangularWind(peak=peak, duration=tau_beta / Coefficients.from_vehicle(vehicle).beta)
+    own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    return wind.shift(own - wind.duration / 2.0)
