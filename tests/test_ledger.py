@@ -7,8 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from tvclin.reproduce import attempts, cases, claims, ledger, loads
+from tvclin.boundary import boundary_limit
+from tvclin.deflections import trim_then_hold
+from tvclin.plant import Plant
+from tvclin.reproduce import attempts, cases, claims, flown, ledger, loads
 from tvclin.reproduce.computed import about, rounds_to, shown
+from tvclin.response import attitude_responses
 
 ROOT = Path(__file__).parents[1]
 EQUATIONS = [
@@ -30,6 +34,11 @@ NOT_REPRODUCED = {
     "short-gusts-1-to-2-tau",
     "theory-conservative-boundary",
     "theory-conservative-convergence",
+    "flown-boundary-agrees-along",
+    "flown-boundary-conservative-along",
+    "flown-divergence-along",
+    "flown-convergence",
+    "flown-convergence-along",
     "b5-two-real-roots",
     "y-large-one-half",
     "single-pole-28-s",
@@ -180,6 +189,70 @@ def test_below_trim_the_angle_of_attack_falls_where_the_limit_comes_before_the_d
         assert none < half < case.trim <= 1.0 + 1e-12
         assert half < full
     assert [case.held[0] < case.trim for case in found].count(True) == 2
+
+
+def test_verdicts_of_flights_by_plane_sign_and_size():
+    """Of I and II: whether (18) is near and conservative, and what (B9) does for K = 1 and 0.5."""
+    yes, no = (True, True), (False, False)
+    boundary = {
+        (False, "pitch, tail wind of 1 deg"): (yes, yes),
+        (False, "pitch, head wind of 5 deg"): (yes, yes),
+        (False, "yaw, 5 deg"): (yes, yes),
+        (True, "pitch, tail wind of 1 deg"): (no, yes),
+        (True, "pitch, tail wind of 5 deg"): (no, yes),
+        (True, "pitch, head wind of 1 deg"): (yes, no),
+        (True, "pitch, head wind of 5 deg"): (no, no),
+        (True, "yaw, 1 deg"): (yes, yes),
+        (True, "yaw, 5 deg"): (yes, yes),
+    }
+    faster_and_slower = {
+        (False, "pitch, tail wind of 1 deg"): [(yes, yes), (yes, no)],
+        (False, "pitch, head wind of 5 deg"): [(yes, yes), (yes, no)],
+        (False, "yaw, 5 deg"): [(yes, yes), (yes, no)],
+        (True, "pitch, tail wind of 1 deg"): [(yes, yes), (yes, yes)],
+        (True, "pitch, tail wind of 5 deg"): [(yes, yes), (yes, yes)],
+        (True, "pitch, head wind of 1 deg"): [(no, no), (no, no)],
+        (True, "pitch, head wind of 5 deg"): [(no, no), (no, no)],
+        (True, "yaw, 1 deg"): [(yes, yes), ((False, True), no)],
+        (True, "yaw, 5 deg"): [(yes, yes), ((False, True), no)],
+    }
+    errors = {
+        (a.along, a.gust.name, a.dead_band): (a.diverges_faster, a.converges_slower)
+        for a in flown.attitudes()
+    }
+
+    assert boundary == {
+        (b.along, b.gust.name): (b.agree, b.conservative) for b in flown.boundaries()
+    }
+    assert errors == {
+        (*key, K): verdict
+        for key, verdicts in faster_and_slower.items()
+        for K, verdict in zip((1.0, 0.5), verdicts, strict=True)
+    }
+
+
+def test_frozen_flights_of_the_ledger_are_those_of_the_exact_cubic():
+    """In the same numbers, but found without flying; the trim deflection leaves the dead band."""
+    plants = [Plant(c, "drift-exact") for c in cases.vehicles()]
+    winds = [cases.gust(plant.coefficients, flown.TAU_BETA) for plant in plants]
+    linear = [
+        float(boundary_limit(plant, wind, 1.0, "literal").limit)
+        for plant, wind in zip(plants, winds, strict=True)
+    ]
+    for b in flown.boundaries():
+        if not b.along:
+            assert b.flown == pytest.approx(linear, abs=1.5e-3)
+    for a in flown.attitudes():
+        if a.along:
+            continue
+        for factor, pairs in ((0.9, a.below), (1.1, a.above)):
+            for plant, wind, (_, attitude) in zip(plants, winds, pairs, strict=True):
+                y = cases.with_drift(plant.coefficients, flown.TAU_BETA, a.dead_band)
+                limit = -factor * y * float(plant.coefficients.B) * cases.PEAK
+                held = trim_then_hold(plant, wind, limit, a.dead_band, "literal")
+                ours = attitude_responses(plant, held, wind, [float(wind.duration)])["attitude"]
+                # the speed is held in the cubic, and not in (B1)
+                assert attitude == pytest.approx(float(ours[0]) / -cases.PEAK, abs=3e-3)
 
 
 def test_the_page_is_written_as_it_is(tmp_path, monkeypatch):

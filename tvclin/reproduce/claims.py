@@ -4,12 +4,12 @@ import tomllib
 from collections.abc import Callable
 from importlib.resources import files
 
-from tvclin.reproduce import claims_appendices, claims_boundary, claims_response
+from tvclin.reproduce import claims_appendices, claims_boundary, claims_flown, claims_response
 from tvclin.reproduce.computed import Computed
 
 COMPUTATIONS: dict[str, Callable[[], Computed]] = {
     function.__name__: function
-    for room in (claims_boundary, claims_response, claims_appendices)
+    for room in (claims_boundary, claims_response, claims_flown, claims_appendices)
     for function in room.FUNCTIONS
 }
 """The function of every `compute` identifier of claims.toml; each computes from Table I."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from tvclin.files import write_text
-from tvclin.reproduce import attempts, loads
+from tvclin.reproduce import attempts, flown, loads
 from tvclin.reproduce.claims import claims, compute, equations, records
 from tvclin.reproduce.computed import Computed, Value, shown
 
@@ -90,6 +90,25 @@ the peak angle of attack over the peak of the wind (`wind_loads`, triangular win
 while the wind blows); the bending indicator N alpha falls by the same factor.
 """
 
+_FLOWN = """\
+## Flights
+
+The flights of figures 6 to 11 are not printed as numbers. Those below are flown here with the
+equations (B1), at tau beta = 4: with the parameters of Table I frozen, and along a trajectory that
+is reconstructed from Table I with an assumed altitude and specific impulse. There the wind changes
+the dynamic pressure, so that in pitch its sign and size matter. Of two entries the first belongs
+to I, the second to II.
+
+The boundary limit for K = 1. It agrees where (18) is within 5 percent, and the theory is
+conservative where (18) asks for no less.
+"""
+
+_ATTITUDES = """\
+The attitude over the peak of the wind at t = tau, with 0.9 and 1.1 times the boundary of (18), as
+(B9) / flown with the same deflection limit. The theory is conservative where it diverges faster,
+and where it converges more slowly.
+"""
+
 _DEVIATIONS = """\
 ## Where the package differs from the report
 
@@ -100,7 +119,8 @@ On purpose, in these points; the numbers of the report are reproduced with its o
 def ledger() -> str:
     """Return the whole ledger as Markdown, computed afresh."""
     computed = [(claim, compute(claim)) for claim in claims()]
-    parts = [_HEAD, _equations(), _claims(computed), _tried(computed), _loads(), _deviations()]
+    parts = [_HEAD, _equations(), _claims(computed), _tried(computed), _loads()]
+    parts += [_flown(), _deviations()]
     return "\n".join(parts)
 
 
@@ -226,6 +246,42 @@ def _loads_verdict(found: Sequence[loads.Case]) -> str:
         "of the wind. For K = 1 the vehicle is trimmed until the limit is reached, and from then\n"
         "on its angle of attack at first grows faster than with trim.\n"
     )
+
+
+def _flown() -> str:
+    limits = [
+        [
+            _parameters(b.along),
+            b.gust.name,
+            ", ".join(f"{limit:.3f}" for limit in b.flown),
+            ", ".join(f"{percent:+.1f}" for percent in b.excess),
+            _yes(b.agree),
+            _yes(b.conservative),
+        ]
+        for b in flown.boundaries()
+    ]
+    errors = [
+        [
+            _parameters(a.along),
+            a.gust.name,
+            f"{a.dead_band:g}",
+            *(", ".join(f"{x:.2f} / {y:.2f}" for x, y in pairs) for pairs in (a.below, a.above)),
+            _yes(a.diverges_faster),
+            _yes(a.converges_slower),
+        ]
+        for a in flown.attitudes()
+    ]
+    first = ("parameters", "wind", "flown", "(18) above it [percent]", "agrees", "conservative")
+    second = ("parameters", "wind", "K", "0.9", "1.1", "diverges faster", "converges more slowly")
+    return f"{_FLOWN}\n{_table(first, limits)}\n{_ATTITUDES}\n{_table(second, errors)}"
+
+
+def _parameters(along: bool) -> str:
+    return "along the trajectory" if along else "frozen"
+
+
+def _yes(verdicts: Iterable[bool]) -> str:
+    return ", ".join("yes" if verdict else "no" for verdict in verdicts)
 
 
 def _deviations() -> str:
