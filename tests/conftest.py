@@ -74,18 +74,18 @@ def linearised():
 @pytest.fixture(scope="module")
 def no_flights():
     """Put still attitudes and one boundary in the place of the flights of figures, which cost."""
-    from tvclin.plots import flown
+    from tvclin.plots import flown as flown_room
 
     def still(vehicle, control, wind, times, **_):
         return SimpleNamespace(outputs={"attitude": np.zeros_like(times)})
 
     with pytest.MonkeyPatch.context() as patch:
-        for name, (words, _) in flights.FLOWN.items():
-            patch.setitem(flights.FLOWN, name, (words, still))
-        patch.setattr(flights, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
-        flights.flown_limit.cache_clear()
+        for name, (words, _) in flown_room.FLOWN.items():
+            patch.setitem(flown_room.FLOWN, name, (words, still))
+        patch.setattr(flown_room, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
+        flown_room.flown_limit.cache_clear()
         yield
-    flights.flown_limit.cache_clear()
+    flown_room.flown_limit.cache_clear()
 
 
 def _planar_motion(vehicle, values):

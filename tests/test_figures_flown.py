@@ -8,7 +8,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import plots
-from tvclin.plots import flown
+from tvclin.plots import flown as flown_room
 from tvclin.plots.flown import PEAK, centred_wind, chosen_engine, flown_limit
 from tvclin.response import attitude_responses
 
@@ -88,7 +88,7 @@ def test_points_of_figures_10_and_11_are_boundaries_of_the_exact_cubic(draw, nam
     wind = tv.TriangularWind(peak=PEAK, duration=tau_beta / exact.coefficients.beta)
     expected = tv.boundary_limit(exact, wind, K, switch="literal").limit
 
-    flown = found.column(f"flown, {flights.FLOWN[engine][0]}", f"(a) K = {K:g}")
+    flown = found.column(f"flown, {flown_room.FLOWN[engine][0]}", f"(a) K = {K:g}")
     assert found.abscissa[np.isfinite(flown)] == pytest.approx([tau_beta])
     assert flown[np.isfinite(flown)] == pytest.approx(expected, abs=2e-3)
 
@@ -141,7 +141,7 @@ def test_along_the_trajectory_the_condition_of_the_vehicle_is_flown(monkeypatch)
         asked.update(options)
         return tv.flown_boundary(vehicle, wind, dead_band, engine=lambda *_, **__: lambda y: True)
 
-    monkeypatch.setattr(flights, "flown_boundary", boundary)
+    monkeypatch.setattr(flown_room, "flown_boundary", boundary)
     flown_limit.__wrapped__("configuration-ii", 4.0, 1.0, plane="yaw", along=True)
 
     assert asked["frozen"] is False
@@ -150,9 +150,9 @@ def test_along_the_trajectory_the_condition_of_the_vehicle_is_flown(monkeypatch)
 
 
 def test_jsbsim_flies_where_it_is_installed(monkeypatch):
-    monkeypatch.setattr(flights, "find_spec", lambda name: object())
+    monkeypatch.setattr(flown_room, "find_spec", lambda name: object())
     assert chosen_engine(None) == "sixdof"
-    monkeypatch.setattr(flights, "find_spec", lambda name: None)
+    monkeypatch.setattr(flown_room, "find_spec", lambda name: None)
     assert chosen_engine(None) == chosen_engine("planar") == "planar"
     with pytest.raises(tv.InputError, match="engine must be one of"):
         plots.figure_6(engine="kite")

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin import files
 from tvclin.cli.app import app
-from tvclin.plots import flown
+from tvclin.plots import flown as flown_room
 from tvclin.reproduce import figures, ledger
 
 mpl.use("Agg")
@@ -75,7 +75,7 @@ def test_each_csv_holds_what_the_figure_draws(everything):
 @pytest.mark.parametrize("there", [True, False])
 def test_what_flies_is_said_where_jsbsim_is_missing(tmp_path, monkeypatch, there):
     monkeypatch.setattr(figures, "WRITERS", ())
-    monkeypatch.setattr(flights, "find_spec", lambda name: object() if there else None)
+    monkeypatch.setattr(flown_room, "find_spec", lambda name: object() if there else None)
     result = run("--output", tmp_path)
 
     assert result.exit_code == 0

@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.coefficients import Coefficients
 from tvclin.flight import ReportControl, fly_planar, load_flight_condition
-from tvclin.plots.flights import centred_wind, flown_limit
+from tvclin.plots.flown import centred_wind, flown_limit
 from tvclin.reproduce.cases import FULL, HALF, NAMES, attitude_with_drift, with_drift
 from tvclin.vehicle_file import load_vehicle
 
