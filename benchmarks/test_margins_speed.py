@@ -8,16 +8,17 @@ from peers import ratio
 import tvclin as tv
 from tvclin.kernels.loop_margins import classical_margins, loop_crossings
 from tvclin.kernels.rational import Rational
+from tvclin.kernels.threads import VARIABLE
 from tvclin.margins import loop_margins
 
-CASES = 5000
+CASES, MANY = 5000, 40_000
 OMEGA = np.geomspace(1e-3, 1e3, 500)
 
 
-def dispersed(delays):
+def dispersed(delays, count=CASES):
     """Return the loops of attitude, rate and integral feedback around dispersed vehicles."""
     rng = np.random.default_rng(0)
-    spread = 1.0 + 0.1 * rng.standard_normal((6, CASES))
+    spread = 1.0 + 0.1 * rng.standard_normal((6, count))
     c = tv.Coefficients(
         mu_alpha=0.28 * spread[0],
         mu_delta=2.6 * spread[1],
@@ -32,7 +33,7 @@ def dispersed(delays):
         rate_gain=0.55,
         integral_gain=0.02,
         actuator=tv.Actuator(natural_frequency=25.1 * spread[4], damping=0.7 * spread[5]),
-        delay=rng.choice(delays, CASES),
+        delay=rng.choice(delays, count),
     )
     return autopilot.rational_loop(tv.Plant(c, "drift"))
 
@@ -75,4 +76,23 @@ def test_the_whole_record(benchmark, delays):
         peer_name="control.margin and disk_margins, without delay",
         per=CASES,
         floor="sizes of S and T between the roots",
+    )
+
+
+def test_two_threads_beside_one(benchmark, monkeypatch):
+    pytest.importorskip("numba")
+    loop = dispersed([0.0], MANY)
+
+    def margins(threads):
+        monkeypatch.setenv(VARIABLE, str(threads))
+        loop_margins(loop)
+
+    ratio(
+        benchmark,
+        lambda: margins(2),
+        lambda: margins(1),
+        peer_name="one thread",
+        per=MANY,
+        peer_per=MANY,
+        floor="what is done before and after the kernels, a fifteenth; one processor's neighbours",
     )
