@@ -224,3 +224,37 @@ def test_high_powers_of_the_time_are_left_to_numpy() -> None:
     plain, fast = both_twins(dispersed("drift", 8), held, wind, np.linspace(0.0, 9.0, 30))
 
     np.testing.assert_array_equal(fast, plain)
+
+
+@pytest.mark.parametrize(
+    "asked", [("attitude",), ("angle_of_attack",), ("attitude_rate", "attitude")]
+)
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+def test_some_outputs_are_those_of_all(model: str, asked: tuple[str, ...], twin: None) -> None:
+    plant, times = dispersed(model, 3, (5,)), np.linspace(-1.0, 20.0, 57)
+    deflection, wind = tv.BangBang(limit=0.01, switch_times=[1.5, 4.0]), jumping_wind()
+    every = tv.attitude_responses(plant, deflection, wind, times)
+    some = tv.attitude_responses(plant, deflection, wind, times, asked)
+
+    assert some.labels == tuple(label for label in plant.outputs if label in asked)
+    for label in asked:
+        np.testing.assert_allclose(
+            some[label], every[label], rtol=0, atol=AGREE * np.abs(every[label]).max()
+        )
+
+
+def test_some_outputs_of_poles_nearly_alike() -> None:
+    plant = tv.Plant(tv.Coefficients(mu_alpha=1e-12, mu_delta=1.0))
+    held, wind = tv.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+    every = tv.attitude_responses(plant, held, wind, [1.0, 9.0])
+    some = tv.attitude_responses(plant, held, wind, [1.0, 9.0], ["attitude_rate"])
+
+    assert np.array_equal(some["attitude_rate"], every["attitude_rate"])
+
+
+@pytest.mark.parametrize("asked", ["attitude", (), ("attitude", "speed")])
+def test_outputs_that_are_not_there_are_refused(asked: object) -> None:
+    held, wind = tv.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+
+    with pytest.raises(tv.InputError, match="outputs must be"):
+        tv.attitude_responses(dispersed("fixed-path", 0), held, wind, [1.0], asked)

@@ -10,6 +10,7 @@ lost; integrated forward, the same mode would be the difference of two numbers t
 e^(p t). A residue that is zero within the rounding of its own sum counts as zero.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -117,7 +118,11 @@ def attitude_response(
 
 
 def attitude_responses(
-    plant: Plant, deflection: History, wind: History, timepts: ArrayLike
+    plant: Plant,
+    deflection: History,
+    wind: History,
+    timepts: ArrayLike,
+    outputs: Sequence[str] | None = None,
 ) -> Responses:
     """Return the exact responses of a batch: many winds, many plants, or both, in one call.
 
@@ -129,12 +134,15 @@ def attitude_responses(
         Any two histories; their batches broadcast with the plant's.
     timepts : array_like
         Times [s], ``(n,)``, the same for all.
+    outputs : sequence of str, optional
+        Which outputs, where not all are wanted; the others are not computed. They come in the
+        order of the plant.
 
     Raises
     ------
     InputError
-        For times that are not finite, not one row, or none at all, and for batches that do not
-        broadcast.
+        For times that are not finite, not one row, or none at all, for batches that do not
+        broadcast, and for outputs that the model does not have.
     """
     times = finite("timepts", timepts, "s")
     if times.ndim != 1 or not times.size:
@@ -143,19 +151,35 @@ def attitude_responses(
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
-    outputs, near = responses.responses(plant.modal, (deflection.pieces, wind.pieces), times, shape)
+    system, labels = plant.modal, plant.outputs
+    if outputs is not None:
+        labels = _asked(outputs, labels)
+        system = system.only([plant.outputs.index(label) for label in labels])
+    found, near = responses.responses(system, (deflection.pieces, wind.pieces), times, shape)
     if near is not None:
-        lags = _by_lags(plant, deflection, wind, times, shape)
-        outputs = np.where(near[..., np.newaxis, np.newaxis], lags, outputs)
-    return Responses(times, outputs, plant.outputs)
+        lags = _by_lags(plant, labels, deflection, wind, times, shape)
+        found = np.where(near[..., np.newaxis, np.newaxis], lags, found)
+    return Responses(times, found, labels)
+
+
+def _asked(outputs: Sequence[str], known: tuple[str, ...]) -> tuple[str, ...]:
+    if isinstance(outputs, str) or not outputs:
+        raise InputError(f"outputs must be some of {', '.join(known)}; got {outputs!r}")
+    asked = {one_of("outputs", label, known) for label in outputs}
+    return tuple(label for label in known if label in asked)
 
 
 def _by_lags(
-    plant: Plant, deflection: History, wind: History, times: FloatArray, shape: tuple[int, ...]
+    plant: Plant,
+    outputs: Sequence[str],
+    deflection: History,
+    wind: History,
+    times: FloatArray,
+    shape: tuple[int, ...],
 ) -> FloatArray:
     """The response by a chain of lags, which needs no distinct poles (a vehicle without moment)."""
     rows = []
-    for output in plant.outputs:
+    for output in outputs:
         parts = [
             history.filter(plant.numerator(output, name), plant.denominator)(times)
             for name, history in zip(INPUTS, (deflection, wind), strict=True)

@@ -13,6 +13,7 @@ The compiled twin does the same case by case; both agree within 1e-13 of the lar
 each output in the time asked for.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -54,13 +55,20 @@ class System:
     gains : ndarray
         What each input does to each mode, ``(..., N, 2)``.
     outputs : ndarray
-        How much of each mode is in each output, ``(..., N, R)``. From the last output the second
-        input, the wind, is taken off.
+        How much of each mode is in each output, ``(..., N, R)``.
+    less_wind : bool
+        Whether the second input, the wind, is taken off the last output.
     """
 
     poles: NDArray[Any]
     gains: NDArray[Any]
     outputs: NDArray[Any]
+    less_wind: bool = True
+
+    def only(self, rows: Sequence[int]) -> "System":
+        """Return the same with some of its outputs, by their positions, which rise."""
+        last = rows[-1] == self.outputs.shape[-1] - 1
+        return System(self.poles, self.gains, self.outputs[..., rows], self.less_wind and last)
 
 
 def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
@@ -124,6 +132,7 @@ def _compiled(
     kind = _COMPLEX if system.poles.dtype.kind == "c" else _kind(inputs)
     plants = [_flat(a, k, kind) for a, k in ((system.poles, 1), (system.gains, 2))]
     plants.append(_flat(system.outputs, 2, kind))
+    batch = (*plants, system.less_wind)
     histories = [_flat_pieces(pieces, kind) for pieces in inputs]
     batches = (system.poles.shape[:-1], inputs[0].batch, inputs[1].batch)
     which = _which(batches, shape)
@@ -138,7 +147,7 @@ def _compiled(
         rising = _read_only(times[order])
 
     def work(first: int, last: int) -> None:
-        twin.respond(rising, tuple(plants), *histories, which, near, out, status, first, last)
+        twin.respond(rising, batch, *histories, which, near, out, status, first, last)
 
     in_slices(work, cases, cases * (_FAST[0] + _FAST[1] * times.size))
     if order is not None:
@@ -149,7 +158,8 @@ def _compiled(
         return out.reshape(*shape, *out.shape[1:]), None
     other = np.flatnonzero(status == twin.OTHER)
     if other.size:
-        part = System(*(a[which[0, other]] for a in plants))
+        poles, gains, outputs = (a[which[0, other]] for a in plants)
+        part = System(poles, gains, outputs, system.less_wind)
         some = [Pieces(*(a[which[i + 1, other]] for a in h)) for i, h in enumerate(histories)]
         out[other], _ = _plain(part, (some[0], some[1]), times, other.shape)
     return out.reshape(*shape, *out.shape[1:]), (status == twin.NEAR).reshape(shape)
@@ -207,7 +217,8 @@ def _plain(
             np.real((system.outputs[..., r, np.newaxis] * modes).sum(axis=-2))
             for r in range(system.outputs.shape[-1])
         ]
-    rows[-1] = rows[-1] - np.real(value(inputs[1], times))
+    if system.less_wind:
+        rows[-1] = rows[-1] - np.real(value(inputs[1], times))
     outputs = np.stack([np.broadcast_to(row, (*shape, times.size)) for row in rows], axis=-2)
     return outputs, np.broadcast_to(near, shape) if near.any() else None
 

@@ -39,7 +39,8 @@ def respond(times, plants, deflections, winds, which, near, out, status, first, 
     times : ndarray
         Times, rising, ``(n,)``.
     plants : tuple of ndarray
-        Poles ``(P, N)``, gains ``(P, N, 2)`` and outputs ``(P, N, R)``.
+        Poles ``(P, N)``, gains ``(P, N, 2)``, outputs ``(P, N, R)``, and whether the wind is taken
+        off the last of these.
     deflections, winds : tuple of ndarray
         Knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``.
     which : ndarray
@@ -60,7 +61,7 @@ def respond(times, plants, deflections, winds, which, near, out, status, first, 
     step, off = grid(times)
     for case in range(first, last):
         p, d, w = which[0, case], which[1, case], which[2, case]
-        system = System(plants[0][p], plants[1][p], plants[2][p])
+        system = System(plants[0][p], plants[1][p], plants[2][p], plants[3])
         count = merge(deflections[0][d], winds[0][w], forces.knots)
         start = forces.knots[0]
         if _too_near(system.poles, max(times[-1] - start, 0.0), near):

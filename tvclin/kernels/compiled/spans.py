@@ -27,11 +27,15 @@ _MOST = 24
 
 
 class System(NamedTuple):
-    """One plant as a sum of modes: poles ``(N,)``, gains ``(N, 2)``, outputs ``(N, R)``."""
+    """One plant as a sum of modes: poles ``(N,)``, gains ``(N, 2)``, outputs ``(N, R)``.
+
+    The wind is taken off the last output if `less_wind`.
+    """
 
     poles: Any
     gains: Any
     outputs: Any
+    less_wind: Any
 
 
 class Span(NamedTuple):
@@ -98,7 +102,8 @@ def lay_out(system, forces, i, reach, span):  # type: ignore[no-untyped-def]
             _follow(system, mode, forces, i, span)
         elif not _answer(system, mode, forces, i, reach, length, span):
             return 0
-    _subtract_wind(forces, i, reach, length, span)
+    if system.less_wind:
+        _subtract_wind(forces, i, reach, length, span)
     for q in range(forces.rates.size):
         span.live[system.poles.size + q] = False
         for r in range(span.forced.shape[0] if forces.rates[q] != 0.0 else 0):
