@@ -510,8 +510,8 @@ BATCH = Plant.from_coefficients(COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
         ({"wind": 0.0 * WIND}, "wind must end, and be other than zero"),
         ({"wind": 0.1}, "wind must be a History"),
         ({"plant": WIND}, "plant must be a Plant"),
-        ({"timepts": 3.0}, "timepts must be one row of times"),
-        ({"timepts": []}, "timepts must be one row of times"),
+        ({"timepts": 3.0}, "timepts must be one row of numbers"),
+        ({"timepts": []}, "timepts must be one row of numbers"),
         ({"timepts": [0.0, np.nan]}, "timepts must be finite"),
     ],
 )

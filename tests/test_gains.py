@@ -405,7 +405,7 @@ def test_a_jump_of_the_wind_is_a_rate_without_limit():
             lambda a, p, w: Autopilot(attitude_gain=[1, 2], rate_gain=1).answer(p, w),
             "one autopilot",
         ),
-        (lambda a, p, w: a.respond(p, w, [[0.0, 1.0]]), "one row of times"),
+        (lambda a, p, w: a.respond(p, w, [[0.0, 1.0]]), "one row of numbers"),
         (lambda a, p, w: a.respond(p, w, [0.0, np.inf]), "timepts must be finite"),
     ],
 )

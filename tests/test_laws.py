@@ -346,7 +346,10 @@ def saturated(**arguments):
         (lambda: SaturatedLaw(plant_of()), "autopilot must be an Autopilot"),
         (saturated(actuator=Actuator()), r"takes gains only: give the actuator to fly\(\)"),
         (saturated(delay=0.1), "takes gains only.* no delay"),
-        (saturated(attitude_gain=[0.3, 0.4]), r"must be one; got a batch of shape \(2,\)"),
+        (
+            saturated(attitude_gain=[0.3, 0.4]),
+            r"autopilot must be one autopilot; got a batch of shape \(2,\)",
+        ),
     ],
 )
 def test_laws_that_cannot_be(make, message):

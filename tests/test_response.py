@@ -245,7 +245,7 @@ def test_a_vehicle_without_aerodynamic_moment_is_a_double_integrator() -> None:
 @pytest.mark.parametrize(
     ("times", "names"),
     [
-        ([], "one row of times"),
+        ([], "one row of numbers"),
         ([[0.0, 1.0]], "one row"),
         ([0.0, np.nan], "timepts must be finite"),
     ],

@@ -90,6 +90,12 @@ def instance(name: str, value: object, kind: type, maker: str) -> None:
         raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {_shown(value)}")
 
 
+def single(name: str, batch: tuple[int, ...]) -> None:
+    """Raise `InputError` if what is named is a batch."""
+    if batch:
+        raise InputError(f"{name} must be one {name}; got a batch of shape {batch}")
+
+
 def number(
     name: str, value: ArrayLike, check: Callable[..., NDArray[np.float64]] = finite, unit: str = ""
 ) -> float:
@@ -98,6 +104,14 @@ def number(
     if array.ndim:
         raise InputError(f"{name} must be one number; got an array of shape {array.shape}")
     return float(array)
+
+
+def one_row(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a float array ``(n,)``; `InputError` unless it is one row, not empty."""
+    array = finite(name, value, unit)
+    if array.ndim != 1 or not array.size:
+        raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")
+    return array
 
 
 def whole_number(name: str, value: object) -> int:

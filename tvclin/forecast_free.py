@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.cards import card
-from tvclin.errors import InputError, ending, instance, nonnegative, number
+from tvclin.errors import InputError, ending, instance, nonnegative, number, single
 from tvclin.histories import History
 from tvclin.kernels.crossings import roots_between
 from tvclin.plant import Plant
@@ -104,8 +104,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     modes = unstable_coordinates(plant)
     instance("wind", wind, History, "such as TriangularWind")
     R = number("reversal", reversal, nonnegative)
-    if wind.batch:
-        raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
+    single("wind", wind.batch)
     ending("wind", wind.end)
     peak, pole = float(wind.peak), float(modes.poles[0])
     times = wind.probe_times(16)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, instance
+from tvclin.errors import InputError, instance, single
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 
@@ -101,8 +101,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     array([[1., 2.]])
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
-    if plant.batch:
-        raise InputError(f"plant must be one plant; got a batch of shape {plant.batch}")
+    single("plant", plant.batch)
     poles = unstable_modes(plant).poles
     if not poles.size or np.iscomplexobj(poles) or poles.size > _MOST:
         raise InputError(

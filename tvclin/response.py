@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, broadcast, finite, instance, one_of
+from tvclin.errors import InputError, broadcast, instance, one_of, one_row
 from tvclin.histories import History
 from tvclin.kernels import responses
 from tvclin.plant import INPUTS, Plant
@@ -144,9 +144,7 @@ def attitude_responses(
         For times that are not finite, not one row, or none at all, for batches that do not
         broadcast, and for outputs that the model does not have.
     """
-    times = finite("timepts", timepts, "s")
-    if times.ndim != 1 or not times.size:
-        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    times = one_row("timepts", timepts, "s")
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
 from tvclin.cards import Row, card
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, one_of, positive, within
+from tvclin.errors import InputError, instance, one_of, positive, single, within
 from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
@@ -154,10 +154,7 @@ class Study:
         one_of("model", model, MODELS)
         dead_band = float(within("dead_band", dead_band, 0.0, 1.0))
         coefficients = Coefficients.from_vehicle(vehicle, plane)
-        if coefficients.batch:
-            raise InputError(
-                f"vehicle must be one vehicle; got a batch of shape {coefficients.batch}"
-            )
+        single("vehicle", coefficients.batch)
         plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
         alone = shape(peak=peak, duration=duration)
         history = alone if gust is None else _with_gust(alone, gust)
@@ -232,8 +229,7 @@ class Study:
 
 def _with_gust(wind: History, gust: History) -> History:
     instance("gust", gust, History, "such as OneMinusCosineGust")
-    if gust.batch:
-        raise InputError(f"gust must be one history; got a batch of shape {gust.batch}")
+    single("gust", gust.batch)
     return wind + gust
 
 

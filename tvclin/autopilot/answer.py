@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance, one_of
+from tvclin.errors import finite, instance, one_of, single
 from tvclin.histories import History
 from tvclin.kernels.peaks import largest
 from tvclin.kernels.propagation import Motion, exponentials, motion
@@ -87,8 +87,7 @@ def wind_answer(
         For a batch of winds.
     """
     instance("wind", wind, History, "such as TriangularWind")
-    if wind.batch:
-        raise InputError(f"wind must be one history; got a batch of shape {wind.batch}")
+    single("wind", wind.batch)
     pieces = wind.pieces
     inputs = np.zeros(pieces.rates.size * (pieces.degree + 1))
     inputs[:: pieces.degree + 1] = 1.0

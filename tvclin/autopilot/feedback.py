@@ -22,7 +22,7 @@ from tvclin.autopilot.doubts import pade_misleads, warn_of_doubts
 from tvclin.autopilot.sizes import LARGEST, LEAST_GAIN, zero_or_sized
 from tvclin.autopilot.systems import closed_loop, open_loop, wind_response
 from tvclin.autopilot.wiring import closed, loop_polynomials
-from tvclin.errors import InputError, broadcast, finite, instance, nonnegative, plain
+from tvclin.errors import InputError, broadcast, instance, nonnegative, one_row, plain
 from tvclin.histories import History
 from tvclin.margins import Loop, Margins, loop_margins
 from tvclin.plant import Plant
@@ -319,9 +319,7 @@ class Autopilot:
         InputError
             For a batch, and for times that are not finite or not one row.
         """
-        times = finite("timepts", timepts, "s")
-        if times.ndim != 1 or not times.size:
-            raise InputError(f"timepts must be one row of times; got shape {times.shape}")
+        times = one_row("timepts", timepts, "s")
         self._require_single("respond", plant)
         answer = self.answer(plant, wind)
         return wind_response(

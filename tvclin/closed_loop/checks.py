@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
-from tvclin.errors import InputError, ending, instance, number, positive
+from tvclin.errors import InputError, ending, instance, number, positive, single
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -62,5 +62,4 @@ def check_actuator(actuator: Actuator | None) -> None:
     if actuator is None:
         return
     instance("actuator", actuator, Actuator, "of one natural frequency")
-    if actuator.batch:
-        raise InputError(f"actuator must be one; got a batch of shape {actuator.batch}")
+    single("actuator", actuator.batch)

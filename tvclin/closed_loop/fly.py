@@ -17,7 +17,7 @@ from tvclin.closed_loop.checks import (
 from tvclin.closed_loop.continuous import ContinuousFlight
 from tvclin.closed_loop.equations import LinearEquations
 from tvclin.closed_loop.sampled import Sampler, at_rest
-from tvclin.errors import InputError, finite, number, positive
+from tvclin.errors import InputError, number, one_row, positive
 from tvclin.histories import History
 from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law
@@ -95,9 +95,7 @@ def fly(
     True
     """
     check_flight(plant, law, wind)
-    times = finite("timepts", timepts, "s")
-    if times.ndim != 1 or not times.size:
-        raise InputError(f"timepts must be one row of times; got an array of shape {times.shape}")
+    times = one_row("timepts", timepts, "s")
     limit = number("deflection_limit", deflection_limit, positive, "rad")
     most = check_rate_limit(rate_limit)
     start = float(wind.onset)

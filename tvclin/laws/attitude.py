@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
-from tvclin.errors import InputError, instance
+from tvclin.errors import InputError, instance, single
 from tvclin.laws.law import Law, Seen
 
 FloatArray = NDArray[np.float64]
@@ -32,8 +32,7 @@ class SaturatedLaw(Law):
 
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
-        if self.autopilot.batch:
-            raise InputError(f"autopilot must be one; got a batch of shape {self.autopilot.batch}")
+        single("autopilot", self.autopilot.batch)
         if self.autopilot.actuator is not None or self.autopilot.delay:
             raise InputError(
                 "a SaturatedLaw takes gains only: give the actuator to fly(), and no delay"

@@ -13,9 +13,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from tvclin.errors import InputError, finite
+from tvclin.errors import InputError, number, single
 from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
 from tvclin.plant import Plant
@@ -142,9 +142,8 @@ def constraints_of(
 
 
 def _check_single(plant: Plant, wind: History) -> None:
-    for name, batch in (("plant", plant.batch), ("wind", wind.batch)):
-        if batch:
-            raise InputError(f"{name} must be one {name}; got a batch of shape {batch}")
+    single("plant", plant.batch)
+    single("wind", wind.batch)
     if np.isneginf(wind.end):
         raise InputError("wind must differ from zero; got a history that is zero throughout")
     if np.isposinf(wind.end):
@@ -152,10 +151,10 @@ def _check_single(plant: Plant, wind: History) -> None:
 
 
 def _check_times(wind: History, start: float, horizon: float | None) -> tuple[float, float]:
-    begin = _one_number("start", start)
+    begin = number("start", start, unit="s")
     if horizon is None or (isinstance(horizon, float) and np.isposinf(horizon)):
         return begin, np.inf
-    end = _one_number("horizon", horizon)
+    end = number("horizon", horizon, unit="s")
     if end <= begin:
         raise InputError(f"horizon must be after start ({begin:.6g} s); got {end:.6g} s")
     if end < wind.end:
@@ -163,13 +162,6 @@ def _check_times(wind: History, start: float, horizon: float | None) -> tuple[fl
             f"horizon must not be before the wind ends at {wind.end:.6g} s; got {end:.6g} s"
         )
     return begin, end
-
-
-def _one_number(name: str, value: ArrayLike) -> float:
-    number = finite(name, value, "s")
-    if number.ndim:
-        raise InputError(f"{name} must be one number; got an array of shape {number.shape}")
-    return float(number)
 
 
 def _check_modes(modes: Modes) -> None:

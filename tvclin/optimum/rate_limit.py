@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, positive
+from tvclin.errors import InputError, number, positive
 from tvclin.histories import History, Piecewise, linear_pieces
 from tvclin.optimum.constraints import Constraints, constraints_of
 from tvclin.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
@@ -93,9 +93,7 @@ def optimum_with_rate_limit(
     >>> round(slow.peak / tv.optimum_deflection(plant, wind).peak, 4)
     1.3026
     """
-    rate = positive("rate_limit", rate_limit, "rad/s")
-    if rate.ndim:
-        raise InputError(f"rate_limit must be one number; got an array of shape {rate.shape}")
+    rate = number("rate_limit", rate_limit, positive, "rad/s")
     if isinstance(steps, bool) or not isinstance(steps, int) or steps < 10:
         raise InputError(f"steps must be a whole number of 10 or more; got {steps!r}")
     constraints = constraints_of(plant, wind, start, horizon)
@@ -104,7 +102,7 @@ def optimum_with_rate_limit(
         status = UNTOUCHED if constraints.demands.size else STABLE
         return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
     nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)
-    program, values, change = _refined(constraints, nodes, float(rate), unlimited.peak)
+    program, values, change = _refined(constraints, nodes, rate, unlimited.peak)
     slopes = np.diff(values) / np.diff(program.nodes)
     deflection: History = Piecewise(
         linear_pieces(program.nodes + start, values, np.append(slopes, 0.0))
