@@ -91,3 +91,11 @@ def test_names_are_no_markup():
 
     assert "<script>" not in vehicle._repr_html_()
     assert "<b>" not in card("x", [("<b>", "<b>", "<b>")]).replace("<b>x</b>", "")
+
+
+def test_only_vehicles_that_are_all_unstable_show_a_response_parameter():
+    shown = cells(PLANT.coefficients)["beta"]
+    assert float(shown[0]) == pytest.approx(PLANT.coefficients.beta, rel=1e-5)
+    assert shown[1] == "1/s"
+    for stable in (-1.0, 0.0, [1.0, -1.0]):
+        assert "beta" not in cells(tv.Coefficients(mu_alpha=stable, mu_delta=2.0))

@@ -168,6 +168,29 @@ def test_a_control_without_moment_and_a_negative_q_are_refused():
         Coefficients(mu_alpha=0.25, mu_delta=2.0, q=-1e-9)
 
 
+def test_two_coefficients_alone_leave_the_path_fixed_and_make_no_drift():
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0)
+    plant = tvclin.Plant.from_coefficients(c, "drift-and-speed")
+    np.testing.assert_array_equal(plant.denominator, [1.0, 0.0, -0.25, 0.0, 0.0])  # s^2 (s^2 - mu)
+    assert c.K1 == 1.0
+
+
+def test_lists_become_arrays_and_numbers_floats():
+    c = Coefficients(mu_alpha=[0.25, 0.5], mu_delta=2)
+    np.testing.assert_array_equal(c.B, [0.125, 0.25])
+    assert isinstance(c.mu_delta, float)
+
+
+def test_coefficients_that_do_not_broadcast_are_refused():
+    with pytest.raises(InputError, match=r"mu_alpha \(2,\), q \(3,\)"):
+        Coefficients(mu_alpha=[0.25, 0.5], mu_delta=2.0, q=[0.0, 0.0, 0.0])
+
+
+def test_a_name_is_no_vehicle():
+    with pytest.raises(InputError, match=r"vehicle must be a Vehicle \(see load_vehicle\)"):
+        Coefficients.from_vehicle("configuration-i")
+
+
 def test_coefficients_cannot_be_changed_and_replace_knows_its_fields():
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0)
     with pytest.raises(dataclasses.FrozenInstanceError):
