@@ -379,10 +379,11 @@ def test_what_killed_workers_left_is_swept_away_when_it_is_old(plan, tmp_path):
     assert young.exists()
 
 
-def test_without_pyarrow_the_extra_is_named(plan, tmp_path, monkeypatch):
+def test_without_pyarrow_the_extra_is_named_and_nothing_is_begun(plan, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(tv.InputError, match=r"need pyarrow; install tvclin\[campaign\]"):
-        tv.run_campaign(plan, tmp_path)
+        tv.run_campaign(plan, tmp_path / "results")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_without_a_campaign(tmp_path):

@@ -58,12 +58,12 @@ def write_chunk(
     folder: Path, manifest: Manifest, chunk: int, columns: dict[str, NDArray[Any]]
 ) -> None:
     """Write the columns of a chunk."""
-    parquet, arrow = _parquet(), _arrow()
-    table = arrow.table(
+    parquet, pyarrow = _parquet(), arrow()
+    table = pyarrow.table(
         {
-            name: arrow.array(values.tolist(), arrow.string()).dictionary_encode()
+            name: pyarrow.array(values.tolist(), pyarrow.string()).dictionary_encode()
             if values.dtype == object
-            else arrow.array(values)
+            else pyarrow.array(values)
             for name, values in columns.items()
         }
     )
@@ -132,7 +132,7 @@ def _read(folder: Path, manifest: Manifest, chunk: int, names: list[str] | None)
         raise InputError(
             f"{file} is missing; go on with: tvclin campaign resume {folder}"
         ) from None
-    except (OSError, ValueError, KeyError, MemoryError, _arrow().ArrowException) as error:
+    except (OSError, ValueError, KeyError, MemoryError, arrow().ArrowException) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(
@@ -163,7 +163,8 @@ def _manifest(folder: str, seal: str) -> Manifest:
     return found
 
 
-def _arrow() -> Any:
+def arrow() -> Any:
+    """Return pyarrow; `InputError` where it is not installed."""
     try:
         import pyarrow
     except ImportError:
@@ -172,7 +173,7 @@ def _arrow() -> Any:
 
 
 def _parquet() -> Any:
-    _arrow()
+    arrow()
     import pyarrow.parquet
 
     return pyarrow.parquet

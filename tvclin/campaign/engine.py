@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.campaign.cases import nominal
-from tvclin.campaign.chunks import chunk_file, flaw, run_chunk, sweep
+from tvclin.campaign.chunks import arrow, chunk_file, flaw, run_chunk, sweep
 from tvclin.campaign.manifest import Manifest, begin, check_versions, read_manifest
 from tvclin.campaign.plan import Campaign, checkpoints
 from tvclin.campaign.results import CampaignResults
@@ -83,6 +83,7 @@ def run_campaign(
     (300, True, 0.388)
     """
     place = Path(folder)
+    arrow()
     nominal(campaign)
     return _work(begin(campaign, place, compiled), place, executor, shard, progress)
 
