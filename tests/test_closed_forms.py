@@ -219,7 +219,7 @@ def test_a_dead_band_outside_zero_to_one_is_refused(bad):
 
 
 def test_a_numerator_zero_beyond_the_pole_is_refused():
-    for b1, b2 in ((-0.5, -0.6), (0.03, -0.5)):
+    for b1, b2 in ((-0.5, -0.6), (-0.5, 0.02), (0.03, -0.5), ([0.03, -0.6], 0.02), (0.03, [0, -1])):
         with pytest.raises(InputError, match="^beta \\+ b1 and beta \\+ b2 must be positive"):
             triangular_limit_with_drift(4.0, 0.5, 0.5, b1, b2)
 
@@ -228,3 +228,12 @@ def test_shapes_that_do_not_broadcast_are_refused():
     for call in (rectangular_limit, triangular_limit):
         with pytest.raises(InputError, match="broadcast"):
             call([1.0, 2.0], [0.1, 0.2, 0.3])
+    with pytest.raises(InputError, match=r"got tau_beta \(2,\), b1 \(3,\)"):
+        triangular_limit_with_drift([1.0, 2.0], 0.5, 0.5, [0.03, 0.02, 0.01], 0.01)
+
+
+def test_a_zero_beyond_the_pole_in_the_left_half_plane_is_no_error():
+    z = triangular_limit_with_drift(4.0, 1.0, 0.5, 0.7, 0.6) * 2.0
+    K1, L, rho = 1.1 / 1.2, -np.log(2.0 * np.exp(-2.0) - np.exp(-4.0)), 0.7 / 0.5
+    path = (np.exp(-rho * z) - 1.0 + rho * z) / rho**2
+    assert K1 * (1.0 - np.exp(z - L)) == pytest.approx((0.1 / 1.2) * (z + path), rel=1e-12)
