@@ -1,6 +1,7 @@
 """`tvclin size` and its figure, and the gust of `tvclin study`."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,9 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
 
+SOUNDINGS = Path(__file__).parent / "soundings"
+WIND, LOW = str(SOUNDINGS / "wyoming.txt"), str(SOUNDINGS / "low.csv")
+FLOWN = ("--winds", WIND, "--azimuth-deg", "90")
 FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
 
 
@@ -74,6 +78,56 @@ def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
     assert "parameters varying" in result.output
 
 
+def test_soundings_stand_beside_the_pulse_and_gusts_on_both() -> None:
+    """Flown through along the schedule; the wind of this file blows to one side."""
+    schedule = tv.load_schedule("configuration-i")
+    whole = tv.read_sounding(WIND).to_wind(schedule, azimuth=np.radians(90))
+    gust = tv.OneMinusCosineGust(peak=np.radians(1), duration=2.0)
+    winds = {
+        "pulse": tv.TriangularWind(peak=np.radians(5), duration=7.5) + gust.shift(2.75),
+        "wyoming.txt": lambda vehicle: whole + gust.shift(float(vehicle.time) - 1.0),
+    }
+    placing = {"wyoming.txt": "flight"}
+    options = {"times": [60.0, 70.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
+    expected = tv.size(schedule, winds, **options)
+    given = ("--to", "70", "--window", "16", "--gust", "1", "2", "--json")
+    document = json.loads(run("size", "configuration-i", *FLOWN, *FAST, *given).output)
+
+    assert document["winds"][1] == "wyoming.txt"
+    for name, values in expected.required.items():
+        np.testing.assert_allclose(
+            document["required_deg"][name], np.degrees(values), rtol=1e-9, err_msg=name
+        )
+    assert any("geopotential heights made geometric" in note for note in document["notes"])
+    yaw = json.loads(
+        run(
+            "size", "configuration-i", *FLOWN, *FAST, "--to", "60", "--plane", "yaw", "--json"
+        ).output
+    )
+    across = tv.read_sounding(WIND).to_wind(schedule, azimuth=np.radians(90), plane="yaw")
+    B = tv.Coefficients.from_vehicle(schedule.at(60.0), "yaw").B
+    at = across(np.linspace(50.0, 70.0, 20001))
+    assert yaw["required_deg"]["trim"][0][1] == pytest.approx(
+        np.degrees(abs(B) * np.abs(at).max()), rel=1e-4
+    )
+
+
+def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
+    """What blows to the other side is left out, exactly between the samples."""
+    times, angles = [50.0, 60.0, 66.0, 70.0, 80.0], np.array([0.02, 0.02, -0.04, -0.05, 0.05])
+    met = tv.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
+    vehicle = tv.load_vehicle("configuration-i")
+    around = met(vehicle.replace(time=66.0))
+
+    assert around([56.0, 61.9, 62.0, 66.0, 70.0, 74.9, 75.1, 75.99]) == pytest.approx(
+        [0.0, 0.0, 0.0, -0.04, -0.05, -0.001, 0.0, 0.0], abs=1e-15
+    )
+    assert (around.onset, around.end) == pytest.approx((62.0, 75.0))
+    gusty = tv.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
+    assert gusty(vehicle.replace(time=66.0))(66.0) == pytest.approx(-0.05)
+    assert met(vehicle.replace(time=30.0)) is met.wind
+
+
 def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1")
     document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").output)
@@ -93,14 +147,26 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     [
         (("configuration-i", "--count", "trim", "--disperse", *FAST), "--disperse needs a dead"),
         (("nowhere.csv",), "nowhere.csv"),
-        (("configuration-i", "--from", "90", "--to", "60"), "--to must not be before --from"),
+        (
+            ("configuration-i", "--from", "90", "--to", "60"),
+            "the last flight time must not be before",
+        ),
         (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),
-        (("configuration-i", "--every", "0"), "--every must be positive"),
+        (("configuration-i", "--every", "0"), "every must be positive"),
         (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
-        (("configuration-i", "--count", "K=1", *FAST), "--count must be one of trim"),
+        (("configuration-i", "--count", "K=1", *FAST), "count must be one of trim"),
         (("configuration-i", "--limit-deg", "-1"), "--limit-deg must be between"),
         (("configuration-i", "--reserve", "1", *FAST), "reserve must be a part of the limit"),
         (("configuration-i", "--wind", "square"), "wind must be one of"),
+        (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),
+        (("configuration-i", "--winds", WIND), "--winds needs --azimuth-deg"),
+        (("configuration-i", "--azimuth-deg", "90"), "name one with --winds"),
+        (("configuration-i", *FLOWN, "--window", "0", *FAST), "window must be positive"),
+        (
+            ("configuration-i", "--winds", LOW, "--azimuth-deg", "90", *FAST),
+            "low.csv: the flight does not reach the wind: it goes from 3045.19",
+        ),
+        (("configuration-i", *FLOWN, "--disperse", *FAST), "the worst wind is wyoming.txt"),
         (
             ("configuration-i", "--from", "66", "--to", "66", "--plot", "a.png"),
             "two or more flight times",

@@ -101,7 +101,9 @@ if TYPE_CHECKING:
     from tvclin.response import attitude_responses as attitude_responses
     from tvclin.sizing import DeflectionTotal as DeflectionTotal
     from tvclin.sizing import FlightSchedule as FlightSchedule
+    from tvclin.sizing import MeasuredWind as MeasuredWind
     from tvclin.sizing import Sizing as Sizing
+    from tvclin.sizing import fly_through as fly_through
     from tvclin.sizing import load_schedule as load_schedule
     from tvclin.sizing import size as size
     from tvclin.sizing import total_deflection as total_deflection
@@ -119,7 +121,10 @@ if TYPE_CHECKING:
     from tvclin.study import Study as Study
     from tvclin.study_file import GainsAsked as GainsAsked
     from tvclin.study_file import LawsAsked as LawsAsked
+    from tvclin.study_file import SizingAsked as SizingAsked
+    from tvclin.study_file import SoundingAsked as SoundingAsked
     from tvclin.study_file import StudyPlan as StudyPlan
+    from tvclin.study_file import load_sizing as load_sizing
     from tvclin.study_file import load_study as load_study
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
@@ -234,14 +239,24 @@ _ROOMS = {
     "sizing": (
         "DeflectionTotal",
         "FlightSchedule",
+        "MeasuredWind",
         "Sizing",
+        "fly_through",
         "load_schedule",
         "size",
         "total_deflection",
         "worst_total",
     ),
     "study": ("Study",),
-    "study_file": ("GainsAsked", "LawsAsked", "StudyPlan", "load_study"),
+    "study_file": (
+        "GainsAsked",
+        "LawsAsked",
+        "SizingAsked",
+        "SoundingAsked",
+        "StudyPlan",
+        "load_sizing",
+        "load_study",
+    ),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),
     "winds": (

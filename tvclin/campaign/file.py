@@ -22,7 +22,7 @@ from tvclin.campaign.tables import (
     read_tables,
     spellings,
     subject_of,
-    wind_of,
+    winds_of,
 )
 from tvclin.campaign.winds import WindEnsemble
 from tvclin.errors import InputError, number
@@ -76,6 +76,8 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     head, outputs = dict(document.get("campaign", {})), dict(document.get("outputs", {}))
     known("key in [campaign]", head, (*SUBJECT, *_DRAWN, "until_percent", "until_part"))
     known("key in [outputs]", outputs, ("names", "dead_bands"))
+    if "gust" in document:
+        raise InputError("a campaign has no gust; leave [gust] out")
     if "cases" not in head:
         raise InputError("a key is missing in [campaign]: cases")
     until = head.get("until_part")
@@ -88,7 +90,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
                 raise InputError(f"{key} in [outputs] must be a list; got {outputs[key]!r}")
             given[field] = tuple(outputs[key])
     return Campaign(
-        wind=wind_of(dict(document.get("wind", {})), folder),
+        wind=winds_of(document, folder)[0],
         dispersions=dispersions_of(document.get("dispersion", []), document.get("correlation", [])),
         flight=_flight(dict(document["flight"])) if "flight" in document else None,
         until=until,

@@ -21,6 +21,9 @@ TABLES = (
     "study",
     "campaign",
     "wind",
+    "gust",
+    "schedule",
+    "size",
     "outputs",
     "question",
     "flight",
@@ -32,6 +35,8 @@ TABLES = (
 )
 """Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
 LISTS = ("dispersion", "correlation")
+SOUNDING = "sounding"
+"""The key of a [[wind]] that stands over height."""
 SUBJECT = ("vehicle", "model", "plane")
 """What is studied: keys of [study], or of [campaign] where there is no [study]."""
 PERCENT = 100.0
@@ -77,7 +82,7 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         For an unknown table, one that is none, a vehicle that is missing, and what is given twice.
     """
     known("table", document, TABLES)
-    for name in document.keys() - set(LISTS):
+    for name in document.keys() - {*LISTS, "wind"}:
         if not isinstance(document[name], dict):
             raise InputError(f"[{name}] must be a table")
     study, campaign = document.get("study", {}), document.get("campaign", {})
@@ -114,6 +119,29 @@ def _vehicle(source: Any, folder: Path, where: str) -> Vehicle:
     return load_vehicle(beside if source not in list_vehicles() and beside.exists() else source)
 
 
+def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
+    """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight.
+
+    Raises
+    ------
+    InputError
+        For what is no table, and where there is no such wind.
+    """
+    tables = [table for table in wind_tables(document) if SOUNDING not in table]
+    if not tables:
+        raise InputError("beside soundings a wind of one shape is needed: give one more [[wind]]")
+    return [wind_of(table, folder) for table in tables]
+
+
+def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return [wind], or each [[wind]]."""
+    given = document.get("wind", {})
+    rows = given if isinstance(given, list) else [given]
+    if not all(isinstance(row, dict) for row in rows):
+        raise InputError("wind must be a table [wind], or [[wind]] once for each")
+    return [dict(row) for row in rows]
+
+
 def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     """Return the wind of the table [wind]; a file of winds is looked for in the folder."""
     if "file" in table:
@@ -128,7 +156,7 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     shape = rest.pop("shape", "triangular")
     peak = quantity("[wind]", rest, "peak", _ANGLE)
     duration = quantity("[wind]", rest, "duration", _TIME)
-    known("key in [wind]", rest, ("shape", "file", "unit"))
+    known("key in [wind]", rest, ("shape", "file", "unit", SOUNDING))
     return ShapedWind(shape, float(peak or 0.0), float(duration or 0.0))
 
 

@@ -22,3 +22,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tabl
 Plot = Annotated[
     Path | None, typer.Option(help="Also draw a figure into this file (png, pdf, svg).")
 ]
+Gust = Annotated[
+    tuple[float, float] | None,
+    typer.Option(
+        metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
+    ),
+]

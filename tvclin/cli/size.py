@@ -5,57 +5,71 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import peak_angle
-from tvclin.cli.options import (
-    MODELS_HELP,
-    AsJson,
-    Duration,
-    PeakDeg,
-    PeakSpeed,
-    Plane,
-    Plot,
-    Wind,
-)
+from tvclin.cli.inputs import gust_of
+from tvclin.cli.options import MODELS_HELP, AsJson, Gust, PeakDeg, PeakSpeed, Plot
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from tvclin.sizing import DeflectionTotal, FlightSchedule, Sizing
-    from tvclin.sizing.placing import WindOf
+    from tvclin.sizing import Sizing
+    from tvclin.study_file import SizingAsked, SoundingAsked
 
 _SOURCE = (
-    "A flight schedule (CSV, or TOML with a table named schedule), or a vehicle whose file has a"
-    " table named flight: then its nominal flight."
+    "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
+    " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
+    " its nominal flight."
 )
 
 
 def size(
     source: Annotated[
-        str, typer.Argument(metavar="SCHEDULE_OR_VEHICLE", help=_SOURCE)
+        str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
     ] = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
+    wind: Annotated[
+        str | None,
+        typer.Option(help="Shape of the pulse: triangular (as without) or rectangular."),
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Duration of the pulse, in s; 7.5 if nothing is given.")
+    ] = None,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
+    winds: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE", help="A sounding to fly through as well; may be given several times."
+        ),
+    ] = None,
+    azimuth_deg: Annotated[
+        float | None,
+        typer.Option(help="Direction of flight through soundings, in deg from north, clockwise."),
+    ] = None,
+    window: Annotated[
+        float | None,
+        typer.Option(help="Of a sounding counts so much about each flight time, in s; 20."),
+    ] = None,
+    gust: Gust = None,
     begin: Annotated[
         float | None, typer.Option("--from", help="First flight time, in s; as early as it goes.")
     ] = None,
     end: Annotated[
         float | None, typer.Option("--to", help="Last flight time, in s; as late as it goes.")
     ] = None,
-    every: Annotated[float, typer.Option(help="Time between flight times, in s.")] = 5.0,
+    every: Annotated[float | None, typer.Option(help="Time between flight times, in s; 5.")] = None,
     dead_band: Annotated[
         list[float] | None,
         typer.Option(help="Dead band K, from 0 to 1; may be given several times. 1 and 0.5."),
     ] = None,
-    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
-    plane: Plane = "pitch",
+    model: Annotated[
+        str | None, typer.Option(help=f"Model: {MODELS_HELP} drift-exact, as without a study file.")
+    ] = None,
+    plane: Annotated[
+        str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
+    ] = None,
     law: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="Laws without a forecast: their bound, or one flown (slow): bound, flown."
+            help="Laws without a forecast: their bound (as without), or one flown (slow): flown."
         ),
-    ] = "bound",
+    ] = None,
     varying: Annotated[
         bool, typer.Option("--varying", help="Let parameters vary while the wind blows as well.")
     ] = False,
@@ -66,8 +80,8 @@ def size(
         str | None, typer.Option(help="Requirement that counts as the wind's: K = 1, trim, ...")
     ] = None,
     dispersion: Annotated[
-        float, typer.Option(help="What dispersions add, as a part of the wind's requirement.")
-    ] = 0.0,
+        float | None, typer.Option(help="What dispersions add, as a part of the wind's; 0.")
+    ] = None,
     disperse: Annotated[
         bool,
         typer.Option(
@@ -75,14 +89,14 @@ def size(
         ),
     ] = False,
     thrust_offset_deg: Annotated[
-        float, typer.Option(help="Angle of the thrust off the nozzle's axis, in deg.")
-    ] = 0.0,
+        float | None, typer.Option(help="Angle of the thrust off the nozzle's axis, in deg; 0.")
+    ] = None,
     gravity_offset_m: Annotated[
-        float, typer.Option(help="Distance of the centre of gravity from the axis, in m.")
-    ] = 0.0,
+        float | None, typer.Option(help="Distance of the centre of gravity off the axis, in m; 0.")
+    ] = None,
     reserve: Annotated[
-        float, typer.Option(help="Part of the limit that is to stay unused, from 0 to 1.")
-    ] = 0.0,
+        float | None, typer.Option(help="Part of the limit that stays unused, from 0 to 1; 0.")
+    ] = None,
     as_json: AsJson = False,
     csv: Annotated[
         Path | None, typer.Option(help="Also write every flight time and wind into this file.")
@@ -91,234 +105,141 @@ def size(
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.
 
-    Each wind is moved so that its peak meets the flight time.
+    The peak of a pulse meets each flight time; soundings are flown through. What stands in a study
+    file counts where no option is given.
 
     Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
     """
-    import numpy as np
+    from dataclasses import replace
 
     from tvclin.cli.output import print_json
-    from tvclin.errors import one_of, within
-    from tvclin.sizing import load_schedule, worst_total
-    from tvclin.sizing import size as sized
+    from tvclin.cli.size_tables import print_sizing, sizing_document
+    from tvclin.study_file import load_sizing
 
-    limit = (
-        None
-        if limit_deg is None
-        else np.radians(float(within("--limit-deg", limit_deg, 1e-6, 90.0)))
-    )
-    schedule = load_schedule(source)
-    found = sized(
-        schedule,
-        _winds(wind, duration, peak_deg, peak_speed, plane),
-        times=_times(schedule, duration, begin, end, every),
-        dead_bands=dead_band or (1.0, 0.5),
-        model=model,
-        plane=plane,
-        law=law,
-        varying=varying,
-    )
-    counted = one_of("--count", count or f"K = {found.dead_bands[0]:g}", found.required)
+    asked = load_sizing(source)
+    asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed)
+    soundings = _soundings(winds or [], azimuth_deg)
+    given = {
+        "gust": _gust(asked, gust),
+        "soundings": {**asked.soundings, **soundings} if soundings else None,
+        "window": window,
+        "start": begin,
+        "stop": end,
+        "every": every,
+        "dead_bands": tuple(dead_band) if dead_band else None,
+        "model": model,
+        "plane": plane,
+        "law": law,
+        "varying": varying or None,
+        "limit": _radians("--limit-deg", limit_deg),
+        "count": count,
+        "dispersion": dispersion,
+        "thrust_offset": _radians("--thrust-offset-deg", thrust_offset_deg, -90.0),
+        "gravity_offset": gravity_offset_m,
+        "reserve": reserve,
+    }
+    asked = replace(asked, **{name: value for name, value in given.items() if value is not None})
+    found = asked.sizing()
     if disperse:
-        dispersion = _dispersed(found, counted, wind, duration, (peak_deg, peak_speed))
-    total = worst_total(
-        found,
-        counted,
-        dispersion=dispersion,
-        thrust_offset=np.radians(thrust_offset_deg),
-        gravity_offset=gravity_offset_m,
-        reserve=reserve,
-        limit=limit,
-    )
+        asked = replace(asked, dispersion=_dispersed(asked, found))
+    total = asked.total(found)
     if csv is not None:
         found.to_csv(csv)
     if plot is not None:
         from tvclin.plots import save_figure, sizing_chart
 
-        save_figure(sizing_chart(found, limit), plot)
+        save_figure(sizing_chart(found, asked.limit), plot)
     if as_json:
-        print_json(_document(found, total))
+        print_json(sizing_document(found, total, asked.notes))
     else:
-        _print(found, total, source)
+        print_sizing(found, total, source, asked.notes)
     if total.sufficient is False:
         raise typer.Exit(1)
 
 
-def _winds(
-    shape: str, duration: float, peak_deg: float | None, peak_speed: float | None, plane: str
-) -> dict[str, "WindOf"]:
-    """The winds by name, each for the vehicle that meets it: a speed makes different angles."""
-    from tvclin.errors import one_of
-    from tvclin.study import SHAPES
+def _with_pulse(
+    asked: "SizingAsked",
+    shape: str | None,
+    duration: float | None,
+    peak_deg: float | None,
+    peak_speed: float | None,
+) -> "SizingAsked":
+    """What was asked, with the first pulse as the options have it."""
+    from dataclasses import replace
 
-    make = SHAPES[one_of("wind", shape, SHAPES)]
+    from tvclin.errors import InputError
 
-    def met(vehicle: Any) -> Any:
-        return make(peak=peak_angle(vehicle, plane, peak_deg, peak_speed), duration=duration)
+    if peak_deg is not None and peak_speed is not None:
+        raise InputError("give --peak-deg or --peak-speed, not both")
+    given: dict[str, Any] = {"shape": shape, "duration": duration}
+    given["peak"] = _radians("--peak-deg", peak_deg, -90.0)
+    given = {name: value for name, value in given.items() if value is not None}
+    first, *others = asked.pulses
+    asked = replace(asked, pulses=(replace(first, **given), *others))
+    if peak_deg is not None:
+        return replace(asked, peak_speed=None)
+    return asked if peak_speed is None else replace(asked, peak_speed=peak_speed)
 
-    strength = f"{5.0 if peak_deg is None else peak_deg:g} deg"
-    if peak_speed is not None:
-        strength = f"{peak_speed:g} m/s"
-    return {f"{shape} wind of {strength}, {duration:g} s": met}
+
+def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "SoundingAsked"]:
+    """The soundings of the files by name."""
+    import numpy as np
+
+    from tvclin.errors import InputError, number
+    from tvclin.soundings import read_sounding
+    from tvclin.study_file import SoundingAsked
+
+    if files and azimuth_deg is None:
+        raise InputError("--winds needs --azimuth-deg, the direction of flight")
+    if not files and azimuth_deg is not None:
+        raise InputError("--azimuth-deg is for soundings; name one with --winds")
+    azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0))
+    names = [file.name for file in files]
+    return {
+        str(file) if names.count(file.name) > 1 else file.name: SoundingAsked(
+            read_sounding(file), float(azimuth)
+        )
+        for file in files
+    }
 
 
-def _dispersed(
-    found: "Sizing",
-    counted: str,
-    shape: str,
-    duration: float,
-    peak: tuple[float | None, float | None],
-) -> float:
+def _gust(asked: "SizingAsked", given: tuple[float, float] | None) -> Any:
+    """The gust in the middle of the first pulse."""
+    return gust_of(given, 0.5 * asked.pulses[0].duration)
+
+
+def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
+    import numpy as np
+
+    from tvclin.errors import within
+
+    return None if degrees is None else float(np.radians(within(name, degrees, lowest, 90.0)))
+
+
+def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
     from tvclin.campaign import disperse_study
     from tvclin.errors import InputError
     from tvclin.study import Study
 
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
+    counted, pulse = asked.counted, asked.pulses[0]
     if counted not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
-    vehicle = found.schedule.at(found.worst[counted].time)
+    worst = found.worst[counted]
+    if worst.wind != found.winds[0] or asked.gust is not None:
+        raise InputError(
+            f"--disperse knows pulses without a gust, and the worst wind is {worst.wind}; give"
+            " --dispersion in its place"
+        )
+    vehicle = found.schedule.at(worst.time)
     nominal = Study.from_vehicle(
         vehicle,
-        wind=shape,
-        duration=duration,
-        peak=peak_angle(vehicle, found.plane, *peak),
+        wind=pulse.shape,
+        duration=pulse.duration,
+        peak=asked.peak_at(vehicle, pulse),
         dead_band=bands[counted],
         model=found.model,
         plane=found.plane,
     )
     return disperse_study(nominal).part
-
-
-def _times(
-    schedule: "FlightSchedule",
-    duration: float,
-    begin: float | None,
-    end: float | None,
-    every: float,
-) -> "NDArray[Any]":
-    """Even flight times; without ends as many as the schedule covers with the whole wind."""
-    import numpy as np
-
-    from tvclin.errors import InputError, finite, positive
-
-    step, half = (
-        float(positive("--every", every, "s")),
-        0.5 * float(positive("--duration", duration)),
-    )
-    first, last = schedule.span
-    if last - first < 2.0 * half:
-        half = 0.0
-    low = np.ceil((first + half) / step) * step if begin is None else float(finite("--from", begin))
-    high = last - half if end is None else float(finite("--to", end))
-    if high < low:
-        raise InputError(f"--to must not be before --from; got {low:g} to {high:g} s")
-    if (high - low) / step > 10_000:
-        raise InputError(f"--every must give at most 10000 flight times; got {step:g} s")
-    return low + step * np.arange(np.floor((high - low) / step * (1.0 + 1e-12)) + 1)
-
-
-def _print(found: "Sizing", total: "DeflectionTotal", source: str) -> None:
-    from tvclin.sizing.record import VARYING
-
-    name = found.schedule.vehicle.name or source
-    typer.echo(f"{name}, {found.model}, {found.plane}: {', '.join(found.winds)}\n")
-    frozen = [name for name in found.required if not name.endswith(VARYING)]
-    _print_required(found, "Required deflection [deg]", frozen)
-    if len(frozen) < len(found.required):
-        rest = [name for name in found.required if name not in frozen]
-        _print_required(found, "The same, parameters varying while the wind blows [deg]", rest)
-    if not found.steady.all() or found.beyond_one_pole.any():
-        typer.echo("1: beyond one pole; ~: parameters change meanwhile; +: beyond the schedule")
-    law = "the bound of all such laws" if found.law == "bound" else "the recoverable-attitude law"
-    typer.echo(f"no forecast: {law}; minimum: the wind known, appendix C")
-    _print_total(total)
-    for note in found.notes:
-        typer.echo(f"Note: {note}.")
-
-
-def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
-    import numpy as np
-
-    from tvclin.cli.output import print_table
-    from tvclin.sizing.record import VARYING
-
-    columns = [np.degrees(found.at_times(name)) for name in names]
-    rows = [
-        [f"{time:g}", *(f"{column[i]:.4f}" for column in columns), _doubts(found, i)]
-        for i, time in enumerate(found.times.tolist())
-    ]
-    print_table(title, ["time [s]", *(name.removesuffix(VARYING) for name in names), ""], rows)
-
-
-def _print_total(total: "DeflectionTotal") -> None:
-    import numpy as np
-
-    from tvclin.cli.output import print_pairs
-
-    pairs = [
-        (f"{line.name} ({line.kind})", f"{np.degrees(line.deflection):.4f} deg")
-        for line in total.lines
-    ]
-    pairs.append(
-        ("total: systematic added, random in squares", f"{np.degrees(total.total):.4f} deg")
-    )
-    if total.reserve:
-        said = f"{np.degrees(total.required):.4f} deg"
-        pairs.append((f"limit that keeps {100 * total.reserve:g} % in reserve", said))
-    print_pairs(f"\nThe worst flight time, {total.time:g} s", pairs, columns=1)
-    if total.limit is not None and total.left is not None:
-        word = "SUFFICIENT" if total.sufficient else "NOT SUFFICIENT"
-        left = np.degrees(total.left)
-        typer.echo(f"Limit {np.degrees(total.limit):.4f} deg: {word}, by {left:+.4f} deg")
-
-
-def _doubts(found: "Sizing", i: int) -> str:
-    """Marks of a flight time: what is doubtful there in any wind."""
-    from tvclin.sizing.record import STEADY
-
-    marks = {
-        "1": found.beyond_one_pole[i].any(),
-        "~": (found.change[i] > STEADY).any(),
-        "+": not found.covered[i].all(),
-    }
-    return "".join(mark for mark, there in marks.items() if there)
-
-
-def _document(found: "Sizing", total: "DeflectionTotal") -> dict[str, Any]:
-    import numpy as np
-
-    deg = np.degrees
-    return {
-        "vehicle": found.schedule.vehicle.name,
-        **{name: getattr(found, name) for name in ("model", "plane", "switch", "law")},
-        "winds": found.winds,
-        "times_s": found.times,
-        "required_deg": {name: deg(values) for name, values in found.required.items()},
-        "begins_s": found.begins,
-        "ends_s": found.ends,
-        "change": found.change,
-        "covered": found.covered,
-        "beyond_one_pole": found.beyond_one_pole,
-        "single_pole_edge_s": found.edge,
-        "worst": {
-            name: {"deflection_deg": deg(one.deflection), "time_s": one.time, "wind": one.wind}
-            for name, one in found.worst.items()
-        },
-        "total": {
-            "time_s": total.time,
-            "lines": [
-                {"name": one.name, "deflection_deg": deg(one.deflection), "kind": one.kind}
-                for one in total.lines
-            ],
-            "total_deg": deg(total.total),
-            "reserve": total.reserve,
-            "required_deg": deg(total.required),
-        },
-        "notes": found.notes,
-        "verdict": {
-            "limit_deg": None if total.limit is None else deg(total.limit),
-            "sufficient": total.sufficient,
-            "left_deg": None if total.left is None else deg(total.left),
-        },
-    }

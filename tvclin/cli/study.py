@@ -9,6 +9,7 @@ from tvclin.cli.options import (
     MODELS_HELP,
     VEHICLE_HELP,
     AsJson,
+    Gust,
     PeakDeg,
     PeakSpeed,
     Plot,
@@ -35,12 +36,7 @@ def study(
     ] = None,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
-    gust: Annotated[
-        tuple[float, float] | None,
-        typer.Option(
-            metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
-        ),
-    ] = None,
+    gust: Gust = None,
     gust_at: Annotated[
         float | None,
         typer.Option(help="When the gust peaks, in s; in the middle of the wind if not given."),

@@ -97,6 +97,8 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     if placing == "peak":
         return PlacedWind(history, time - _middle_of_the_top(history))
     half = 0.5 * number("window", window, positive, "s")
+    if time - half <= history.onset and history.end <= time + half:
+        return PlacedWind(history, 0.0)
     return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
 
 

@@ -63,12 +63,17 @@ def load_schedule(
         return _from_rows(_csv_rows(text, name), name)
     table = _schedule_table(text, name)
     if table is not None:
-        return _from_rows(_toml_rows(table, name), name)
+        return schedule_of(table, name)
     vehicle, condition = parse_vehicle(text, name), load_flight_condition(source)
     own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     first = own - _BEFORE if start is None else start
     last = own + _AFTER if stop is None else stop
     return FlightSchedule.from_flight(vehicle, condition, start=first, stop=last, step=step)
+
+
+def schedule_of(table: dict[str, Any], source: str) -> FlightSchedule:
+    """Return the schedule of a table of lists by the keys of vehicle files; see `load_schedule`."""
+    return _from_rows(_toml_rows(table, source), source)
 
 
 Row = tuple[str, dict[str, Any]]

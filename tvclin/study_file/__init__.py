@@ -1,10 +1,22 @@
 """The study file: one TOML that drives studies, campaigns and pages.
 
-The rooms inside: `plan` is what such a file asks for, and `read` makes one of a file; the tables
-that campaigns know too are read by `campaign.tables`.
+The rooms inside: `plan` is what such a file asks for and `sizing` what it asks of a whole flight,
+`read` makes a plan of a file, and `read_sizing` the part of the flight; the tables that campaigns
+know too are read by `campaign.tables`.
 """
 
 from tvclin.study_file.plan import GainsAsked, LawsAsked, StudyPlan
-from tvclin.study_file.read import example, example_plan, load_study
+from tvclin.study_file.read import example, example_plan, load_sizing, load_study
+from tvclin.study_file.sizing import SizingAsked, SoundingAsked
 
-__all__ = ["GainsAsked", "LawsAsked", "StudyPlan", "example", "example_plan", "load_study"]
+__all__ = [
+    "GainsAsked",
+    "LawsAsked",
+    "SizingAsked",
+    "SoundingAsked",
+    "StudyPlan",
+    "example",
+    "example_plan",
+    "load_sizing",
+    "load_study",
+]

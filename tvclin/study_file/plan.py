@@ -14,7 +14,10 @@ from tvclin.law_trials import STANDARD_LAWS, standard_winds
 from tvclin.margins import Criteria
 from tvclin.plant import MODELS, Plant
 from tvclin.study import SHAPES, Study
+from tvclin.study_file.sizing import SizingAsked
 from tvclin.vehicle import Vehicle
+
+DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,6 +143,8 @@ class StudyPlan:
         How many dispersed cases are drawn, and from what.
     probability, confidence : float
         Of the deflection that covers them, as of `quantile_bound`.
+    sizing : SizingAsked, optional
+        What is asked of the whole flight.
 
     Raises
     ------
@@ -150,7 +155,7 @@ class StudyPlan:
     vehicle: Vehicle
     model: str = "fixed-path"
     plane: str = "pitch"
-    wind: ShapedWind = ShapedWind("triangular", float(np.radians(5.0)), 7.5)  # noqa: RUF009
+    wind: ShapedWind = DEFAULT_WIND
     gust: History | None = None
     limit: float | None = None
     dead_band: float = 1.0
@@ -163,6 +168,7 @@ class StudyPlan:
     seed: int = 0
     probability: float = 0.99865
     confidence: float = 0.9
+    sizing: SizingAsked | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")

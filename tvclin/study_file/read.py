@@ -16,14 +16,19 @@ from tvclin.campaign.tables import (
     question_of,
     spellings,
     subject_of,
-    wind_of,
+    winds_of,
 )
 from tvclin.errors import InputError, one_of
 from tvclin.margins import CRITERIA, Criteria
-from tvclin.study_file.plan import GainsAsked, LawsAsked, StudyPlan
+from tvclin.sizing import load_schedule
+from tvclin.study_file.plan import DEFAULT_WIND, GainsAsked, LawsAsked, StudyPlan
+from tvclin.study_file.read_sizing import gust_of, sizing_of
+from tvclin.study_file.sizing import SizingAsked
 from tvclin.vehicle_file import parse_vehicle, vehicle_text
 
 Units = dict[str, dict[str, float]]
+
+_ALSO_OF_A_FLIGHT = ("model", "plane", "switch")
 
 _TIME = {"s": 1.0, "ms": 1e-3}
 _LAWS: Units = {"sample_rate": {"Hz": 1.0}}
@@ -84,6 +89,44 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
         raise InputError(f"{name}: {error}") from None
 
 
+def load_sizing(source: str | PathLike[str]) -> SizingAsked:
+    """Return what is asked of a flight: by a study file, or a schedule or vehicle with defaults.
+
+    Parameters
+    ----------
+    source : str or path
+        A study file with [schedule], or what `load_schedule` makes a schedule of: then the wind is
+        a triangle of 5 degrees for 7.5 seconds.
+
+    Raises
+    ------
+    InputError
+        For a study file without [schedule], and as `load_study` and `load_schedule`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tv.load_sizing("configuration-i").times[[0, -1]]
+    array([ 45., 110.])
+    """
+    if _is_study(source):
+        asked = load_study(source).sizing
+        if asked is None:
+            raise InputError(f"{source} has no flight; add [schedule], see tvclin init --study")
+        return asked
+    return SizingAsked(schedule=load_schedule(source), pulses=(DEFAULT_WIND,))
+
+
+def _is_study(source: str | PathLike[str]) -> bool:
+    if str(source).lower().endswith(".csv"):
+        return False
+    text, _ = vehicle_text(source)
+    try:
+        return bool({"study", "campaign"} & tomllib.loads(text).keys())
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return False
+
+
 def example() -> str:
     """Return the study file of the package, which is commented."""
     return files("tvclin").joinpath("study_file", "example.toml").read_text(encoding="utf-8")
@@ -101,7 +144,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     """
     subject = subject_of(document, folder)
     if "cases" in document.get("campaign", {}):
-        parse_campaign(document, folder)
+        parse_campaign({k: v for k, v in document.items() if k != "gust"}, folder)
     head, drawn = dict(document.get("study", {})), document.get("campaign", {})
     known("key in [study]", head, (*SUBJECT, "dead_band", "switch"))
     given = {key: head[key] for key in ("dead_band", "switch") if key in head}
@@ -109,14 +152,19 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     if "dispersion" in document:
         rows = document["dispersion"], document.get("correlation", [])
         given["dispersions"] = dispersions_of(*rows)
-    wind: Any = wind_of(dict(document.get("wind", {})), folder)
+    wind: Any = winds_of(document, folder)[0]
+    gust = gust_of(document, float(getattr(wind, "duration", 0.0)))
+    question = question_of(document)
+    study = {key: value for key, value in (subject | given).items() if key in _ALSO_OF_A_FLIGHT}
     return StudyPlan(
         **subject,
         wind=wind,
+        gust=gust,
+        sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
         laws=_laws(dict(document["laws"])) if "laws" in document else None,
         gains=_gains(dict(document["autopilot"])) if "autopilot" in document else None,
         criteria=_criteria(dict(document["criteria"])) if "criteria" in document else None,
-        **question_of(document),
+        **question,
         **given,
     )
 

@@ -1,0 +1,116 @@
+"""What `tvclin size` prints: tables and JSON of a sizing and its total."""
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from tvclin.sizing import DeflectionTotal, Sizing
+
+
+def print_sizing(found: "Sizing", total: "DeflectionTotal", source: str, said: list[str]) -> None:
+    """Print the required deflections, the total and all notes; some come from elsewhere."""
+    from tvclin.sizing.record import VARYING
+
+    name = found.schedule.vehicle.name or source
+    typer.echo(f"{name}, {found.model}, {found.plane}: {', '.join(found.winds)}\n")
+    frozen = [name for name in found.required if not name.endswith(VARYING)]
+    _print_required(found, "Required deflection [deg]", frozen)
+    if len(frozen) < len(found.required):
+        rest = [name for name in found.required if name not in frozen]
+        _print_required(found, "The same, parameters varying while the wind blows [deg]", rest)
+    if not found.steady.all() or found.beyond_one_pole.any():
+        typer.echo("1: beyond one pole; ~: parameters change meanwhile; +: beyond the schedule")
+    law = "the bound of all such laws" if found.law == "bound" else "the recoverable-attitude law"
+    typer.echo(f"no forecast: {law}; minimum: the wind known, appendix C")
+    _print_total(total)
+    for note in (*found.notes, *said):
+        typer.echo(f"Note: {note}.")
+
+
+def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+    from tvclin.sizing.record import VARYING
+
+    columns = [np.degrees(found.at_times(name)) for name in names]
+    rows = [
+        [f"{time:g}", *(f"{column[i]:.4f}" for column in columns), _doubts(found, i)]
+        for i, time in enumerate(found.times.tolist())
+    ]
+    print_table(title, ["time [s]", *(name.removesuffix(VARYING) for name in names), ""], rows)
+
+
+def _print_total(total: "DeflectionTotal") -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_pairs
+
+    pairs = [
+        (f"{line.name} ({line.kind})", f"{np.degrees(line.deflection):.4f} deg")
+        for line in total.lines
+    ]
+    pairs.append(
+        ("total: systematic added, random in squares", f"{np.degrees(total.total):.4f} deg")
+    )
+    if total.reserve:
+        said = f"{np.degrees(total.required):.4f} deg"
+        pairs.append((f"limit that keeps {100 * total.reserve:g} % in reserve", said))
+    print_pairs(f"\nThe worst flight time, {total.time:g} s", pairs, columns=1)
+    if total.limit is not None and total.left is not None:
+        word = "SUFFICIENT" if total.sufficient else "NOT SUFFICIENT"
+        left = np.degrees(total.left)
+        typer.echo(f"Limit {np.degrees(total.limit):.4f} deg: {word}, by {left:+.4f} deg")
+
+
+def _doubts(found: "Sizing", i: int) -> str:
+    """Marks of a flight time: what is doubtful there in any wind."""
+    from tvclin.sizing.record import STEADY
+
+    marks = {
+        "1": found.beyond_one_pole[i].any(),
+        "~": (found.change[i] > STEADY).any(),
+        "+": not found.covered[i].all(),
+    }
+    return "".join(mark for mark, there in marks.items() if there)
+
+
+def sizing_document(found: "Sizing", total: "DeflectionTotal", said: list[str]) -> dict[str, Any]:
+    """Return all of a sizing and its total as JSON can hold it; some notes come from elsewhere."""
+    import numpy as np
+
+    deg = np.degrees
+    return {
+        "vehicle": found.schedule.vehicle.name,
+        **{name: getattr(found, name) for name in ("model", "plane", "switch", "law")},
+        "winds": found.winds,
+        "times_s": found.times,
+        "required_deg": {name: deg(values) for name, values in found.required.items()},
+        "begins_s": found.begins,
+        "ends_s": found.ends,
+        "change": found.change,
+        "covered": found.covered,
+        "beyond_one_pole": found.beyond_one_pole,
+        "single_pole_edge_s": found.edge,
+        "worst": {
+            name: {"deflection_deg": deg(one.deflection), "time_s": one.time, "wind": one.wind}
+            for name, one in found.worst.items()
+        },
+        "total": {
+            "time_s": total.time,
+            "lines": [
+                {"name": one.name, "deflection_deg": deg(one.deflection), "kind": one.kind}
+                for one in total.lines
+            ],
+            "total_deg": deg(total.total),
+            "reserve": total.reserve,
+            "required_deg": deg(total.required),
+        },
+        "notes": [*found.notes, *said],
+        "verdict": {
+            "limit_deg": None if total.limit is None else deg(total.limit),
+            "sufficient": total.sufficient,
+            "left_deg": None if total.left is None else deg(total.left),
+        },
+    }

@@ -1,0 +1,110 @@
+"""Measured winds on a flight: what blows around a flight time, to one side, a gust on top."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tvclin.errors import InputError, number, positive
+from tvclin.histories import History
+from tvclin.sizing.schedule import FlightSchedule
+from tvclin.soundings import WindProfile
+from tvclin.vehicle import Vehicle
+from tvclin.winds import SampledWind
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredWind:
+    """A wind in flight time that gives, for a vehicle at a flight time, what counts then.
+
+    That is what blows within half a window of the flight time, to the side on which the wind is
+    largest there: boundaries are defined for winds of one sign, and what blows to the other side
+    relieves. Give it to `size` with the placing "flight".
+
+    Attributes
+    ----------
+    wind : SampledWind
+        One wind, in flight time.
+    window : float
+        Length of the window [s].
+    gust : History, optional
+        Added to it, on the wind's side if its peak is positive; its middle meets the flight time.
+        Nothing is added to a calm.
+    """
+
+    wind: SampledWind
+    window: float = 20.0
+    gust: History | None = None
+
+    def __call__(self, vehicle: Vehicle) -> History:
+        """Return the wind around the vehicle's time [s]; all of it where that is calm."""
+        time = float(np.asarray(vehicle.time))
+        half = 0.5 * number("window", self.window, positive, "s")
+        times, angles = _cut(self.wind, time - half, time + half)
+        if times.size < 2 or not np.any(angles):
+            return self.wind
+        side = float(np.sign(angles[np.argmax(np.abs(angles))]))
+        around = SampledWind(time=times, angle=side * np.maximum(side * angles, 0.0))
+        if self.gust is None:
+            return around
+        middle = 0.5 * (self.gust.onset + self.gust.end)
+        return around + self.gust.shift(float(time - middle)) * side
+
+
+def fly_through(
+    profile: WindProfile,
+    schedule: FlightSchedule,
+    *,
+    azimuth: float,
+    plane: str = "pitch",
+    window: float = 20.0,
+    gust: History | None = None,
+) -> MeasuredWind:
+    """Return the wind that a flight through a sounding meets, for `size` with placing "flight".
+
+    Parameters
+    ----------
+    profile : WindProfile
+        The wind over height; see `read_sounding`.
+    schedule : FlightSchedule
+        The flight, with its altitude.
+    azimuth : float
+        Direction of flight [rad], from north, clockwise.
+    plane : {"pitch", "yaw"}
+        As of `WindProfile.to_wind`.
+    window, gust
+        As of `MeasuredWind`.
+
+    Raises
+    ------
+    InputError
+        For a schedule without altitude, and as `WindProfile.to_wind`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> flight = tv.load_schedule("configuration-i")
+    >>> west = tv.WindProfile(height=[5e3, 12e3, 20e3], east=[0, 60, 0], north=[0, 0, 0])
+    >>> met = tv.fly_through(west, flight, azimuth=np.radians(90))
+    >>> found = tv.size(flight, met, placing="flight", times=[60.0, 66.0, 72.0])
+    >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
+    array([0.397, 0.399, 0.37 ])
+    """
+    if gust is not None and (not isinstance(gust, History) or gust.batch):
+        raise InputError("gust must be one history, such as OneMinusCosineGust")
+    wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
+    return MeasuredWind(wind, number("window", window, positive, "s"), gust)
+
+
+def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
+    """Samples from one time to another, with the ends and every change of sign among them."""
+    low, high = max(low, float(wind.time[0])), min(high, float(wind.time[-1]))
+    if not low < high:
+        return np.empty(0), np.empty(0)
+    inside = (wind.time > low) & (wind.time < high)
+    times = np.concatenate([[low], wind.time[inside], [high]])
+    angles = np.interp(times, wind.time, wind.angle)
+    turns = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)
+    part = angles[turns] / (angles[turns] - angles[turns + 1])
+    calm = times[turns] + part * (times[turns + 1] - times[turns])
+    return np.insert(times, turns + 1, calm), np.insert(angles, turns + 1, 0.0)

@@ -1,0 +1,144 @@
+"""The tables [schedule], [size] and [[wind]] with soundings: what is asked of a whole flight."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tvclin.campaign import ShapedWind
+from tvclin.campaign.tables import (
+    PERCENT,
+    SOUNDING,
+    known,
+    quantity,
+    spellings,
+    wind_tables,
+    winds_of,
+)
+from tvclin.errors import InputError
+from tvclin.histories import History
+from tvclin.sizing import FlightSchedule, load_schedule
+from tvclin.sizing.schedule_file import schedule_of
+from tvclin.soundings import read_sounding
+from tvclin.study_file.sizing import SizingAsked, SoundingAsked
+from tvclin.units import UNITS
+from tvclin.winds import OneMinusCosineGust
+
+_TIME, _ANGLE = UNITS["time"], UNITS["angle"]
+_GUST = {"peak": _ANGLE, "duration": _TIME, "peak_time": _TIME}
+_PART = {"percent": 1.0 / PERCENT}
+_ASKED: dict[str, Mapping[str, float]] = {
+    "start": _TIME,
+    "stop": _TIME,
+    "every": _TIME,
+    "window": _TIME,
+    "peak_speed": UNITS["speed"],
+    "dispersion": _PART,
+    "thrust_offset": _ANGLE,
+    "gravity_offset": UNITS["length"],
+    "reserve": _PART,
+}
+_PLAIN = ("dead_bands", "model", "law", "varying", "count")
+
+
+def sizing_of(
+    document: Mapping[str, Any], folder: Path, gust: History | None, **study: Any
+) -> SizingAsked | None:
+    """Return what a document asks of a flight; None without [schedule] and [size].
+
+    Parameters
+    ----------
+    document : mapping
+        The study file.
+    folder : Path
+        Where the files that it names are.
+    gust : History, optional
+        On top of the winds.
+    **study
+        Model, plane, switch and limit of the study, which count for the flight as well.
+
+    Raises
+    ------
+    InputError
+        For unknown keys, files that cannot be read, and as `SizingAsked`.
+    """
+    soundings = {
+        name: sounding
+        for table in wind_tables(document)
+        if SOUNDING in table
+        for name, sounding in [_sounding(table, folder)]
+    }
+    if "schedule" not in document and "size" not in document:
+        if soundings:
+            raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
+        return None
+    table = dict(document.get("size", {}))
+    known("key in [size]", table, (*_PLAIN, *spellings(_ASKED)))
+    given: dict[str, Any] = {
+        name: quantity("[size]", table, name, units, required=False)
+        for name, units in _ASKED.items()
+    }
+    given = {name: value for name, value in given.items() if value is not None} | table
+    if not isinstance(given.get("varying", False), bool):
+        raise InputError(f"varying in [size] must be true or false; got {given['varying']!r}")
+    if "dead_bands" in given:
+        if not isinstance(given["dead_bands"], list):
+            raise InputError(f"dead_bands in [size] must be a list; got {given['dead_bands']!r}")
+        given["dead_bands"] = tuple(given["dead_bands"])
+    pulses = tuple(one for one in winds_of(document, folder) if isinstance(one, ShapedWind))
+    return SizingAsked(
+        schedule=_schedule(document, folder),
+        pulses=pulses,
+        soundings=soundings,
+        gust=gust,
+        **(study | given),
+    )
+
+
+def gust_of(document: Mapping[str, Any], duration: float) -> History | None:
+    """Return the gust of [gust] in the time of a wind of a duration [s]; None without it."""
+    if "gust" not in document:
+        return None
+    table = dict(document["gust"])
+    known("key in [gust]", table, spellings(_GUST))
+    peak = quantity("[gust]", table, "peak", _ANGLE)
+    lasts = quantity("[gust]", table, "duration", _TIME)
+    at = quantity("[gust]", table, "peak_time", _TIME, required=False)
+    gust = OneMinusCosineGust(peak=peak or 0.0, duration=lasts or 0.0)
+    return gust.shift((0.5 * duration if at is None else at) - 0.5 * float(gust.duration))
+
+
+def _schedule(document: Mapping[str, Any], folder: Path) -> FlightSchedule:
+    """The flight of [schedule]; the nominal flight of the study's vehicle without it."""
+    table = document.get("schedule", {})
+    if any(isinstance(value, list) for value in table.values()):
+        return schedule_of(table, "[schedule]")
+    known("key in [schedule]", table, ("source", "time_s"))
+    study, campaign = document.get("study", {}), document.get("campaign", {})
+    source = table.get("source", study.get("vehicle", campaign.get("vehicle")))
+    if not isinstance(source, str) or not source.isprintable():
+        raise InputError(
+            "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
+            f" {source!r}"
+        )
+    return load_schedule(_beside(folder, source))
+
+
+def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
+    legal = (SOUNDING, "name", "format", "time", *spellings({"azimuth": _ANGLE}))
+    known("key in [[wind]]", table, legal)
+    azimuth = quantity("[[wind]] with a sounding", table, "azimuth", _ANGLE) or 0.0
+    file = table[SOUNDING]
+    if not isinstance(file, str) or not file.isprintable():
+        raise InputError(f"sounding in [[wind]] must be a path; got {file!r}")
+    for key in ("name", "format", "time"):
+        if not isinstance(table.get(key, ""), str):
+            raise InputError(f"{key} in [[wind]] must be a text; got {table[key]!r}")
+    profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
+    named = Path(file).name
+    return table.get("name", named), SoundingAsked(replace(profile, source=named), azimuth)
+
+
+def _beside(folder: Path, source: str) -> str | Path:
+    beside = folder / source
+    return beside if beside.exists() else source

@@ -1,0 +1,250 @@
+"""What is asked of a whole flight: its schedule, its winds, and what else the nozzle has to do."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.campaign import ShapedWind
+from tvclin.errors import (
+    InputError,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    within,
+)
+from tvclin.histories import History
+from tvclin.sizing import (
+    DeflectionTotal,
+    FlightSchedule,
+    Sizing,
+    fly_through,
+    size,
+    worst_total,
+)
+from tvclin.sizing.placing import WindOf
+from tvclin.soundings import WindProfile
+from tvclin.study import SHAPES
+from tvclin.vehicle import Vehicle
+from tvclin.winds import angle_from_speed
+
+_MOST = 10_000
+"""Flight times; more are a step that was given in the wrong unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class SoundingAsked:
+    """A wind over height that the flight goes through.
+
+    Attributes
+    ----------
+    profile : WindProfile
+        The wind; see `read_sounding`.
+    azimuth : float
+        Direction of flight [rad], from north, clockwise.
+    """
+
+    profile: WindProfile
+    azimuth: float
+
+    def __post_init__(self) -> None:
+        instance("profile", self.profile, WindProfile, "see read_sounding")
+        object.__setattr__(self, "azimuth", number("azimuth", self.azimuth, unit="rad"))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SizingAsked:
+    """Everything that the sizing of a flight depends on.
+
+    Attributes
+    ----------
+    schedule : FlightSchedule
+        The flight.
+    pulses : tuple of ShapedWind
+        Winds whose peak meets each flight time.
+    peak_speed : float, optional
+        Wind speed [m/s] at the peak of the pulses, in place of their angle: the vehicle meets it at
+        the angle of its flight time, by eq (B1e).
+    soundings : dict of str to SoundingAsked
+        Winds over height, by name.
+    gust : History, optional
+        On top of each wind: of a pulse in its time, of a sounding about each flight time.
+    window : float
+        As of `MeasuredWind` [s].
+    start, stop : float, optional
+        First and last flight time [s]; as far as the schedule covers the whole of the pulses.
+    every : float
+        Time between flight times [s].
+    dead_bands : tuple of float
+        K of the report's control.
+    model, plane, switch, law, varying
+        As of `size`.
+    count : str, optional
+        The requirement that counts as the wind's; the first dead band where it is not given.
+    dispersion, thrust_offset, gravity_offset, reserve, limit
+        As of `worst_total`.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, unknown names, and without any wind.
+    """
+
+    schedule: FlightSchedule
+    pulses: tuple[ShapedWind, ...] = ()
+    peak_speed: float | None = None
+    soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
+    gust: History | None = None
+    window: float = 20.0
+    start: float | None = None
+    stop: float | None = None
+    every: float = 5.0
+    dead_bands: tuple[float, ...] = (1.0, 0.5)
+    model: str = "drift-exact"
+    plane: str = "pitch"
+    switch: str = "report"
+    law: str = "bound"
+    varying: bool = False
+    count: str | None = None
+    dispersion: float = 0.0
+    thrust_offset: float = 0.0
+    gravity_offset: float = 0.0
+    reserve: float = 0.0
+    limit: float | None = None
+
+    def __post_init__(self) -> None:
+        instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
+        if not self.pulses and not self.soundings:
+            raise InputError("a sizing needs a wind: a pulse or a sounding")
+        for pulse in self.pulses:
+            one_of("shape of a pulse", pulse.shape, SHAPES)
+        if not self.dead_bands:
+            raise InputError("dead_bands must hold one number or more")
+        within("dead_bands", self.dead_bands, 0.0, 1.0)
+        for name in ("every", "window"):
+            object.__setattr__(self, name, number(name, getattr(self, name), positive, "s"))
+        for name in ("dispersion", "reserve"):
+            number(name, getattr(self, name), nonnegative)
+
+    @property
+    def counted(self) -> str:
+        """The requirement that counts as the wind's."""
+        return self.count or f"K = {max(self.dead_bands):g}"
+
+    @property
+    def times(self) -> NDArray[Any]:
+        """Even flight times [s]; without ends as many as cover the whole of the pulses.
+
+        Raises
+        ------
+        InputError
+            For ends not in order, and more than 10000 flight times.
+        """
+        half = 0.5 * max((pulse.duration for pulse in self.pulses), default=0.0)
+        first, last = self.schedule.span
+        if last - first < 2.0 * half:
+            half = 0.0
+        low = np.ceil((first + half) / self.every) * self.every
+        low = low if self.start is None else float(finite("the first flight time", self.start))
+        high = last - half if self.stop is None else float(finite("the last one", self.stop))
+        if high < low:
+            raise InputError(
+                f"the last flight time must not be before the first; got {low:g} to {high:g} s"
+            )
+        count = (high - low) / self.every
+        if count > _MOST:
+            raise InputError(
+                f"there may be at most {_MOST} flight times; got one every {self.every:g} s"
+            )
+        return np.asarray(low + self.every * np.arange(np.floor(count * (1.0 + 1e-12)) + 1))
+
+    @property
+    def winds(self) -> dict[str, WindOf]:
+        """The winds by name, as `size` takes them; soundings are in flight time.
+
+        Raises
+        ------
+        InputError
+            As `fly_through`, with the name of the sounding.
+        """
+        return {self._pulse_name(pulse): self._met(pulse) for pulse in self.pulses} | {
+            name: self._flown(name, sounding) for name, sounding in self.soundings.items()
+        }
+
+    def sizing(self) -> Sizing:
+        """Return the sizing; raise `InputError` as `size`."""
+        return size(
+            self.schedule,
+            self.winds,
+            times=self.times,
+            dead_bands=self.dead_bands,
+            model=self.model,
+            plane=self.plane,
+            switch=self.switch,
+            placing=dict.fromkeys(self.soundings, "flight"),
+            window=self.window,
+            law=self.law,
+            varying=self.varying,
+        )
+
+    def total(self, found: Sizing) -> DeflectionTotal:
+        """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
+        return worst_total(
+            found,
+            one_of("count", self.counted, found.required),
+            dispersion=self.dispersion,
+            thrust_offset=self.thrust_offset,
+            gravity_offset=self.gravity_offset,
+            reserve=self.reserve,
+            limit=self.limit,
+        )
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be known of the winds; nothing without soundings."""
+        if not self.soundings:
+            return []
+        return [
+            f"of {', '.join(self.soundings)} counts what blows within {0.5 * self.window:g} s of"
+            " each flight time, to the side on which it is largest there",
+            *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
+        ]
+
+    def peak_at(self, vehicle: Vehicle, pulse: ShapedWind) -> float:
+        """Return the peak angle [rad] of a pulse that a vehicle meets."""
+        if self.peak_speed is None:
+            return pulse.peak
+        angle = np.pi / 2 if self.plane == "yaw" else vehicle.attitude
+        return float(angle_from_speed(self.peak_speed, vehicle.velocity, angle))
+
+    def _met(self, pulse: ShapedWind) -> WindOf:
+        def met(vehicle: Vehicle) -> History:
+            peak = self.peak_at(vehicle, pulse)
+            wind: History = SHAPES[pulse.shape](peak=peak, duration=pulse.duration)
+            return wind if self.gust is None else wind + self.gust
+
+        return met
+
+    def _flown(self, name: str, sounding: SoundingAsked) -> WindOf:
+        try:
+            return fly_through(
+                sounding.profile,
+                self.schedule,
+                azimuth=sounding.azimuth,
+                plane=self.plane,
+                window=self.window,
+                gust=self.gust,
+            )
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+
+    def _pulse_name(self, pulse: ShapedWind) -> str:
+        strength = f"{np.degrees(pulse.peak):.6g} deg"
+        if self.peak_speed is not None:
+            strength = f"{self.peak_speed:g} m/s"
+        return f"{pulse.shape} wind of {strength}, {pulse.duration:g} s"
