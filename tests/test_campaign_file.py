@@ -166,7 +166,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         ({"campaign": HEAD | {"method": "latin", "cases": 10**8}}, "at most 1e7 cases"),
         ({"campaign": HEAD | {"until_percent": -3}}, "until must be positive"),
         ({"campaign": 3}, r"\[campaign\] must be a table"),
-        ({"wind": {"peak": 5.0, "duration_s": 7.5}}, "peak once, as peak_rad or peak_deg"),
+        ({"wind": {"peak": 5.0, "duration_s": 7.5}}, "'peak'; did you mean peak_rad or peak_deg"),
         ({"wind": WIND | {"peak_rad": 0.1}}, "peak once, as peak_rad or peak_deg"),
         ({"wind": WIND | {"shpe": "triangular"}}, "'shpe'; did you mean shape?"),
         ({"wind": WIND | {"shape": "square"}}, "shape of the wind must be one of triangular"),

@@ -18,6 +18,9 @@ from tvclin.study_file.read import example, parse_study
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
 
+SOUNDINGS = Path(__file__).parent / "soundings"
+SOUNDING = {"sounding": str(SOUNDINGS / "wyoming.txt"), "azimuth_deg": 90}
+
 
 def run(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(one) for one in arguments])
@@ -37,6 +40,11 @@ def test_the_example_says_what_its_keys_say() -> None:
     assert (found.laws.sample_rate, found.laws.model) == (50.0, "drift-exact")
     assert (found.gains.design, found.gains.model) == ("canonical", "drift")
     assert len(found.dispersions.each) == 5
+    sizing = found.sizing
+    assert sizing.schedule.at(66.0) == tv.load_schedule("configuration-i").at(66.0)
+    assert (sizing.pulses, sizing.every, sizing.dead_bands) == ((found.wind,), 10.0, (1.0, 0.5))
+    assert (sizing.dispersion, sizing.gravity_offset, sizing.reserve) == (0.2, 0.02, 0.1)
+    assert (sizing.limit, sizing.model) == (found.limit, found.model)
 
 
 def test_the_page_shows_a_study() -> None:
@@ -55,6 +63,104 @@ def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
 
     for name in ("vehicle", "model", "plane", "wind", "limit", "dispersions", "cases", "seed"):
         assert getattr(study, name) == getattr(campaign, name), name
+
+
+FLIGHT = """
+[study]
+vehicle = "configuration-i"
+model = "drift"
+
+[[wind]]
+peak_deg = 4.0
+duration_s = 7.5
+
+[[wind]]
+sounding = "wyoming.txt"
+azimuth_deg = 90
+time = "2024-02-15 12"
+
+[gust]
+peak_deg = 1.0
+duration_s = 2.0
+
+[question]
+limit_deg = 0.6
+
+[schedule]
+source = "configuration-ii"
+
+[size]
+start_s = 70
+stop_s = 90
+every_s = 20
+window_s = 16
+dead_bands = [1.0]
+varying = true
+dispersion_percent = 20
+thrust_offset_deg = 0.1
+gravity_offset_m = 0.02
+reserve_percent = 10
+"""
+
+
+def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
+    file, sounding = tmp_path / "my.toml", tmp_path / "wyoming.txt"
+    file.write_text(FLIGHT)
+    sounding.write_text((SOUNDINGS / "wyoming.txt").read_text())
+    options = ["--peak-deg", 4, "--winds", sounding, "--azimuth-deg", 90, "--model", "drift"]
+    options += ["--gust", 1, 2, "--from", 70, "--to", 90, "--every", 20, "--window", 16]
+    options += ["--dead-band", 1, "--varying", "--dispersion", 0.2, "--thrust-offset-deg", 0.1]
+    options += ["--gravity-offset-m", 0.02, "--reserve", 0.1, "--limit-deg", 0.6]
+    by_file = run("size", file, "--json")
+    by_options = run("size", "configuration-ii", *options, "--json")
+    one, other = json.loads(by_file.output), json.loads(by_options.output)
+
+    assert one.pop("notes")[:-4] == other.pop("notes")[:-5]
+    assert one == other
+    assert by_file.exit_code == by_options.exit_code
+    assert one["times_s"] == [70.0, 90.0]
+    assert one["winds"] == ["triangular wind of 4 deg, 7.5 s", "wyoming.txt"]
+    shorter = json.loads(run("size", file, "--every", 50, "--plane", "yaw", "--json").output)
+    assert (shorter["times_s"], shorter["plane"]) == ([70.0], "yaw")
+
+
+def test_the_same_file_drives_the_study_and_its_gust_blows_in_the_middle(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(FLIGHT)
+    (tmp_path / "wyoming.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
+    options = ["--peak-deg", 4, "--gust", 1, 2, "--limit-deg", 0.6, "--model", "drift"]
+    by_options = run("study", "configuration-i", *options, "--json")
+
+    assert json.loads(run("study", file, "--json").output) == json.loads(by_options.output)
+    late = plan(gust={"peak_deg": 1, "duration_s": 2, "peak_time_s": 6.0}).gust
+    assert (late.onset, late.end) == (5.0, 7.0)
+    with pytest.raises(tv.InputError, match="a campaign has no gust"):
+        parse_campaign(tomllib.loads(FLIGHT) | {"campaign": {"cases": 3}}, tmp_path)
+
+
+def test_a_flight_of_the_file_itself_and_of_its_vehicle(tmp_path: Path) -> None:
+    rows = tv.load_schedule("configuration-i", start=60.0, stop=70.0, step=5.0)
+    v = rows.vehicle
+    table = {
+        "time_s": rows.times.tolist(),
+        "weight_N": v.weight.tolist(),
+        "normal_force_slope_N_per_rad": v.normal_force_slope.tolist(),
+        "axial_force_N": v.axial_force.tolist(),
+        "velocity_m_per_s": v.velocity.tolist(),
+        "attitude_rad": v.attitude.tolist(),
+        "moment_of_inertia_kg_m2": v.moment_of_inertia,
+        "thrust_N": v.thrust,
+        "aerodynamic_arm_m": v.aerodynamic_arm,
+        "control_arm_m": v.control_arm,
+    }
+    given, own = plan(schedule=table).sizing.schedule, plan(size={}).sizing.schedule
+
+    assert given.at(62.0) == rows.at(62.0).replace(name=given.vehicle.name)
+    assert own.at(66.0) == tv.load_schedule("configuration-i").at(66.0)
+    assert plan().sizing is None
+    file = tmp_path / "none.toml"
+    file.write_text(re.sub(r"(?s)# The whole flight.*?(?=# Many)", "", example()))
+    assert "has no flight; add [schedule]" in run("size", file).output
 
 
 def test_a_campaign_file_is_a_study_file() -> None:
@@ -159,6 +265,35 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"criteria": {}}, "criteria need a limit"),
         ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
         ({"laws": 3}, r"\[laws\] must be a table"),
+        ({"wind": 3}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
+        ({"wind": [WIND, 3]}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
+        ({"wind": [SOUNDING], "schedule": {}}, "beside soundings a wind of one shape is needed"),
+        ({"wind": [WIND, SOUNDING]}, r"a sounding needs a flight: add \[schedule\]"),
+        ({"wind": [WIND, {"soundng": "a"}]}, "'soundng'; did you mean sounding"),
+        (
+            {"wind": [WIND, SOUNDING | {"azimut_deg": 3}], "schedule": {}},
+            "'azimut_deg'; did you mean azimuth",
+        ),
+        ({"wind": [WIND, {"sounding": "a"}], "schedule": {}}, "must give azimuth once"),
+        ({"wind": [WIND, SOUNDING | {"sounding": 3}], "schedule": {}}, "must be a path; got 3"),
+        ({"wind": [WIND, SOUNDING | {"time": 3}], "schedule": {}}, "time in .* must be a text"),
+        ({"wind": [WIND, SOUNDING | {"format": "x"}], "schedule": {}}, "format must be one of"),
+        ({"gust": 3}, r"\[gust\] must be a table"),
+        ({"gust": {"peak_deg": 1, "duratoin_s": 2}}, "'duratoin_s'; did you mean duration_s"),
+        ({"gust": {"peak_deg": 1}}, "must give duration once"),
+        ({"gust": {"peak_deg": 0, "duration_s": 2}}, "peak must be other than zero"),
+        ({"shedule": {}}, "unknown table: 'shedule'; did you mean schedule"),
+        ({"schedule": {"sorce": "a"}}, "'sorce'; did you mean source"),
+        ({"schedule": {"source": 3}}, "needs a source"),
+        ({"schedule": {"source": "none.csv"}}, "none.csv does not exist"),
+        ({"schedule": {"time_s": [1, 2]}}, "row 1: a key is missing: weight_N"),
+        ({"schedule": {"thrust_N": [1, 2]}}, "needs time_s, a list"),
+        ({"size": {"evry_s": 1}}, "'evry_s'; did you mean every_s"),
+        ({"size": {"every_s": 0}}, "every must be positive"),
+        ({"size": {"dead_bands": 1}}, r"dead_bands in \[size\] must be a list"),
+        ({"size": {"dead_bands": [2]}}, "dead_bands must be between 0 and 1"),
+        ({"size": {"varying": 1}}, "must be true or false"),
+        ({"size": {"reserve_percent": -1}}, "reserve must be zero or positive"),
     ],
 )
 def test_what_a_study_file_should_not_say_is_one_sentence(

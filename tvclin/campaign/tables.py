@@ -152,11 +152,14 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     if "angle_rad" in table:
         known("key in [wind]", table, ("time_s", "angle_rad"))
         return WindEnsemble(np.array(table.get("time_s")), np.array(table["angle_rad"]))
+    keys = spellings({"peak": _ANGLE, "duration": _TIME})
+    known("key in [wind]", table, ("shape", "file", "unit", SOUNDING, *keys))
     rest = dict(table)
     shape = rest.pop("shape", "triangular")
     peak = quantity("[wind]", rest, "peak", _ANGLE)
     duration = quantity("[wind]", rest, "duration", _TIME)
-    known("key in [wind]", rest, ("shape", "file", "unit", SOUNDING))
+    if rest:
+        raise InputError(f"{min(rest)} in [wind] stands without the file that it is of")
     return ShapedWind(shape, float(peak or 0.0), float(duration or 0.0))
 
 
