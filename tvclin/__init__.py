@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from tvclin.deflections import trim_deflection as trim_deflection
     from tvclin.deflections import trim_then_hold as trim_then_hold
     from tvclin.errors import InputError as InputError
+    from tvclin.explorer import explore as explore
     from tvclin.flight import Earth as Earth
     from tvclin.flight import FlightBeside as FlightBeside
     from tvclin.flight import FlownBoundary as FlownBoundary
@@ -180,6 +181,7 @@ _ROOMS = {
     "comparison": ("TrimComparison", "WorstDuration", "compare_with_trim", "worst_duration"),
     "deflections": ("BangBang", "HeldDeflection", "trim_deflection", "trim_then_hold"),
     "errors": ("InputError",),
+    "explorer": ("explore",),
     "flight": (
         "Earth",
         "FlightBeside",

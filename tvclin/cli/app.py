@@ -14,6 +14,7 @@ from tvclin.cli.autopilot import autopilot
 from tvclin.cli.boundary import boundary
 from tvclin.cli.campaign import campaign
 from tvclin.cli.doctor import doctor
+from tvclin.cli.explore import explore
 from tvclin.cli.fly import fly
 from tvclin.cli.laws import laws
 from tvclin.cli.margins import margins
@@ -58,6 +59,7 @@ for command in (
     study,
     size,
     report,
+    explore,
     boundary,
     optimum,
     respond,

@@ -1,0 +1,39 @@
+"""The notebook file: one cell that says what to do, and one that shows the panel."""
+
+import json
+
+_WORDS = """\
+# How much deflection must this booster have?
+
+Run the cell below (Shift+Enter), then move anything: the picture, the margins and the verdict
+follow. Angles are in degrees."""
+
+
+def notebook_text(vehicle: str) -> str:
+    """Return the text of a notebook (.ipynb) that explores a vehicle.
+
+    Parameters
+    ----------
+    vehicle : str
+        As of `explore`.
+    """
+    code = f"import tvclin as tv\n\ntv.explore({vehicle!r})"
+    cells = [
+        {"cell_type": "markdown", "id": "words", "metadata": {}, "source": _WORDS},
+        {
+            "cell_type": "code",
+            "id": "panel",
+            "metadata": {},
+            "source": code,
+            "execution_count": None,
+            "outputs": [],
+        },
+    ]
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    document = {
+        "cells": cells,
+        "metadata": {"kernelspec": kernel, "language_info": {"name": "python"}},
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
+    return json.dumps(document, indent=1) + "\n"

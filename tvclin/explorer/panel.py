@@ -1,0 +1,172 @@
+"""The widgets, and what happens when one is moved."""
+
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from tvclin.autopilot import canonical_gains
+from tvclin.coefficients import PLANES, Coefficients
+from tvclin.errors import InputError
+from tvclin.explorer.answer import Answer, answer
+from tvclin.explorer.choices import LAWS, Choices
+from tvclin.explorer.parts import LONGEST
+from tvclin.explorer.picture import new_picture
+from tvclin.plant import MODELS
+from tvclin.study import SHAPES
+from tvclin.vehicle_file import list_vehicles, load_vehicle
+
+_SLIDERS = {
+    "duration": ("wind duration [s]", 7.5, 0.5, LONGEST, 0.1),
+    "peak": ("wind peak [deg]", 5.0, 0.5, 20.0, 0.1),
+    "dead_band": ("dead band K [-]", 1.0, 0.0, 1.0, 0.01),
+    "limit": ("limit [deg]", 0.4, 0.02, 5.0, 0.01),
+    "attitude_gain": ("gain a0 [-]", 0.5, 0.0, 4.0, 0.01),
+    "rate_gain": ("gain a1 [s]", 0.55, 0.0, 4.0, 0.01),
+    "delay": ("delay [ms]", 20.0, 0.0, 200.0, 1.0),
+}
+"""Label, start, least, largest and step of each."""
+_TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
+_WIDE = {"description_width": "115px"}
+
+
+class Panel:
+    """The panel of widgets; each change answers anew.
+
+    Attributes
+    ----------
+    controls : dict of str to Widget
+        By the field of `Choices` that they set, in the units of their labels.
+    verdict, notes, margins : HTML
+        What is said.
+    image : Image
+        The picture.
+    canonical : Button
+        Sets the gains to the report's.
+    box : HBox
+        All of it, to be shown.
+    """
+
+    def __init__(self, vehicle: str) -> None:
+        widgets = _widgets()
+        names = dict.fromkeys([vehicle, *list_vehicles()])
+        self._vehicles = {name: load_vehicle(name) for name in names}
+        self._picture = new_picture()
+        lists = {
+            "vehicle": ("vehicle", self._vehicles, vehicle),
+            "plane": ("plane", PLANES, "pitch"),
+            "model": ("model", MODELS, "drift"),
+            "shape": ("wind shape", SHAPES, "triangular"),
+            "law": ("law", LAWS, LAWS[1]),
+        }
+        self.controls: dict[str, Any] = {
+            field: widgets.Dropdown(
+                description=label, options=list(options), value=value, style=_WIDE
+            )
+            for field, (label, options, value) in lists.items()
+        }
+        for field, (label, value, least, most, step) in _SLIDERS.items():
+            self.controls[field] = widgets.FloatSlider(
+                description=label,
+                value=value,
+                min=least,
+                max=most,
+                step=step,
+                style=_WIDE,
+                readout_format=f".{max(0, -round(np.floor(np.log10(step))))}f",
+            )
+        self.canonical = widgets.Button(description="canonical gains")
+        self.verdict, self.notes, self.margins = (widgets.HTML() for _ in range(3))
+        self.image = widgets.Image(format="png", layout={"max_width": "100%"})
+        self.box = self._arranged(widgets)
+        for control in self.controls.values():
+            control.observe(self._show, "value")
+        self.canonical.on_click(self._set_canonical_gains)
+        self._show()
+
+    @property
+    def choices(self) -> Choices:
+        """What the widgets ask for."""
+        asked = {field: control.value for field, control in self.controls.items()}
+        asked["vehicle"] = self._vehicles[asked["vehicle"]]
+        return Choices(
+            **{
+                field: value * _TO_SI[field] if field in _TO_SI else value
+                for field, value in asked.items()
+            }
+        )
+
+    def _show(self, _change: Any = None) -> None:
+        found = answer(self.choices)
+        self.verdict.value = f"<b>{escape(found.verdict)}</b>"
+        self.margins.value = escape(_margins(found))
+        self.notes.value = "<br>".join(map(escape, found.notes))
+        self.image.value = self._picture.png(found)
+
+    def _set_canonical_gains(self, _button: Any) -> None:
+        asked = self.choices
+        try:
+            gains = canonical_gains(Coefficients.from_vehicle(asked.vehicle, asked.plane))
+        except InputError as error:
+            self.notes.value = escape(str(error))
+            return
+        for field in ("attitude_gain", "rate_gain"):
+            self.controls[field].value = float(getattr(gains, field))
+
+    def _arranged(self, widgets: Any) -> Any:
+        groups = (
+            ("vehicle", "plane", "model"),
+            ("shape", "duration", "peak"),
+            ("limit", "dead_band", "law"),
+            ("attitude_gain", "rate_gain", "delay"),
+        )
+        column = [self.controls[field] for group in groups for field in group]
+        left = widgets.VBox([*column, self.canonical], layout={"flex": "0 0 330px"})
+        right = widgets.VBox(
+            [self.verdict, self.image, self.margins, self.notes],
+            layout={"flex": "1 1 0", "min_width": "0"},
+        )
+        return widgets.HBox([left, right])
+
+
+def explore(vehicle: str = "configuration-i") -> Any:
+    """Return a panel for a notebook, in which everything can be moved by hand.
+
+    Parameters
+    ----------
+    vehicle : str
+        As of `load_vehicle`; the vehicles of the package are in its list as well.
+
+    Returns
+    -------
+    ipywidgets.HBox
+        Widgets, the verdict, a picture of boundary and response, and the margins.
+
+    Raises
+    ------
+    InputError
+        Where ipywidgets, of the extra `notebook`, is missing, and as `load_vehicle`.
+    """
+    return Panel(vehicle).box
+
+
+def _widgets() -> Any:
+    try:
+        import ipywidgets
+    except ImportError:
+        raise InputError("the panel needs ipywidgets; install tvclin[notebook]") from None
+    return ipywidgets
+
+
+def _margins(found: Answer) -> str:
+    m = found.margins
+    if m is None:
+        return "Margins: none."
+    if m.reason:
+        return f"Margins: none, {m.reason}."
+    return (
+        f"Margins of the gains: aero {m.aero_margin_dB:.1f} dB, gain increase"
+        f" {m.gain_increase_dB:.1f} dB, phase {m.phase_margin_deg:.1f} deg at"
+        f" {m.crossover_frequency:.2f} rad/s, delay {1000.0 * m.delay_margin:.0f} ms, peak"
+        f" sensitivity {m.peak_sensitivity:.2f}."
+    )
