@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.cli.laws import _limit
-from tvclin.law_trials import law_trials, standard_laws
+from tvclin.trials import law_trials, standard_laws
 
 
 def run(*arguments):

@@ -39,6 +39,10 @@ def _anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w -]", "", one.lower()).replace(" ", "-") for one in headings}
 
 
+def test_no_public_name_is_hidden_by_a_room_of_the_same_name() -> None:
+    assert not {path.stem for path in (ROOT / "tvclin").iterdir()} & set(tvclin.__all__)
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_between_pages_lead_somewhere(page: Path) -> None:
     for target, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]+))?\)", page.read_text()):

@@ -12,10 +12,10 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.law_trials import law_trials
 from tvclin.report import sections, verdict
 from tvclin.report.findings import find
 from tvclin.study_file.read import example, parse_study
+from tvclin.trials import law_trials
 
 pytest.importorskip("jinja2")
 

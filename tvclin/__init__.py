@@ -62,10 +62,6 @@ if TYPE_CHECKING:
     from tvclin.forecast_free import ForecastFreeLimit as ForecastFreeLimit
     from tvclin.forecast_free import forecast_free_limit as forecast_free_limit
     from tvclin.histories import History as History
-    from tvclin.law_trials import LawTrial as LawTrial
-    from tvclin.law_trials import law_trials as law_trials
-    from tvclin.law_trials import standard_laws as standard_laws
-    from tvclin.law_trials import standard_winds as standard_winds
     from tvclin.laws import DeadBandLaw as DeadBandLaw
     from tvclin.laws import Law as Law
     from tvclin.laws import RecoverableAttitudeLaw as RecoverableAttitudeLaw
@@ -127,6 +123,10 @@ if TYPE_CHECKING:
     from tvclin.study_file import StudyPlan as StudyPlan
     from tvclin.study_file import load_sizing as load_sizing
     from tvclin.study_file import load_study as load_study
+    from tvclin.trials import LawTrial as LawTrial
+    from tvclin.trials import law_trials as law_trials
+    from tvclin.trials import standard_laws as standard_laws
+    from tvclin.trials import standard_winds as standard_winds
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
     from tvclin.vehicle_file import load_vehicle as load_vehicle
@@ -194,7 +194,7 @@ _ROOMS = {
     ),
     "forecast_free": ("ForecastFreeLimit", "forecast_free_limit"),
     "histories": ("History",),
-    "law_trials": ("LawTrial", "law_trials", "standard_laws", "standard_winds"),
+    "trials": ("LawTrial", "law_trials", "standard_laws", "standard_winds"),
     "laws": (
         "DeadBandLaw",
         "Law",

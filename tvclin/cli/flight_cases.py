@@ -89,7 +89,7 @@ def _control(
 
     from tvclin.errors import InputError, one_of
     from tvclin.flight import ReportControl
-    from tvclin.law_trials import standard_laws
+    from tvclin.trials import standard_laws
 
     one_of("--law", law, ["report", *LAWS])
     if law == "report":

@@ -18,8 +18,8 @@ from tvclin.cli.options import (
 
 if TYPE_CHECKING:
     from tvclin.histories import History
-    from tvclin.law_trials import LawTrial
     from tvclin.plant import Plant
+    from tvclin.trials import LawTrial
 
 
 def laws(
@@ -52,8 +52,8 @@ def laws(
 
     from tvclin.cli.output import print_json
     from tvclin.errors import one_of, positive, within
-    from tvclin.law_trials import law_trials, standard_laws, standard_winds
     from tvclin.plant import Plant
+    from tvclin.trials import law_trials, standard_laws, standard_winds
     from tvclin.vehicle_file import load_vehicle
 
     loaded = load_vehicle(vehicle)

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from tvclin.boundary import boundary_limit
 from tvclin.forecast_free import forecast_free_limit
-from tvclin.law_trials import law_curve
 from tvclin.laws import Law
 from tvclin.optimum import optimum_deflection
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
+from tvclin.trials import law_curve
 from tvclin.winds import TriangularWind
 
 if TYPE_CHECKING:

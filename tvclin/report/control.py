@@ -6,7 +6,6 @@ from tvclin.closed_loop.boundary import OK
 from tvclin.comparison import TrimComparison
 from tvclin.errors import InputError
 from tvclin.forecast_free import forecast_free_limit
-from tvclin.law_trials import LawTrial, standard_winds
 from tvclin.optimum import optimum_deflection
 from tvclin.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
@@ -23,6 +22,7 @@ from tvclin.report.blocks import (
 )
 from tvclin.report.figures import inline_svg
 from tvclin.report.findings import Findings
+from tvclin.trials import LawTrial, standard_winds
 
 _MARGINS = (
     ("aero: gain may fall", "aero_margin_dB", "aero_frequency", 1.0, "dB"),

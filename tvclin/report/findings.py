@@ -10,11 +10,11 @@ from typing import Any
 from tvclin.campaign import DispersedStudy, disperse_study
 from tvclin.comparison import TrimComparison, compare_with_trim
 from tvclin.errors import InputError
-from tvclin.law_trials import LawTrial, law_trials, standard_laws, standard_winds
 from tvclin.margins import CRITERIA, Criteria
 from tvclin.plant import Plant
 from tvclin.study import Study
 from tvclin.study_file import GainsAsked, StudyPlan
+from tvclin.trials import LawTrial, law_trials, standard_laws, standard_winds
 
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""

@@ -10,11 +10,11 @@ from tvclin.autopilot.rules import DESIGNS, designed_autopilot
 from tvclin.campaign import Dispersions, ShapedWind
 from tvclin.errors import InputError, instance, nonnegative, number, one_of, positive, within
 from tvclin.histories import History
-from tvclin.law_trials import STANDARD_LAWS, standard_winds
 from tvclin.margins import Criteria
 from tvclin.plant import MODELS, Plant
 from tvclin.study import SHAPES, Study
 from tvclin.study_file.sizing import SizingAsked
+from tvclin.trials import STANDARD_LAWS, standard_winds
 from tvclin.vehicle import Vehicle
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
