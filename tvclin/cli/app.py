@@ -53,28 +53,19 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     help="How much thrust-vector deflection must this booster have to survive this wind?",
-    epilog="First steps: tvclin vehicles | tvclin study configuration-i | tvclin init my.toml",
+    epilog="First: tvclin study configuration-i | tvclin init my.toml | tvclin explore",
 )
-for command in (
-    study,
-    size,
-    report,
-    explore,
-    boundary,
-    optimum,
-    respond,
-    fly,
-    autopilot,
-    margins,
-    laws,
-    poles,
-    reproduce,
-    vehicles,
-    init,
-    doctor,
-):
-    app.command()(command)
-app.add_typer(campaign, name="campaign")
+_PANELS = {
+    "Start here": (study, init, vehicles, report, explore),
+    "Theory": (boundary, optimum, respond, poles, reproduce),
+    "Control": (autopilot, margins, laws),
+    "Flights": (size, fly),
+    "This installation": (doctor,),
+}
+for panel, commands in _PANELS.items():
+    for command in commands:
+        app.command(rich_help_panel=panel)(command)
+app.add_typer(campaign, name="campaign", rich_help_panel="Flights")
 
 
 def _say_once(message: str, said: set[str]) -> None:
