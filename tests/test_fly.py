@@ -502,7 +502,10 @@ BATCH = Plant.from_coefficients(COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
         ({"sample_rate": 0.0}, "sample_rate must be positive"),
         ({"sample_rate": 39.0, "actuator": SERVO}, "must be at least 40 Hz for an actuator of 20"),
         ({"actuator": 20.0}, "actuator must be an Actuator"),
-        ({"actuator": Actuator(natural_frequency=[20.0, 30.0])}, r"one; got a batch of shape \(2"),
+        (
+            {"actuator": Actuator(natural_frequency=[20.0, 30.0])},
+            r"one actuator; got a batch of shape \(2",
+        ),
         ({"law": Autopilot(**GAINS)}, "law must be a Law"),
         ({"plant": BATCH}, r"one plant in one wind; got batches of shape \(2,\) and \(\)"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one plant in one wind"),

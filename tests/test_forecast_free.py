@@ -247,7 +247,7 @@ def test_with_drift_it_is_the_bound_of_the_fast_mode(name, model):
         (triangle(4.0) - triangle(4.0).shift(20.0), "changes its sign"),
         (tv.HeldDeflection(limit=0.1), "wind must end"),
         (0.0 * triangle(4.0), "wind must end, and be other than zero"),
-        (TriangularWind(peak=[0.1, 0.2], duration=5.0), r"one history; got a batch of shape \(2,"),
+        (TriangularWind(peak=[0.1, 0.2], duration=5.0), r"one wind; got a batch of shape \(2,"),
         (0.1, "wind must be a History"),
     ],
 )

@@ -145,8 +145,9 @@ def law_trials(
     **hardware
         rate_limit and actuator, as of `closed_loop_boundary`.
     """
+    flown = {"sample_rate": sample_rate, **hardware}
     return tuple(
-        _trial(plant, (law, laws[law]), (wind, winds[wind]), sample_rate, cuts, loads, hardware)
+        _trial(plant, (law, laws[law]), (wind, winds[wind]), cuts, loads, flown)
         for law in laws
         for wind in winds
     )
@@ -185,47 +186,38 @@ def _trial(
     plant: Plant,
     law: tuple[str, Law],
     wind: tuple[str, History],
-    sample_rate: float,
     cuts: int,
     loads: bool,
-    hardware: dict[str, Any],
+    flown: dict[str, Any],
 ) -> LawTrial:
-    found = closed_loop_boundary(
-        plant,
-        law[1],
-        wind[1],
-        sample_rate=sample_rate,
-        cuts=cuts,
-        highest=_HIGHEST,
-        **hardware,
-    )
-    angle = attitude = np.nan
+    found = closed_loop_boundary(plant, law[1], wind[1], cuts=cuts, highest=_HIGHEST, **flown)
+    largest = (np.nan, np.nan)
     if loads and np.isfinite(found.limit):
-        start, end = float(wind[1].onset), float(wind[1].end)
-        flown = fly(
-            plant,
-            law[1],
-            wind[1],
-            np.linspace(start, end + 0.5 * (end - start), _POINTS),
-            deflection_limit=_SPARE * found.deflection,
-            sample_rate=sample_rate,
-            **hardware,
-        )
-        peak = abs(float(wind[1].peak))
-        angle, attitude = (
-            float(np.abs(flown.outputs[name]).max()) / peak
-            for name in ("angle_of_attack", "attitude")
-        )
+        largest = _loads(plant, law[1], wind[1], _SPARE * found.deflection, flown)
     return LawTrial(
-        law[0],
-        wind[0],
-        found.limit,
-        found.status,
-        float(found.scan[0]),
-        float(found.scan[-1]),
-        found.growth,
-        found.creeps,
-        found.monotone,
-        angle,
-        attitude,
+        law=law[0],
+        wind=wind[0],
+        limit=found.limit,
+        status=found.status,
+        lowest=float(found.scan[0]),
+        highest=float(found.scan[-1]),
+        growth=found.growth,
+        creeps=found.creeps,
+        monotone=found.monotone,
+        peak_angle_of_attack=largest[0],
+        peak_attitude=largest[1],
     )
+
+
+def _loads(
+    plant: Plant, law: Law, wind: History, limit: float, flown: dict[str, Any]
+) -> tuple[float, float]:
+    """The largest angle of attack and attitude of one flight, over the peak of the wind."""
+    start, end = float(wind.onset), float(wind.end)
+    times = np.linspace(start, end + 0.5 * (end - start), _POINTS)
+    outputs = fly(plant, law, wind, times, deflection_limit=limit, **flown).outputs
+    peak = abs(float(wind.peak))
+    angle, attitude = (
+        float(np.abs(outputs[name]).max()) / peak for name in ("angle_of_attack", "attitude")
+    )
+    return angle, attitude

@@ -147,18 +147,10 @@ def closed_loop_boundary(
     B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))
     start, end = float(wind.onset), float(wind.end)
     winds = [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
+    paces = [steps(plant, one, start, float(one.end), length) for one in winds]
     trials = [
-        Trial(
-            plant,
-            law,
-            one,
-            nozzle,
-            steps(plant, one, start, float(one.end), length),
-            modes,
-            B,
-            gust,
-        )
-        for one in winds
+        Trial(plant, law, one, nozzle, pace, modes, B, gust)
+        for one, pace in zip(winds, paces, strict=True)
     ]
     edge = _edge(trials, np.linspace(low, high, _SCAN), B * gust)
     at = edge.limit if np.isfinite(edge.limit) else high
@@ -168,13 +160,13 @@ def closed_loop_boundary(
     if creeps:
         words.append(f"near rest the law lets a mode of {growth:+.3g} 1/s creep away")
     return ClosedLoopBoundary(
-        edge.limit,
-        edge.limit * B * gust,
-        edge.scan,
-        edge.verdicts == SAVED,
-        growth,
-        creeps,
-        "; ".join(words) or OK,
+        limit=edge.limit,
+        deflection=edge.limit * B * gust,
+        scan=edge.scan,
+        survives=edge.verdicts == SAVED,
+        growth=growth,
+        creeps=creeps,
+        status="; ".join(words) or OK,
     )
 
 

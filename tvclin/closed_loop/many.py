@@ -160,6 +160,10 @@ def fly_many(
             length = 1.0 / _sample_rate(sample_rate, actuator)
             steps = sampled_steps(plant, laws, actuator, some, shape, good, length)
             out[:, good] = sampled_flights(some, steps)
+    return _flown_cases(out, good, shape)
+
+
+def _flown_cases(out: FloatArray, good: NDArray[np.bool_], shape: tuple[int, ...]) -> FlownCases:
     fate = np.where(good, np.nan_to_num(out[table.FATE], nan=0.0), len(STATUS) - 1).astype(int)
     return FlownCases(
         peak_attitude=out[table.PEAK_ATTITUDE].reshape(shape),
