@@ -195,6 +195,42 @@ def test_trim_throughout_leaves_nothing(configuration_i):
     assert str(verdict.left_over) == "nothing"
 
 
+def test_of_a_batch_the_first_that_keeps_an_error_or_a_ramp_is_named():
+    wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
+    held = tvclin.HeldDeflection(limit=0.01) * [0.0, 1.0, 2.0]
+    stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
+    # In the end 0 = mu_alpha theta - mu_delta delta: -0.02 rad.
+    assert "a held attitude error of -1.146 deg" in str(judge(stable, held, wind).left_over)
+    drifting = Plant.from_coefficients(Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.1), "drift")
+    # The slope at rest: mu_delta b1/mu_alpha delta = 0.008 rad/s.
+    assert "a ramp of 0.4584 deg/s" in str(judge(drifting, held, wind).left_over)
+
+
+def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
+    both = Plant.from_coefficients(Coefficients(mu_alpha=[-1.0, 0.25], mu_delta=2.0))
+    wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
+    left = judge(both, tvclin.trim_deflection(both, 0.0 * wind), wind).left_over
+    np.testing.assert_array_equal(left.oscillates, [True, False])
+    assert "an undamped oscillation" in str(left)
+
+
+def test_unstable_poles_are_real_though_stable_ones_are_not():
+    # (s - 1/2)(s^2 + s/2 + 0.1525) and (s + 1/2)(s^2 + s/2 + 0.1525)
+    mixed = Coefficients(
+        mu_alpha=[0.0975, -0.4025], mu_delta=2.0, C1=[0.0, 1.0], C2=[-0.07625, 0.07625]
+    )
+    poles = unstable_modes(Plant.from_coefficients(mixed, "drift-exact")).poles
+    assert not np.iscomplexobj(poles)
+    np.testing.assert_allclose(poles, [[0.5], [np.nan]], rtol=1e-13)
+
+
+def test_a_flight_that_begins_later_leaves_as_much_less(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift-exact")
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    now, later = residues(plant, held, wind), residues(plant, held.shift(3.0), wind.shift(3.0))
+    np.testing.assert_allclose(later, now * np.exp(-3.0 * unstable_modes(plant).poles), rtol=1e-12)
+
+
 def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
     plant = Plant.from_coefficients(Coefficients(**STABLE))
     wind = tvclin.RectangularWind(peak=0.05, duration=6.0)

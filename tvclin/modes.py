@@ -293,4 +293,5 @@ def _oscillates(plant: Plant) -> Any:
 
 
 def _first(array: FloatArray) -> float:
-    return float(np.ravel(array)[0])
+    """The first element that is not zero."""
+    return float(array[array != 0.0][0])
