@@ -206,6 +206,24 @@ def test_of_a_batch_the_first_that_keeps_an_error_or_a_ramp_is_named():
     assert "a ramp of 0.4584 deg/s" in str(judge(drifting, held, wind).left_over)
 
 
+def test_nothing_in_still_air_leaves_nothing(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift-exact")
+    still = 0.0 * triangle(plant)
+    verdict = judge(plant, tvclin.trim_deflection(plant, still), still)
+    assert verdict.stable is True
+    assert str(verdict.left_over) == "nothing"
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_i, model):
+    plant = Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=0.0), model)
+    wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
+    verdict = judge(plant, tvclin.HeldDeflection(limit=0.01), wind)
+    assert verdict.stable is True
+    assert np.isnan([verdict.left_over.rate, verdict.left_over.offset]).all()
+    assert str(verdict.left_over) == "what several poles at zero make of the deflection"
+
+
 def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
     both = Plant.from_coefficients(Coefficients(mu_alpha=[-1.0, 0.25], mu_delta=2.0))
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)

@@ -84,7 +84,8 @@ class LeftOver:
     offset : ndarray
         Constant attitude error [rad], ``(...)``; NaN where it ramps.
     rate : ndarray
-        Slope of a ramp [rad/s], ``(...)``.
+        Slope of a ramp [rad/s], ``(...)``. Both are NaN for a plant with several poles at zero
+        (a vehicle without aerodynamic moment), of which nothing is said.
     e_folding_times : ndarray
         For each unstable pole that is excited, the time [s] in which it grows by e; NaN for the
         others, ``(..., N)``.
@@ -103,10 +104,13 @@ class LeftOver:
             f"a growing exponential with an e-folding time of {time}"
             for time in dict.fromkeys(times)
         ]
-        if np.any(self.rate != 0.0):
-            parts.append(f"a ramp of {np.degrees(_first(self.rate)):.4g} deg/s")
-        elif np.any(self.offset != 0.0):
-            parts.append(f"a held attitude error of {np.degrees(_first(self.offset)):.4g} deg")
+        ramps, errors = (np.degrees(_known(array)) for array in (self.rate, self.offset))
+        if ramps.size:
+            parts.append(f"a ramp of {ramps[0]:.4g} deg/s")
+        elif errors.size:
+            parts.append(f"a held attitude error of {errors[0]:.4g} deg")
+        if np.any(np.isnan(self.rate)):
+            parts.append("what several poles at zero make of the deflection")
         if np.any(self.oscillates):
             parts.append("an undamped oscillation")
         return ", ".join(parts) or "nothing"
@@ -253,7 +257,8 @@ def _final_attitude(
     """The constant or the ramp that the last values of the inputs leave (final value theorem)."""
     last = plant.denominator[..., -1]
     marginal = last == 0.0
-    slope = np.where(marginal, plant.denominator[..., -2], 1.0)
+    several = marginal & (plant.denominator[..., -2] == 0.0)
+    slope = np.where(several, np.nan, np.where(marginal, plant.denominator[..., -2], 1.0))
     gains = [plant.numerator("attitude", i)[..., -1] for i in INPUTS]
     ends = [h.final_value for h in (deflection, wind)]
     held = gains[0] * ends[0] + gains[1] * ends[1]
@@ -292,6 +297,6 @@ def _oscillates(plant: Plant) -> Any:
     return np.any(undamped, axis=-1)
 
 
-def _first(array: FloatArray) -> float:
-    """The first element that is not zero."""
-    return float(array[array != 0.0][0])
+def _known(array: FloatArray) -> FloatArray:
+    """The elements that are neither zero nor NaN."""
+    return array[np.isfinite(array) & (array != 0.0)]
