@@ -224,6 +224,28 @@ def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_
     assert str(verdict.left_over) == "what several poles at zero make of the deflection"
 
 
+def test_in_yaw_the_models_with_drift_leave_the_same(configuration_i):
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    exact, speed = (
+        judge(Plant.from_vehicle(configuration_i, model, "yaw"), held, wind).left_over
+        for model in ("drift-exact", "drift-and-speed")  # one is the other times s/s, as q = 0
+    )
+    assert exact.offset != 0.0
+    assert speed.offset == pytest.approx(exact.offset, rel=1e-13)
+    assert (speed.rate, exact.rate) == (0.0, 0.0)
+
+
+def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configuration_i):
+    plant = Plant.from_vehicle(configuration_i)
+    wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
+    pole = unstable_modes(plant).poles
+    for early in (tvclin.HeldDeflection(limit=0.01), wind * 0.2):
+        for first, second in ((early.shift(-2.0), wind), (early, wind.shift(-2.0))):
+            found = judge(plant, first, second).residues
+            expected = residues(plant, first, second) * np.exp(-2.0 * pole)
+            np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
 def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
     both = Plant.from_coefficients(Coefficients(mu_alpha=[-1.0, 0.25], mu_delta=2.0))
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
@@ -322,6 +344,7 @@ def test_a_repeated_pole_has_no_residue():
         (lambda plant, wind: tvclin.Plant(3), "coefficients must be a Coefficients"),
         (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),
+        (lambda plant, wind: tvclin.judge(plant, wind, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.boundary_limit(plant, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.trim_deflection(plant, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.attitude_responses(plant, wind, 1, [0.0]), "wind must be a"),

@@ -255,11 +255,12 @@ def _final_attitude(
     plant: Plant, deflection: History, wind: History
 ) -> tuple[FloatArray, FloatArray]:
     """The constant or the ramp that the last values of the inputs leave (final value theorem)."""
-    last = plant.denominator[..., -1]
+    denominator, *numerators = _without_common_zero(plant)
+    last = denominator[..., -1]
     marginal = last == 0.0
-    several = marginal & (plant.denominator[..., -2] == 0.0)
-    slope = np.where(several, np.nan, np.where(marginal, plant.denominator[..., -2], 1.0))
-    gains = [plant.numerator("attitude", i)[..., -1] for i in INPUTS]
+    several = marginal & (denominator[..., -2] == 0.0)
+    slope = np.where(several, np.nan, np.where(marginal, denominator[..., -2], 1.0))
+    gains = [numerator[..., -1] for numerator in numerators]
     ends = [h.final_value for h in (deflection, wind)]
     held = gains[0] * ends[0] + gains[1] * ends[1]
     areas = [_area(history) for history in (deflection, wind)]
@@ -267,6 +268,13 @@ def _final_attitude(
     rate = np.where(marginal, held / slope, 0.0)
     drifted = np.where(rate == 0.0, total / slope, np.nan)
     return np.where(marginal, drifted, held / np.where(marginal, 1.0, last)), rate
+
+
+def _without_common_zero(plant: Plant) -> list[FloatArray]:
+    """The denominator and the numerators, divided by s where it divides all of them (in yaw)."""
+    terms = [plant.denominator, *(plant.numerator("attitude", i) for i in INPUTS)]
+    common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
+    return [np.where(common[..., None], np.roll(term, 1, axis=-1), term) for term in terms]
 
 
 def _area(history: History) -> FloatArray:
