@@ -246,6 +246,21 @@ def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configurati
             np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+def test_a_wind_that_stays_is_leaned_into():
+    stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
+    left = judge(stable, tvclin.HeldDeflection(limit=0.01), tvclin.HeldDeflection(limit=0.05))
+    # In the end 0 = mu_alpha (theta - alpha_w) - mu_delta delta.
+    assert left.left_over.offset == pytest.approx(0.05 - 0.02, rel=1e-13)
+
+
+def test_with_drift_pulses_of_wind_and_deflection_leave_the_sum_of_both(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift")
+    c, wind = plant.coefficients, tvclin.RectangularWind(peak=0.05, duration=6.0)
+    pulse = tvclin.RectangularWind(peak=0.02, duration=2.0)
+    left = judge(plant, pulse, wind).left_over
+    assert left.offset == pytest.approx(c.b1 / c.B * 0.04 + c.b2 * 0.3, rel=1e-13)
+
+
 def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
     both = Plant.from_coefficients(Coefficients(mu_alpha=[-1.0, 0.25], mu_delta=2.0))
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
