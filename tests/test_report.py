@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.report import sections, verdict
+from tvclin.report import flight, sections, verdict
+from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import find
 from tvclin.study_file.read import example, parse_study
 from tvclin.trials import law_trials
@@ -49,12 +50,31 @@ class Page(HTMLParser):
         return [attributes for name, attributes in self.tags if name == tag]
 
 
+def cells(section: Section) -> list[str | Number]:
+    """Texts and numbers of the tables, checks and paragraphs of a section."""
+    lines = []
+    for block in section.blocks:
+        lines += [line for row in block.rows for line in row] if block.kind == "table" else []
+        lines += [check.line for check in block.each] if block.kind == "checks" else []
+        lines += [block.line] if block.kind == "paragraph" else []
+    return [cell for line in lines for cell in line]
+
+
+def numbers(section: Section) -> dict[str, float]:
+    return {one.name: one.value for one in cells(section) if isinstance(one, Number)}
+
+
+def words(section: Section) -> list[str]:
+    return [one for one in cells(section) if isinstance(one, str)]
+
+
 @pytest.fixture(scope="module")
 def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
     laws = tv.LawsAsked(names=("trim", "attitude and rate"), sample_rate=20.0)
-    return replace(whole, laws=laws, cases=300)
+    flight = replace(whole.sizing, start=60.0, stop=90.0)
+    return replace(whole, laws=laws, cases=300, sizing=flight)
 
 
 @pytest.fixture(scope="module")
@@ -206,6 +226,51 @@ def expected_dispersed(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
     } | {f"dispersed.driver.{name}": rank for name, rank in d.drivers.items()}
 
 
+def expected_flight(plan: tv.StudyPlan) -> dict[str, float]:
+    """Each flight time by itself, and the sum of the worst one as the text of the page has it."""
+    wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    schedule = tv.load_schedule("configuration-i")
+    found: dict[str, float] = {}
+    totals: dict[float, dict[str, float]] = {}
+    for i, time in enumerate((60.0, 70.0, 80.0, 90.0)):
+        vehicle = schedule.at(time)
+        plant = tv.Plant.from_vehicle(vehicle)
+        around = schedule.at(np.linspace(time - 3.75, time + 3.75, 33))
+        now, then = (tv.Coefficients.from_vehicle(one) for one in (vehicle, around))
+        changes = [np.abs(x / x0 - 1).max() for x, x0 in ((then.beta, now.beta), (then.B, now.B))]
+        need = np.degrees(np.abs(tv.boundary_limit(plant, wind, [1.0, 0.5]).deflection))
+        found |= {
+            f"flight.0.{i}.time": time,
+            f"flight.0.{i}.trim_deg": 5.0 * plant.coefficients.B,
+            f"flight.0.{i}.K = 1_deg": need[0],
+            f"flight.0.{i}.K = 0.5_deg": need[1],
+            f"flight.0.{i}.no forecast_deg": np.degrees(
+                abs(tv.forecast_free_limit(plant, wind).deflection)
+            ),
+            f"flight.0.{i}.minimum_deg": np.degrees(tv.optimum_deflection(plant, wind).peak),
+            f"flight.0.{i}.change_percent": 100.0 * max(changes),
+        }
+        offset = (2.495e6 - vehicle.axial_force) * 0.02 / (2.495e6 * 23.56)
+        lines = {
+            "nominal_flight": abs(np.degrees(schedule.nominal_at(time))),
+            "wind": need[0],
+            "dispersions": 0.2 * need[0],
+            "thrust_offset": np.degrees(np.sin(np.radians(0.1))),
+            "centre_of_gravity_offset": np.degrees(offset),
+        }
+        systematic, random = [*lines.values()][:2], [*lines.values()][2:]
+        lines["total"] = sum(systematic) + np.sqrt(np.sum(np.square(random)))
+        totals[lines["total"]] = lines
+    worst = totals[max(totals)]
+    found |= {f"total.{name}_deg": value for name, value in worst.items()}
+    return found | {
+        "total.reserve_percent": 10.0,
+        "total.required_deg": worst["total"] / 0.9,
+        "total.limit_deg": 0.4,
+        "total.left_deg": worst["total"] - 0.9 * 0.4,
+    }
+
+
 def test_every_number_is_that_of_the_library(plan: tv.StudyPlan, page: Page) -> None:
     study = plan.study()
     expected = (
@@ -215,6 +280,7 @@ def test_every_number_is_that_of_the_library(plan: tv.StudyPlan, page: Page) -> 
         | expected_laws(plan, study)
         | expected_autopilot(study)
         | expected_dispersed(plan, study)
+        | expected_flight(plan)
     )
     expected = {name: value for name, value in expected.items() if np.isfinite(value)}
     found = {name: value for name, (value, _) in page.numbers.items()}
@@ -250,13 +316,7 @@ def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
 def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.StudyPlan) -> None:
     lost = tv.StudyPlan(vehicle=plan.vehicle, limit=0.001, wind=replace(plan.wind, duration=20.0))
     found = find(lost)
-    shown = {
-        cell.name: cell.value
-        for row in sections.response(found).blocks[1].rows
-        for line in row
-        for cell in line
-        if not isinstance(cell, str)
-    }
+    shown = numbers(sections.response(found))
     plant = tv.Plant.from_vehicle(plan.vehicle)
     deflection = tv.trim_then_hold(plant, found.study.wind, -0.001, 1.0)
     late = shown["response.at_end_s"]
@@ -304,10 +364,10 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
     assert not re.search(r"@import|src=|https?://(?!www\.w3\.org/)", html)
     assert len(ids) == len(set(ids))
     assert {target[1:] for target in targets} <= set(ids)
-    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 9]
+    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 10]
     assert all(one["scope"] in ("row", "col") for one in page.attributes("th"))
     assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
-    assert tags.count("svg") == 4
+    assert tags.count("svg") == 5
     assert tags.count("table") == tags.count("caption")
 
 
@@ -321,6 +381,70 @@ def test_names_are_escaped() -> None:
     assert not {"script", "b"} & {tag for tag, _ in page.tags}
     assert any(name in text for text in page.texts)
     assert html.count("<svg") == html.count("</svg>") == 4
+
+
+def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_path) -> None:
+    """On a page that sounding and gust make too much for the limit, and the seal tells apart."""
+    (tmp_path / "w.csv").write_text(
+        "height_m,speed_m_per_s,direction_deg\n5000,0,270\n8000,40,270\n12000,60,260\n16000,9,90\n"
+    )
+    text = (
+        '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 5\nduration_s = 35\n'
+        '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[question]\nlimit_deg = 0.4\n'
+        "[gust]\npeak_deg = 1\nduration_s = 2\n"
+        "[size]\nstart_s = 66\nstop_s = 66\nvarying = true\n"
+    )
+    (tmp_path / "s.toml").write_text(text)
+    plan = tv.load_study(tmp_path / "s.toml")
+    found = find(plan)
+    sizing, section = found.flight[0], flight.over_flight(found)
+    shown = numbers(section)
+    texts = words(section)
+
+    assert sizing.winds == ("triangular wind of 5 deg, 35 s", "w.csv")
+    for j in range(2):
+        for name, values in sizing.required.items():
+            if np.isfinite(values[0, j]):
+                key = f"flight.{j}.0.{name}_deg"
+                assert shown[key] == pytest.approx(np.degrees(values[0, j]), rel=1e-12)
+    assert "Required deflection [deg]: w.csv" in [
+        block.caption for block in section.blocks if block.kind == "table"
+    ]
+    assert [texts.count(one) for one in ("beyond", "holds")] == [1, 1]
+    assert any("is beyond the single-pole theory" in one for one in texts)
+    assert any("w.csv counts what blows within 10 s" in one for one in texts)
+    basis = [one for one in verdict.basis(found) if isinstance(one, str)]
+    assert any("with all else that the nozzle has to do, it is too little" in one for one in basis)
+    case = numbers(sections.inputs(found))
+    assert (case["gust.peak_deg"], case["gust.begins"]) == (pytest.approx(1.0), 16.5)
+    (tmp_path / "s.toml").write_text(text.replace("azimuth_deg = 90", "azimuth_deg = 91"))
+    turned = replace(found, plan=tv.load_study(tmp_path / "s.toml"))
+    again = replace(found, plan=tv.load_study(tmp_path / "s.toml"))
+    assert turned.seal == again.seal != found.seal
+
+
+def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyPlan) -> None:
+    gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.75)
+    gusty = replace(plan, gust=gust, laws=None, sizing=None, dispersions=None)
+    found = find(gusty)
+    shown = numbers(sections.response(found))
+    both = found.study.wind + gust
+    plant = tv.Plant.from_vehicle(plan.vehicle)
+    deflection = tv.trim_then_hold(plant, both, -np.radians(0.4), 1.0)
+    times = np.linspace(0.0, shown["response.at_end_s"], 8001)
+    attitude = np.degrees(tv.attitude_responses(plant, deflection, both, times)["attitude"])
+    drifting = tv.Plant.from_vehicle(plan.vehicle, "drift")
+    flown = tv.compare_with_trim(drifting, plan.gains.autopilot(drifting), both)
+
+    assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-4)
+    assert found.comparison.peak_deflection == flown.peak_deflection
+    assert any("with a gust of 1 deg and 2 s" in str(one) for one in verdict.basis(found))
+
+
+def test_a_flight_without_an_answer_says_why(plan: tv.StudyPlan) -> None:
+    late = tv.StudyPlan(vehicle=plan.vehicle, sizing=replace(plan.sizing, stop=900.0))
+    said = " ".join(words(flight.over_flight(find(late))))
+    assert said.startswith("There is no answer: time must be between 41 and 116 s")
 
 
 def test_what_no_page_can_hold_is_replaced() -> None:

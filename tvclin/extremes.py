@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +51,7 @@ class Extremes:
     at_end: Point
 
 
-def extremes(plant: Plant, deflection: History, wind: Any, length: float) -> Extremes:
+def extremes(plant: Plant, deflection: History, wind: History, length: float) -> Extremes:
     """Return what stands out in the attitude from 0 to `length` [s].
 
     Parameters
@@ -61,8 +60,8 @@ def extremes(plant: Plant, deflection: History, wind: Any, length: float) -> Ext
         One plant.
     deflection : History
         Its deflection [rad].
-    wind : RectangularWind or TriangularWind
-        Its wind [rad].
+    wind : History
+        Its wind [rad], which ends.
     length : float
         Duration of the response [s].
 
@@ -87,7 +86,7 @@ def extremes(plant: Plant, deflection: History, wind: Any, length: float) -> Ext
         with_wind=at(high[1]) if high[0] > smallest else None,
         against_wind=at(low[1]) if low[0] > smallest else None,
         back_at_zero=_last_return(attitude, times, np.where(abs(towards) > smallest, towards, 0.0)),
-        at_wind_end=at(float(wind.duration)) if wind.duration <= length else None,
+        at_wind_end=at(float(wind.end)) if wind.end <= length else None,
         at_end=at(length),
     )
 

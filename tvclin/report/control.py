@@ -78,6 +78,7 @@ def laws(found: Findings) -> Section | None:
         f" {asked.sample_rate:g} Hz, in winds with the peak and duration of this study. The number"
         " is the least deflection limit above which every limit that was tried survives. Trim and"
         " dead band hold the attitude and are designed on a fixed path."
+        + (" The gust is left out here." if s.gust is not None else "")
     )
     table = Table("Deflection limit that each law needs", head, tuple(rows))
     blocks: tuple[Block, ...] = (table, Paragraph((" ".join([words, *said]),)))

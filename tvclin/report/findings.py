@@ -7,11 +7,15 @@ from dataclasses import asdict, dataclass
 from hashlib import sha256
 from typing import Any
 
+import numpy as np
+
 from tvclin.campaign import DispersedStudy, disperse_study
 from tvclin.comparison import TrimComparison, compare_with_trim
 from tvclin.errors import InputError
+from tvclin.histories import History
 from tvclin.margins import CRITERIA, Criteria
 from tvclin.plant import Plant
+from tvclin.sizing import DeflectionTotal, Sizing
 from tvclin.study import Study
 from tvclin.study_file import GainsAsked, StudyPlan
 from tvclin.trials import LawTrial, law_trials, standard_laws, standard_winds
@@ -38,6 +42,8 @@ class Findings:
         What the margins are held to.
     dispersed : DispersedStudy or None
         The study with vehicle and wind dispersed.
+    flight : tuple of Sizing and DeflectionTotal, or None
+        The whole flight, and the worst of all that its nozzle has to do.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -50,13 +56,30 @@ class Findings:
     comparison: TrimComparison | None
     criteria: Criteria
     dispersed: DispersedStudy | None
+    flight: tuple[Sizing, DeflectionTotal] | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
     @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
-        return sha256(json.dumps(asdict(self.plan), sort_keys=True).encode()).hexdigest()
+        return sha256(
+            json.dumps(asdict(self.plan), sort_keys=True, default=_plain).encode()
+        ).hexdigest()
+
+
+def blown(study: Study) -> History:
+    """Return the wind of a study with its gust."""
+    wind: History = study.wind if study.gust is None else study.wind + study.gust
+    return wind
+
+
+def _plain(value: Any) -> Any:
+    """What arrays and histories are in JSON: lists, complex numbers as pairs."""
+    array = np.asarray(value)
+    if np.iscomplexobj(array):
+        return [array.real.tolist(), array.imag.tolist()]
+    return array.tolist()
 
 
 def find(plan: StudyPlan) -> Findings:
@@ -89,6 +112,7 @@ def find(plan: StudyPlan) -> Findings:
             comparison=part("comparison", plan.gains or plan.criteria, _comparison),
             criteria=plan.criteria or CRITERIA["classic"],
             dispersed=part("dispersed", plan.dispersions, _dispersed),
+            flight=part("flight", plan.sizing, _flight),
             reasons=reasons,
             warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
         )
@@ -111,7 +135,14 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     asked = plan.gains or GainsAsked()
     plant = Plant(study.coefficients, asked.model)
-    return compare_with_trim(plant, asked.autopilot(plant), study.wind)
+    return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+
+
+def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
+    del study
+    assert plan.sizing is not None
+    found = plan.sizing.sizing()
+    return found, plan.sizing.total(found)
 
 
 def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:

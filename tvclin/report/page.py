@@ -6,7 +6,7 @@ from os import PathLike
 from typing import TYPE_CHECKING
 
 from tvclin.errors import InputError
-from tvclin.report import basis, control, sections, verdict
+from tvclin.report import basis, control, flight, sections, verdict
 from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import Findings, find
 from tvclin.study import Study
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
     sections.boundaries,
     sections.response,
+    flight.over_flight,
     control.laws,
     control.autopilot,
     control.dispersed,

@@ -22,8 +22,9 @@ from tvclin.report.blocks import (
     significant,
 )
 from tvclin.report.figures import inline_svg
-from tvclin.report.findings import Findings
+from tvclin.report.findings import Findings, blown
 from tvclin.response import attitude_responses
+from tvclin.study import Study
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -39,7 +40,8 @@ _ABOVE = 1.1
 
 def inputs(found: Findings) -> Section:
     """Return what went in, each number with its unit."""
-    v, plan = found.study.vehicle, found.plan
+    s, plan = found.study, found.plan
+    v = s.vehicle
     vehicle = [
         ("gross weight W", significant("vehicle.weight", v.weight, 6, "N")),
         ("thrust T", significant("vehicle.thrust", v.thrust, 6, "N")),
@@ -65,6 +67,12 @@ def inputs(found: Findings) -> Section:
         ("dead band K of the verdict", significant("question.dead_band", plan.dead_band)),
         ("dead band is left by", ("the wind" if plan.switch == "report" else "the trim",)),
     ]
+    if s.gust is not None:
+        case += [
+            ("gust on top: peak", degrees("gust.peak", s.gust.peak, unit="deg")),
+            ("it begins", significant("gust.begins", s.gust.onset, 6, "s")),
+            ("it ends", significant("gust.ends", s.gust.end, 6, "s")),
+        ]
     if plan.limit is not None:
         case.append(("deflection limit", degrees("question.limit", plan.limit, unit="deg")))
     name = v.name or "unnamed"
@@ -98,7 +106,10 @@ def boundaries(found: Findings) -> Section:
     rows.insert(0, (("ideal trim",), *_parts(found, "trim", trim)))
     head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
-    caption = f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg, {tau:g} s"
+    caption = (
+        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg, {tau:g} s"
+        f"{gust_words(s)}"
+    )
     label = f"Required deflection over the duration of the wind, for {' and '.join(names)}"
     figure = Figure(
         label,
@@ -123,9 +134,9 @@ def response(found: Findings) -> Section | None:
     limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
     if not limit:
         return None
-    plant = Plant(s.coefficients, s.model)
-    against = -float(np.sign(s.coefficients.B * s.wind.peak)) or 1.0
-    deflection = trim_then_hold(plant, s.wind, against * limit, s.dead_band, s.switch)
+    plant, wind = Plant(s.coefficients, s.model), blown(s)
+    against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
+    deflection = trim_then_hold(plant, wind, against * limit, s.dead_band, s.switch)
     end, ends = _end(found, plant, deflection)
     whose = "the limit in question" if s.limit is not None else f"{_ABOVE:g} times what is needed"
     label = f"Attitude, deflection and wind over time with {whose}"
@@ -141,8 +152,8 @@ def response(found: Findings) -> Section | None:
 
 def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
     """When a response has said all, and why."""
-    wind = found.study.wind
-    longest = _TO_SHOW * float(wind.duration)
+    wind = blown(found.study)
+    longest = _TO_SHOW * float(wind.end)
     back = extremes(plant, deflection, wind, longest).back_at_zero
     if back is not None:
         return (
@@ -159,7 +170,7 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
 
 def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
     """The figure of a response: angles, deflection and wind."""
-    wind = found.study.wind
+    wind = blown(found.study)
     times = np.linspace(0.0, end, _POINTS)
     answer = attitude_responses(plant, deflection, wind, times)
     curves = response_curves(answer, deflection, wind, "response", "")
@@ -170,7 +181,7 @@ def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -
 def _outstanding(
     found: Findings, plant: Plant, deflection: History, end: float
 ) -> tuple[tuple[Line, ...], ...]:
-    wind = found.study.wind
+    wind = blown(found.study)
     stands, loads = extremes(plant, deflection, wind, end), wind_loads(plant, deflection, wind)
     points = (
         ("largest attitude error, with the wind", "with_wind", stands.with_wind),
@@ -192,6 +203,14 @@ def _outstanding(
         for label, key, point in points
         if point is not None
     )
+
+
+def gust_words(study: Study) -> str:
+    """Return what to say of a gust on top of a wind; nothing where there is none."""
+    gust = study.gust
+    if gust is None:
+        return ""
+    return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
 
 
 def _coefficients(found: Findings) -> list[tuple[str, Line]]:

@@ -4,6 +4,7 @@ import numpy as np
 
 from tvclin.report.blocks import Line, degrees, number, significant
 from tvclin.report.findings import Findings
+from tvclin.report.sections import gust_words
 from tvclin.study import outlasts_one_pole
 
 _NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wind could excite."
@@ -51,10 +52,14 @@ def basis(found: Findings) -> Line:
         *significant("basis.peak_deg", np.degrees(s.wind.peak), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
-        ".",
+        f"{gust_words(s)}.",
     )
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
+    if found.flight is not None and found.flight[1].sufficient is False:
+        line += (
+            " Over the whole flight, with all else that the nozzle has to do, it is too little.",
+        )
     if found.dispersed is None or found.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")

@@ -1,0 +1,125 @@
+"""The section of the whole flight: required deflections by time, and all the nozzle has to do."""
+
+from tvclin.plots import sizing_chart
+from tvclin.report.blocks import (
+    Block,
+    Check,
+    Checks,
+    Figure,
+    Line,
+    Paragraph,
+    Section,
+    Table,
+    degrees,
+    number,
+    significant,
+)
+from tvclin.report.figures import inline_svg
+from tvclin.report.findings import Findings
+from tvclin.sizing import DeflectionTotal, Sizing
+from tvclin.sizing.record import STEADY, VARYING
+
+_TITLE = "The whole flight"
+
+
+def over_flight(found: Findings) -> Section | None:
+    """Return required deflections by flight time and wind, and the worst total."""
+    if "flight" in found.reasons:
+        words = f"There is no answer: {found.reasons['flight']}."
+        return Section("flight", _TITLE, (Paragraph((words,)),))
+    if found.flight is None or found.plan.sizing is None:
+        return None
+    sizing, total = found.flight
+    blocks: list[Block] = [Paragraph((_words(sizing),))]
+    if sizing.times.size > 1:
+        label = "Required deflection over flight time, in the worst wind of each"
+        blocks.append(
+            Figure(
+                label,
+                "Required deflection over the flight, parameters frozen at each time, in the worst"
+                " wind of each. Rings, where there are any: parameters vary while the wind blows.",
+                inline_svg(sizing_chart(sizing, total.limit), "flight", label),
+            )
+        )
+    frozen = [name for name in sizing.required if not name.endswith(VARYING)]
+    varying = [name for name in sizing.required if name.endswith(VARYING)]
+    for j, wind in enumerate(sizing.winds):
+        blocks.append(_required(sizing, j, wind, frozen))
+        if varying:
+            blocks.append(_varying(sizing, j, wind, varying))
+    blocks += [_total(total, found.plan.sizing.counted), *_verdict(total)]
+    notes = [Check("doubt", (f"{note}.",)) for note in sizing.notes]
+    notes += [Check("reader", (f"{note}.",)) for note in found.plan.sizing.notes]
+    return Section("flight", _TITLE, (*blocks, *([Checks(tuple(notes))] if notes else [])))
+
+
+def _words(s: Sizing) -> str:
+    law = "the bound of all such laws" if s.law == "bound" else "the recoverable-attitude law"
+    return (
+        f"The vehicle at each flight time, on the {s.model} model in the {s.plane} plane. The peak"
+        " of a pulse meets each flight time. No forecast:"
+        f" {law}; minimum: the wind known. One pole says whether the single-pole theory holds for"
+        " the wind; change, by how much beta or B changes while it blows: above"
+        f" {100 * STEADY:g} % frozen parameters are doubtful."
+    )
+
+
+def _required(s: Sizing, j: int, wind: str, names: list[str]) -> Table:
+    """What a wind asks for by flight time, parameters frozen, and where that is doubtful."""
+    rows = []
+    for i in range(s.times.size):
+        covered = "covers it" if s.covered[i, j] else "ends before"
+        cells = [
+            *_at(s, i, j, names),
+            number(f"flight.{j}.{i}.change_percent", 100.0 * s.change[i, j], 1),
+            ("beyond",) if s.beyond_one_pole[i, j] else ("holds",),
+            (covered,),
+        ]
+        rows.append(tuple(cells))
+    head = ("time [s]", *names, "change [%]", "one pole", "schedule")
+    return Table(f"Required deflection [deg]: {wind}", head, tuple(rows))
+
+
+def _varying(s: Sizing, j: int, wind: str, names: list[str]) -> Table:
+    rows = []
+    for i in range(s.times.size):
+        rows.append(((f"{s.times[i]:.6g}",), *_at(s, i, j, names)[1:]))
+    head = ("time [s]", *(name.removesuffix(VARYING) for name in names))
+    return Table(f"The same, parameters varying [deg]: {wind}", head, tuple(rows))
+
+
+def _at(s: Sizing, i: int, j: int, names: list[str]) -> list[Line]:
+    """The cells of a flight time and wind."""
+    key = f"flight.{j}.{i}"
+    time = significant(f"{key}.time", s.times[i], 6)
+    return [time, *(degrees(f"{key}.{name}", s.required[name][i, j]) for name in names)]
+
+
+def _total(total: DeflectionTotal, counted: str) -> Table:
+    rows: list[tuple[Line, ...]] = [
+        (
+            (f"{one.name}, {counted}" if one.name == "wind" else one.name,),
+            (one.kind,),
+            degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
+        )
+        for one in total.lines
+    ]
+    rows.append((("total",), ("",), degrees("total.total", total.total)))
+    if total.reserve:
+        kept = ("limit that keeps ", *number("total.reserve_percent", 100 * total.reserve, 1, "%"))
+        rows.append(((*kept, " in reserve"), ("",), degrees("total.required", total.required)))
+    at = f"All that the nozzle has to do at the worst flight time, {total.time:g} s"
+    return Table(at, ("what", "kind", "[deg]"), tuple(rows))
+
+
+def _verdict(total: DeflectionTotal) -> list[Paragraph]:
+    left = total.left
+    if left is None or total.limit is None:
+        return []
+    limit = degrees("total.limit", total.limit, unit="deg")
+    by = degrees("total.left", abs(left), unit="deg")
+    beside = " beside the reserve" if total.reserve else ""
+    word = f"enough: it leaves{beside} " if total.sufficient else f"not enough{beside}: it lacks "
+    rest = ". Systematic lines add, random ones in squares."
+    line: Line = ("Over the whole flight the limit of ", *limit, f" is {word}", *by, rest)
+    return [Paragraph(line)]
