@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner, Result
@@ -199,3 +200,18 @@ def test_python_m_is_the_command_line() -> None:
     out = subprocess.run(command, capture_output=True, text=True, check=True)
 
     assert "0.6885" in out.stdout
+
+
+def test_no_help_holds_square_brackets_which_would_vanish() -> None:
+    """The help is written with rich, to which [schedule] is a style."""
+
+    def texts(command):
+        yield command.help or ""
+        for parameter in command.params:
+            yield getattr(parameter, "help", None) or ""
+        for one in getattr(command, "commands", {}).values():
+            yield from texts(one)
+
+    found = list(texts(typer.main.get_command(app)))
+    assert len(found) > 100
+    assert [text for text in found if "[" in text] == []

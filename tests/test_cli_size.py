@@ -18,6 +18,7 @@ def run(*arguments: str) -> Result:
 
 SOUNDINGS = Path(__file__).parent / "soundings"
 WIND, LOW = str(SOUNDINGS / "wyoming.txt"), str(SOUNDINGS / "low.csv")
+BAD = str(SOUNDINGS / "bad.csv")
 FLOWN = ("--winds", WIND, "--azimuth-deg", "90")
 FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
 
@@ -87,7 +88,7 @@ def test_soundings_stand_beside_the_pulse_and_gusts_on_both() -> None:
         "pulse": tv.TriangularWind(peak=np.radians(5), duration=7.5) + gust.shift(2.75),
         "wyoming.txt": lambda vehicle: whole + gust.shift(float(vehicle.time) - 1.0),
     }
-    placing = {"wyoming.txt": "flight"}
+    placing = {"wyoming.txt": "flight"}  # of the history; a measured wind places itself
     options = {"times": [60.0, 70.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
     given = ("--to", "70", "--window", "16", "--gust", "1", "2", "--json")
@@ -125,7 +126,26 @@ def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
     assert (around.onset, around.end) == pytest.approx((62.0, 75.0))
     gusty = tv.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
     assert gusty(vehicle.replace(time=66.0))(66.0) == pytest.approx(-0.05)
-    assert met(vehicle.replace(time=30.0)) is met.wind
+    assert not np.any(met(vehicle.replace(time=30.0))([30.0, 52.0, 66.0]))
+
+
+@pytest.mark.parametrize(("name", "lasts", "edge"), [("i", 26.5, 31.8), ("ii", 27.3, 40.7)])
+def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, edge) -> None:
+    """Its whole triangle in one window, at the time of Table I."""
+    schedule = tv.load_schedule(f"configuration-{name}")
+    time = float(tv.load_vehicle(f"configuration-{name}").time)
+    middle = np.interp(time, schedule.time, schedule.height)
+    height = middle + np.array([-5e3, 0.0, 5e3])
+    jet = tv.WindProfile(height=height, east=[0.0, 69.4, 0.0], north=np.zeros(3))
+    met = tv.fly_through(jet, schedule, azimuth=np.radians(90), window=40.0)
+    found = tv.size(schedule, met, times=[time, 110.0, schedule.span[1]], dead_bands=1.0)
+
+    assert (found.ends - found.begins)[0, 0] == pytest.approx(lasts, abs=0.05)
+    assert found.edge[0] == pytest.approx(edge, abs=0.05)
+    assert not found.beyond_one_pole.any()
+    assert found.required["K = 1"][2, 0] == 0.0
+    whole = tv.boundary_limit(tv.Plant.from_vehicle(schedule.at(time), "drift-exact"), met.wind)
+    assert found.required["K = 1"][0, 0] == pytest.approx(abs(whole.deflection), rel=1e-9)
 
 
 def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
@@ -161,6 +181,10 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
         (("configuration-i", "--winds", "no.csv", "--azimuth-deg", "90"), "no.csv"),
         (("configuration-i", "--winds", WIND), "--winds needs --azimuth-deg"),
         (("configuration-i", "--azimuth-deg", "90"), "name one with --winds"),
+        (
+            ("configuration-i", "--winds", BAD, "--azimuth-deg", "90"),
+            "bad.csv, line 3: direction must be between 0 and 360 degrees; got 400",
+        ),
         (("configuration-i", *FLOWN, "--window", "0", *FAST), "window must be positive"),
         (
             ("configuration-i", "--winds", LOW, "--azimuth-deg", "90", *FAST),

@@ -105,8 +105,9 @@ def size(
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.
 
-    The peak of a pulse meets each flight time; soundings are flown through. What stands in a study
-    file counts where no option is given.
+    The peak of a pulse meets each flight time; soundings are flown through.
+
+    What stands in a study file counts where no option is given.
 
     Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
     """

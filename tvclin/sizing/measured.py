@@ -19,7 +19,7 @@ class MeasuredWind:
 
     That is what blows within half a window of the flight time, to the side on which the wind is
     largest there: boundaries are defined for winds of one sign, and what blows to the other side
-    relieves. Give it to `size` with the placing "flight".
+    relieves. Give it to `size` as a wind; its placing is its own.
 
     Attributes
     ----------
@@ -37,12 +37,12 @@ class MeasuredWind:
     gust: History | None = None
 
     def __call__(self, vehicle: Vehicle) -> History:
-        """Return the wind around the vehicle's time [s]; all of it where that is calm."""
+        """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         time = float(np.asarray(vehicle.time))
         half = 0.5 * number("window", self.window, positive, "s")
         times, angles = _cut(self.wind, time - half, time + half)
         if times.size < 2 or not np.any(angles):
-            return self.wind
+            return self.wind * 0.0
         side = float(np.sign(angles[np.argmax(np.abs(angles))]))
         around = SampledWind(time=times, angle=side * np.maximum(side * angles, 0.0))
         if self.gust is None:
@@ -60,7 +60,7 @@ def fly_through(
     window: float = 20.0,
     gust: History | None = None,
 ) -> MeasuredWind:
-    """Return the wind that a flight through a sounding meets, for `size` with placing "flight".
+    """Return the wind that a flight through a sounding meets, as `size` takes it.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def fly_through(
     >>> flight = tv.load_schedule("configuration-i")
     >>> west = tv.WindProfile(height=[5e3, 12e3, 20e3], east=[0, 60, 0], north=[0, 0, 0])
     >>> met = tv.fly_through(west, flight, azimuth=np.radians(90))
-    >>> found = tv.size(flight, met, placing="flight", times=[60.0, 66.0, 72.0])
+    >>> found = tv.size(flight, met, times=[60.0, 66.0, 72.0])
     >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
     array([0.397, 0.399, 0.37 ])
     """

@@ -7,6 +7,7 @@ import numpy as np
 
 from tvclin.errors import InputError, number, one_of, positive
 from tvclin.histories import History
+from tvclin.sizing.measured import MeasuredWind
 from tvclin.vehicle import Vehicle
 
 PLACINGS = ("peak", "flight")
@@ -68,7 +69,7 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
-    """Return a wind placed at a flight time.
+    """Return a wind placed at a flight time; a measured one has its place already.
 
     Parameters
     ----------
@@ -89,6 +90,8 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     InputError
         For a batch of winds, and one that never ends or is zero.
     """
+    if isinstance(wind, MeasuredWind):
+        return PlacedWind(wind(vehicle), 0.0)
     history = wind if isinstance(wind, History) else wind(vehicle)
     if not isinstance(history, History) or history.batch:
         raise InputError("each wind must be one history, such as TriangularWind, or give one")
@@ -97,8 +100,6 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     if placing == "peak":
         return PlacedWind(history, time - _middle_of_the_top(history))
     half = 0.5 * number("window", window, positive, "s")
-    if time - half <= history.onset and history.end <= time + half:
-        return PlacedWind(history, 0.0)
     return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
 
 

@@ -47,7 +47,8 @@ def size(
         The vehicle over its flight; see `load_schedule`.
     winds : History, callable, or mapping of str to these
         One wind, or winds by name. A function takes the vehicle at a flight time and gives the wind
-        it meets then: a wind speed makes different angles at different speeds of flight.
+        it meets then: a wind speed makes different angles at different speeds of flight. What
+        `fly_through` gives has its place in the flight already.
     times : array_like, optional
         Flight times [s] within the schedule, ``(n,)``; its own times where not given.
     dead_bands : array_like

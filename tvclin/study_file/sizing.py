@@ -186,8 +186,6 @@ class SizingAsked:
             model=self.model,
             plane=self.plane,
             switch=self.switch,
-            placing=dict.fromkeys(self.soundings, "flight"),
-            window=self.window,
             law=self.law,
             varying=self.varying,
         )
