@@ -44,7 +44,7 @@ def size(
     ] = None,
     window: Annotated[
         float | None,
-        typer.Option(help="Of a sounding counts so much about each flight time, in s; 20."),
+        typer.Option(help="Of a sounding counts only so much about each flight time, in s."),
     ] = None,
     gust: Gust = None,
     begin: Annotated[

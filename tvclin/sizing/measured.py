@@ -1,4 +1,4 @@
-"""Measured winds on a flight: what blows around a flight time, to one side, a gust on top."""
+"""Measured winds on a flight: what blows to one side, around a flight time, a gust on top."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -17,29 +17,35 @@ from tvclin.winds import SampledWind
 class MeasuredWind:
     """A wind in flight time that gives, for a vehicle at a flight time, what counts then.
 
-    That is what blows within half a window of the flight time, to the side on which the wind is
-    largest there: boundaries are defined for winds of one sign, and what blows to the other side
-    relieves. Give it to `size` as a wind; its placing is its own.
+    That is what blows to the side on which the wind is largest: boundaries are defined for winds
+    of one sign, and what blows to the other side relieves. The vehicle is that of the flight time,
+    the wind where the flight met it. With a window only what blows within half of it counts; such
+    a wind begins with a jump, and what drift had relieved before is forgotten. Give it to `size` as
+    a wind; its placing is its own.
 
     Attributes
     ----------
     wind : SampledWind
         One wind, in flight time.
-    window : float
-        Length of the window [s].
+    window : float, optional
+        Length of the window [s]; the whole wind where it is not given.
     gust : History, optional
         Added to it, on the wind's side if its peak is positive; its middle meets the flight time.
         Nothing is added to a calm.
     """
 
     wind: SampledWind
-    window: float = 20.0
+    window: float | None = None
     gust: History | None = None
+
+    def __post_init__(self) -> None:
+        if self.window is not None:
+            number("window", self.window, positive, "s")
 
     def __call__(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         time = float(np.asarray(vehicle.time))
-        half = 0.5 * number("window", self.window, positive, "s")
+        half = np.inf if self.window is None else 0.5 * self.window
         times, angles = _cut(self.wind, time - half, time + half)
         if times.size < 2 or not np.any(angles):
             return self.wind * 0.0
@@ -57,7 +63,7 @@ def fly_through(
     *,
     azimuth: float,
     plane: str = "pitch",
-    window: float = 20.0,
+    window: float | None = None,
     gust: History | None = None,
 ) -> MeasuredWind:
     """Return the wind that a flight through a sounding meets, as `size` takes it.
@@ -88,12 +94,12 @@ def fly_through(
     >>> met = tv.fly_through(west, flight, azimuth=np.radians(90))
     >>> found = tv.size(flight, met, times=[60.0, 66.0, 72.0])
     >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
-    array([0.397, 0.399, 0.37 ])
+    array([0.393, 0.37 , 0.332])
     """
     if gust is not None and (not isinstance(gust, History) or gust.batch):
         raise InputError("gust must be one history, such as OneMinusCosineGust")
     wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
-    return MeasuredWind(wind, number("window", window, positive, "s"), gust)
+    return MeasuredWind(wind, window, gust)
 
 
 def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:

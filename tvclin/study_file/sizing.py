@@ -74,7 +74,7 @@ class SizingAsked:
         Winds over height, by name.
     gust : History, optional
         On top of each wind: of a pulse in its time, of a sounding about each flight time.
-    window : float
+    window : float, optional
         As of `MeasuredWind` [s].
     start, stop : float, optional
         First and last flight time [s]; as far as the schedule covers the whole of the pulses.
@@ -100,7 +100,7 @@ class SizingAsked:
     peak_speed: float | None = None
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
     gust: History | None = None
-    window: float = 20.0
+    window: float | None = None
     start: float | None = None
     stop: float | None = None
     every: float = 5.0
@@ -126,8 +126,9 @@ class SizingAsked:
         if not self.dead_bands:
             raise InputError("dead_bands must hold one number or more")
         within("dead_bands", self.dead_bands, 0.0, 1.0)
-        for name in ("every", "window"):
-            object.__setattr__(self, name, number(name, getattr(self, name), positive, "s"))
+        object.__setattr__(self, "every", number("every", self.every, positive, "s"))
+        if self.window is not None:
+            number("window", self.window, positive, "s")
         for name in ("dispersion", "reserve"):
             number(name, getattr(self, name), nonnegative)
 
@@ -207,9 +208,10 @@ class SizingAsked:
         """What is to be known of the winds; nothing without soundings."""
         if not self.soundings:
             return []
+        near = "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
         return [
-            f"of {', '.join(self.soundings)} counts what blows within {0.5 * self.window:g} s of"
-            " each flight time, to the side on which it is largest there",
+            f"of {', '.join(self.soundings)} counts what blows{near} to the side on which it is"
+            " largest",
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]
 

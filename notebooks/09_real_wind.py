@@ -1,0 +1,119 @@
+# ---
+# jupyter:
+#   jupytext:
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: Python 3
+#     language: python
+#     name: python3
+# ---
+
+# %% [markdown]
+# # How much nozzle does this real wind ask for?
+#
+# The report's winds are triangles. A balloon measures something else: a wind over height, from all
+# sides. This notebook takes such a file, flies through it, and asks at every time of the flight.
+
+# %%
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import tvclin as tv
+from tvclin.plots import sizing_chart
+
+# %% [markdown]
+# A small sounding, made up, with the jet stream at 11 km. Every column says its unit, and a
+# direction is where the wind comes from. Put your own levels in, or the name of a file: tables,
+# the lists of Wyoming, IGRA and RocketPy are read.
+
+# %%
+text = """height_m, speed_kt, direction_deg
+0,     8, 110
+1500, 17, 200
+3000, 31, 250
+5500, 52, 265
+8000, 78, 268
+9500, 101, 270
+11000, 124, 272
+12500, 106, 274
+14500, 62, 270
+17000, 27, 255
+20000, 9, 120
+25000, 12, 90
+"""
+file = Path(tempfile.mkdtemp()) / "sounding.csv"
+file.write_text(text, encoding="utf-8")
+profile = tv.read_sounding(file)
+profile.height.size, profile.speed.round(1)
+
+# %% [markdown]
+# The flight: configuration I along its nominal flight, launched to the east. It meets the levels
+# one after another; at each the wind makes an angle of attack.
+
+# %%
+flight = tv.load_schedule("configuration-i")
+azimuth = np.radians(90.0)
+met = tv.fly_through(profile, flight, azimuth=azimuth)
+for time in np.arange(45.0, 91.0, 10.0):
+    height = np.interp(time, flight.time, flight.height)
+    print(f"{time:.0f} s, {height / 1e3:4.1f} km: {np.degrees(met.wind(time)):5.2f} deg")
+
+# %% [markdown]
+# The equivalent triangle: the same peak and the same area. The report would have asked this one.
+
+# %%
+peak_time = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
+triangle = tv.equivalent_triangle(met(flight.at(peak_time)))
+lasts = float(triangle.end - triangle.onset)
+print(f"{np.degrees(triangle.peak):.2f} deg for {lasts:.1f} s, from {triangle.onset:.1f} s on")
+
+# %% [markdown]
+# What each asks for. The vehicle is frozen at one flight time after the other, and meets the whole
+# wind as the flight met it; the triangle's peak is moved to each time.
+
+# %%
+times = np.unique([*np.arange(45.0, 91.0, 5.0), peak_time])
+found = tv.size(flight, {"real wind": met}, times=times, dead_bands=1.0)
+like = tv.size(flight, {"triangle": triangle}, times=times, dead_bands=1.0)
+need, beside = (np.degrees(one.at_times("K = 1")) for one in (found, like))
+print("frozen at   real wind   triangle")
+for row in zip(times, need, beside, strict=True):
+    print("{:6.1f} s  {:7.3f} deg  {:.3f} deg".format(*row))
+
+# %%
+sizing_chart(found)
+
+# %% [markdown]
+# A vehicle that changes while the wind blows needs no flight time: there is one answer. Beside it,
+# what freezing at the peak of the wind makes of it.
+
+# %%
+both = tv.size(flight, {"real wind": met}, times=peak_time, dead_bands=1.0, varying=True)
+true = float(np.degrees(both.required["K = 1, varying"][0, 0]))
+error = 100.0 * float(both.freezing_error["K = 1"][0, 0])
+print(f"{true:.3f} deg along the flight; frozen at {peak_time:.1f} s {error:+.1f} %")
+
+# %% [markdown]
+# What the theory says of itself: where one pole is not enough, and where the vehicle changes too
+# much to be frozen.
+
+# %%
+for note in both.notes:
+    print(note)
+
+# %% [markdown]
+# **Try:** a launch to the north, `azimuth = 0`, which leaves little of this wind in the pitch
+# plane; or a gust on top, `gust=tv.OneMinusCosineGust(peak=np.radians(1), duration=2)` in
+# `fly_through`. In a shell: `tvclin size configuration-i --winds sounding.csv --azimuth-deg 90`.
+
+# %%
+triangular = float(beside[times == peak_time][0])
+answer = (
+    f"{true:.2f} deg with trim, flown through; the equivalent triangle says {triangular:.2f} deg, "
+    f"and freezing the vehicle at the peak of the wind is {abs(error):.0f} percent off."
+)
+answer
