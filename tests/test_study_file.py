@@ -49,11 +49,23 @@ def test_the_example_says_what_its_keys_say() -> None:
 
 def test_the_page_shows_a_study() -> None:
     page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
-    (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
+    text, _ = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
     found = parse_study(tomllib.loads(text))
 
     assert (found.model, found.dead_band, found.gains.delay) == ("drift", 0.5, 0.02)
     assert found.laws.winds == ("triangle", "1 - cosine")
+
+
+def test_the_page_shows_a_flight(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
+    text = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[1]
+    (tmp_path / "balloon.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
+    tables = tomllib.loads(text.replace("flight.csv", "configuration-i"))
+    asked = parse_study({"study": HEAD} | tables, tmp_path).sizing
+
+    assert list(asked.winds) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
+    assert (asked.gust.onset, asked.gust.end, asked.window) == (2.75, 4.75, 30.0)
+    assert asked.times.tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
 
 
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
