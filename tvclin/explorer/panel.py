@@ -11,23 +11,18 @@ from tvclin.errors import InputError
 from tvclin.explorer.answer import Answer, answer
 from tvclin.explorer.choices import LAWS, Choices
 from tvclin.explorer.parts import LONGEST
-from tvclin.explorer.picture import new_picture
+from tvclin.explorer.picture import new_picture, round_up
 from tvclin.plant import MODELS
 from tvclin.study import SHAPES
+from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import list_vehicles, load_vehicle
 
-_SLIDERS = {
-    "duration": ("wind duration [s]", 7.5, 0.5, LONGEST, 0.1),
-    "peak": ("wind peak [deg]", 5.0, 0.5, 20.0, 0.1),
-    "dead_band": ("dead band K [-]", 1.0, 0.0, 1.0, 0.01),
-    "limit": ("limit [deg]", 0.4, 0.02, 5.0, 0.01),
-    "attitude_gain": ("gain a0 [-]", 0.5, 0.0, 4.0, 0.01),
-    "rate_gain": ("gain a1 [s]", 0.55, 0.0, 4.0, 0.01),
-    "delay": ("delay [ms]", 20.0, 0.0, 200.0, 1.0),
-}
-"""Label, start, least, largest and step of each."""
+_PEAK = 5.0
 _TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
 _WIDE = {"description_width": "115px"}
+
+Slider = tuple[str, float, float, float, float]
+"""Label, start, least, largest and step."""
 
 
 class Panel:
@@ -65,7 +60,8 @@ class Panel:
             )
             for field, (label, options, value) in lists.items()
         }
-        for field, (label, value, least, most, step) in _SLIDERS.items():
+        sliders = _sliders(self._vehicles[vehicle], list(self._vehicles.values()))
+        for field, (label, value, least, most, step) in sliders.items():
             self.controls[field] = widgets.FloatSlider(
                 description=label,
                 value=value,
@@ -148,6 +144,35 @@ def explore(vehicle: str = "configuration-i") -> Any:
         Where ipywidgets, of the extra `notebook`, is missing, and as `load_vehicle`.
     """
     return Panel(vehicle).box
+
+
+def _sliders(first: Vehicle, every: list[Vehicle]) -> dict[str, Slider]:
+    """The sliders, in the units of their labels: starts for one vehicle, room enough for all."""
+    start, *others = map(_sizes, (first, *every))
+    B, per_rate = (max(both) for both in zip(*others, strict=True))
+    return {
+        "duration": ("wind duration [s]", 7.5, 0.5, LONGEST, 0.1),
+        "peak": ("wind peak [deg]", _PEAK, 0.5, 4.0 * _PEAK, 0.1),
+        "dead_band": ("dead band K [-]", 1.0, 0.0, 1.0, 0.01),
+        "limit": _fitted("limit [deg]", 0.75 * start[0] * _PEAK, 3.0 * B * _PEAK, 1),
+        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start[0], 15.0 * B, 0),
+        "rate_gain": _fitted("gain a1 [s]", 3.0 * start[1], 15.0 * per_rate, 0),
+        "delay": ("delay [ms]", 20.0, 0.0, 200.0, 1.0),
+    }
+
+
+def _fitted(label: str, start: float, most: float, least: int) -> Slider:
+    """A slider to a round number, of some hundred steps, from so many steps on."""
+    most = round_up(most)
+    step = 10.0 ** (np.floor(np.log10(most)) - 2.0)
+    return label, step * round(start / step), least * step, most, step
+
+
+def _sizes(vehicle: Vehicle) -> tuple[float, float]:
+    """|B|, and |B|/beta [s], of which canonical gains are made; 1 where there is no moment."""
+    c = Coefficients.from_vehicle(vehicle)
+    B, beta = float(np.abs(c.B)) or 1.0, float(np.sqrt(np.abs(np.asarray(c.mu_alpha)))) or 1.0
+    return B, B / beta
 
 
 def _widgets() -> Any:

@@ -78,9 +78,9 @@ def new_picture() -> Picture:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 4.6), dpi=100)
+    figure = Figure(figsize=(7.4, 4.6), dpi=120)
     grid = figure.add_gridspec(
-        2, 2, left=0.075, right=0.985, bottom=0.11, top=0.93, wspace=0.2, hspace=0.2
+        2, 2, left=0.065, right=0.985, bottom=0.11, top=0.93, wspace=0.22, hspace=0.22
     )
     axes = {
         "boundary": figure.add_subplot(grid[:, 0]),
@@ -154,18 +154,18 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
     limit, calm = float(np.degrees(answer.choices.limit)), answer.choices.duration
     time, attitude = (np.asarray(one) for one in data["attitude.attitude"])
     shown = [*np.abs(attitude[time <= calm]), *np.abs(data["attitude.wind"][1])]
-    tall = _round(min(_SPARE * max(shown, default=1.0), _LARGEST))
+    tall = round_up(min(_SPARE * max(shown, default=1.0), _LARGEST))
     needed = max([limit, *data["boundary.curve"][1]])
-    long = (0.0, _round(max(float(time[-1]) if time.size else calm, 1.0)))
-    turned = _round(1.05 * limit)
+    long = (0.0, round_up(max(float(time[-1]) if time.size else calm, 1.0)))
+    turned = round_up(1.05 * limit)
     return {
-        "boundary": ((0.0, LONGEST), (0.0, _round(1.05 * needed))),
+        "boundary": ((0.0, LONGEST), (0.0, round_up(1.05 * needed))),
         "attitude": (long, (-tall, tall)),
         "deflection": (long, (-turned, turned)),
     }
 
 
-def _round(size: float) -> float:
+def round_up(size: float) -> float:
     """Return the next round number."""
     ten = 10.0 ** np.floor(np.log10(size))
     return float(ten * _ROUND[np.searchsorted(_ROUND, size / ten * (1.0 - 1e-12))])

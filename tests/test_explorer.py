@@ -1,0 +1,293 @@
+"""The panel to explore: its numbers are the library's, and what is moved is what changes."""
+
+import ast
+import io
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.explorer import parts
+from tvclin.explorer.answer import Answer, answer
+from tvclin.explorer.choices import GAINS, LAWS, RECOVERABLE, REPORT, TRIM, Choices
+from tvclin.explorer.notebook import notebook_text
+from tvclin.explorer.parts import law_of
+from tvclin.explorer.picture import new_picture, round_up
+from tvclin.study import SHAPES
+
+
+def asked(**changes: Any) -> Choices:
+    return Choices(vehicle=tv.load_vehicle("configuration-i"), **changes)
+
+
+def plant_of(choices: Choices) -> tv.Plant:
+    return tv.Plant.from_vehicle(choices.vehicle, choices.model, choices.plane)
+
+
+def wind_of(choices: Choices) -> Any:
+    return SHAPES[choices.shape](peak=choices.peak, duration=choices.duration)
+
+
+@pytest.mark.parametrize("shape", list(SHAPES))
+@pytest.mark.parametrize(("model", "plane"), [("drift", "pitch"), ("drift-exact", "yaw")])
+def test_the_boundary_is_that_of_the_library(shape: str, model: str, plane: str) -> None:
+    c = asked(shape=shape, model=model, plane=plane, duration=11.0, peak=0.04, dead_band=0.6)
+    found = answer(c)
+    needed = tv.boundary_limit(plant_of(c), wind_of(c), 0.6).deflection
+    longer = replace(c, duration=float(found.durations[20]))
+
+    assert found.required == pytest.approx(abs(needed), rel=1e-12)
+    assert found.boundary is not None
+    assert found.boundary[20] == pytest.approx(answer(longer).required, rel=1e-12)
+
+
+@pytest.mark.parametrize("factor", [0.999, 1.001])
+def test_the_verdict_changes_on_the_boundary(factor: float) -> None:
+    c = asked(dead_band=0.5)
+    needed = answer(c).required
+    assert needed is not None
+    judged = replace(c, limit=factor * needed)
+
+    assert answer(judged).verdict.startswith("Enough:") is (factor > 1.0)
+    assert tv.is_sufficient(plant_of(c), wind_of(c), judged.limit, 0.5) is (factor > 1.0)
+
+
+def test_the_margins_are_those_of_the_library() -> None:
+    c = asked(attitude_gain=0.8, rate_gain=0.7, delay=0.05)
+    actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
+    autopilot = tv.Autopilot(attitude_gain=0.8, rate_gain=0.7, actuator=actuator, delay=0.05)
+    expected, found = autopilot.margins(plant_of(c)), answer(c).margins
+
+    assert found is not None
+    for name in ("aero_margin", "gain_increase", "phase_margin", "delay_margin", "disk_margin"):
+        assert getattr(found, name) == getattr(expected, name)
+
+
+def test_the_report_s_control_has_its_exact_response() -> None:
+    c = asked(law=REPORT, limit=0.006, dead_band=0.7)
+    found, wind = answer(c).motion, wind_of(c)
+    assert found is not None
+    held = tv.trim_then_hold(plant_of(c), wind, -0.006, 0.7)
+    exact = tv.attitude_response(plant_of(c), held, wind, found.time)
+
+    np.testing.assert_array_equal(found.attitude, exact.outputs["attitude"])
+    np.testing.assert_array_equal(found.deflection, held(found.time))
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if law != REPORT])
+@pytest.mark.parametrize("limit", [0.0052, 0.0078])
+def test_a_flight_and_its_fate_are_those_of_the_kernels(law: str, limit: float) -> None:
+    c = asked(law=law, limit=limit, model="fixed-path", attitude_gain=0.21, rate_gain=0.2)
+    found = answer(c).motion
+    assert found is not None
+    numbers = (0.21, 0.2) if law == GAINS else (1.0,)
+    flown = tv.fly_many(
+        plant_of(c),
+        law_of(plant_of(c), law, numbers, c.peak),
+        wind_of(c),
+        deflection_limit=limit,
+        sample_rate=parts.SAMPLE_RATE,
+        until=float(found.time[-1]),
+    )
+    fate = tv.fly_many(
+        plant_of(c),
+        law_of(plant_of(c), law, numbers, c.peak),
+        wind_of(c),
+        deflection_limit=limit,
+        sample_rate=parts.SAMPLE_RATE,
+    )
+
+    assert np.abs(found.attitude).max() == pytest.approx(float(flown.peak_attitude), rel=1e-6)
+    assert np.abs(found.deflection).max() <= limit * (1.0 + 1e-12)
+    assert found.survived is (str(fate.status) == "survived")
+
+
+def test_what_did_not_change_is_not_computed_again() -> None:
+    c = asked(peak=0.031)
+    answer(c)
+    computed = [
+        parts.boundary_curve,
+        parts.boundary_point,
+        parts.loop_margins,
+        parts.motion,
+    ]
+
+    def grown(**changes: Any) -> list[int]:
+        before = [one.cache_info().misses for one in computed]
+        answer(replace(c, **changes))
+        return [one.cache_info().misses - b for one, b in zip(computed, before, strict=True)]
+
+    assert grown(duration=8.2501) == [0, 1, 0, 1]
+    assert grown(attitude_gain=0.7501) == [0, 0, 1, 0]
+    assert grown(dead_band=0.3501) == [1, 1, 0, 0]
+    assert grown(peak=0.0301) == [0, 0, 0, 1]
+    assert grown(law=GAINS, attitude_gain=0.7502) == [0, 0, 1, 1]
+
+
+@pytest.mark.parametrize("arm", [-3.0, 0.0])
+@pytest.mark.parametrize("law", LAWS)
+def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
+    stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=arm)
+    found = answer(Choices(vehicle=stable, law=law))
+
+    assert all(len(note.split()) > 3 for note in found.notes)
+    if arm < 0.0:
+        assert found.verdict.startswith("No deflection is needed")
+        assert bool(found.notes) is (law in (TRIM, "dead band", RECOVERABLE))
+    else:
+        assert found.verdict.startswith("No answer")
+        assert "mu_alpha other than zero" in found.notes[0]
+        assert len(found.notes) == 1
+    assert pixels(new_picture().png(found)).shape[2] == 4
+
+
+def pixels(png: bytes) -> Any:
+    return imread(io.BytesIO(png))
+
+
+def answers() -> list[Answer]:
+    few = asked(limit=0.004, law=GAINS)
+    return [answer(c) for c in (asked(), asked(duration=9.0), few, replace(few, law=REPORT))]
+
+
+def test_a_picture_that_is_moved_is_the_picture_drawn_anew() -> None:
+    moved = new_picture()
+    seen = []
+    for one in answers():
+        seen.append(pixels(moved.png(one)))
+        np.testing.assert_array_equal(seen[-1], pixels(new_picture().png(one)))
+
+    assert all(np.any(a != b) for a, b in pairwise(seen))
+
+
+def test_round_numbers_hold_what_they_are_made_for() -> None:
+    for size in np.geomspace(1e-4, 80.0, 97):
+        assert size <= round_up(size) <= 1.67 * size
+    assert [round_up(x) for x in (1.0, 1.2, 0.021, 7.5)] == [1.0, 1.5, 0.03, 10.0]
+
+
+@pytest.fixture(scope="module")
+def panel() -> Any:
+    pytest.importorskip("ipywidgets")
+    from tvclin.explorer.panel import Panel
+
+    return Panel("configuration-i")
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "si"),
+    [
+        ("vehicle", "configuration-ii", tv.load_vehicle("configuration-ii")),
+        ("duration", 6.0, 6.0),
+        ("peak", 6.0, 6.0 * (np.pi / 180.0)),
+        ("dead_band", 0.5, 0.5),
+        ("limit", 0.3, 0.3 * (np.pi / 180.0)),
+        ("shape", "rectangular", "rectangular"),
+        ("law", "dead band", "dead band"),
+        ("attitude_gain", 0.9, 0.9),
+        ("rate_gain", 0.9, 0.9),
+        ("delay", 100.0, 0.1),
+        ("model", "drift-and-speed", "drift-and-speed"),
+        ("plane", "yaw", "yaw"),
+    ],
+)
+def test_a_moved_widget_changes_what_is_asked_and_shown(
+    panel: Any, field: str, value: Any, si: Any
+) -> None:
+    def shown() -> list[Any]:
+        return [panel.image.value, panel.verdict.value, panel.margins.value]
+
+    before, asked_before = shown(), panel.choices
+    panel.controls[field].value = value
+
+    assert getattr(panel.choices, field) == si
+    assert replace(panel.choices, **{field: getattr(asked_before, field)}) == asked_before
+    assert shown() != before
+
+
+def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
+    for field, value in {
+        "plane": "pitch",
+        "model": "drift",
+        "law": "dead band",
+        "dead_band": 0.0,
+    }.items():
+        panel.controls[field].value = value
+    assert "dead_band must be between 0.01 and 1" in panel.notes.value
+
+    panel.controls["attitude_gain"].value = panel.controls["rate_gain"].value = 0.0
+    assert "an autopilot needs a gain" in panel.notes.value
+    assert panel.margins.value == "Margins: none."
+
+    panel.canonical.click()
+    gains = tv.canonical_gains(tv.Coefficients.from_vehicle(panel.choices.vehicle))
+    assert panel.choices.attitude_gain == gains.attitude_gain
+    assert panel.choices.rate_gain == gains.rate_gain
+    assert "phase" in panel.margins.value
+
+
+def test_a_missing_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+
+    with pytest.raises(tv.InputError, match=r"install tvclin\[notebook\]"):
+        tv.explore()
+
+
+def test_a_vehicle_s_path_is_quoted_in_the_notebook() -> None:
+    source = json.loads(notebook_text("it's \\ mine.toml"))["cells"][1]["source"]
+
+    assert ast.literal_eval(source.partition("explore(")[2][:-1]) == "it's \\ mine.toml"
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[list[str]]:
+    """Return the commands that would have been run."""
+    for name in ("jupyterlab", "ipywidgets", "ipykernel"):
+        pytest.importorskip(name)
+    monkeypatch.chdir(tmp_path)
+    commands: list[list[str]] = []
+
+    def run(command: list[str], **_: Any) -> Any:
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr(subprocess, "run", run)
+    return commands
+
+
+def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[str]]) -> None:
+    path = Path("explore-configuration-ii.ipynb")
+    for said in ("Wrote", "Opening"):
+        told = CliRunner().invoke(app, ["explore", "--vehicle", "configuration-ii", "--no-browser"])
+        assert (told.exit_code, told.stdout.split()[0]) == (0, said)
+        if said == "Wrote":
+            assert path.read_text() == notebook_text("configuration-ii")
+            path.write_text("changed by hand")
+
+    assert path.read_text() == "changed by hand"
+    lab = [sys.executable, "-m", "jupyterlab", str(path), "--no-browser"]
+    assert started == [lab, lab]
+
+
+def test_the_command_refuses_in_one_sentence(
+    started: list[list[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    unknown = CliRunner().invoke(app, ["explore", "--vehicle", "configuration-iii"])
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    missing = CliRunner().invoke(app, ["explore"])
+
+    assert (unknown.exit_code, missing.exit_code) == (2, 2)
+    assert "did you mean" in unknown.stderr
+    assert "tvclin explore needs jupyterlab; install tvclin[notebook]" in missing.stderr
+    assert started == []
+    assert list(Path.cwd().iterdir()) == []
