@@ -15,6 +15,11 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator, Autopilot
 from tvclin.boundary import boundary_limit
+from tvclin.closed_forms import (
+    rectangular_limit,
+    triangular_limit,
+    triangular_limit_with_drift,
+)
 from tvclin.closed_loop import fly
 from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_then_hold
@@ -32,7 +37,7 @@ FloatArray = NDArray[np.float64]
 
 LONGEST = 30.0
 """Longest wind [s] of the curve."""
-DURATIONS = LONGEST * np.linspace(0.05, 1.0, 40) ** 1.5
+DURATIONS = LONGEST * np.linspace(0.05, 1.0, 30) ** 1.5
 ACTUATOR = {"natural_frequency": 25.1, "damping": 0.7}
 """Of the margins [rad/s, -]."""
 SAMPLE_RATE = 20.0
@@ -117,9 +122,27 @@ def boundary_point(
 
 def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
     """Linear in the peak, which is why the peak is not asked for."""
+    limit = _closed_form(plant, one_of("shape", shape, SHAPES), dead_band, duration)
+    if np.all(np.isfinite(limit)):
+        return np.abs(plant.coefficients.B * limit)
     peak = 0.1
-    wind = SHAPES[one_of("shape", shape, SHAPES)](peak=peak, duration=duration)
+    wind = SHAPES[shape](peak=peak, duration=duration)
     return np.abs(boundary_limit(plant, wind, dead_band).deflection) / peak
+
+
+def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
+    """y_BR by eq (7), (12), (16) or (18), at once; NaN where none of them is for this plant."""
+    c, drift = plant.coefficients, plant.model == "drift"
+    if float(c.mu_alpha) <= 0.0 or plant.model not in ("fixed-path", "drift"):
+        return np.nan
+    x = c.beta * np.asarray(duration)
+    if shape == "rectangular":
+        return rectangular_limit(x, c.K1 if drift else 1.0)
+    if not drift:
+        return triangular_limit(x, dead_band)
+    if c.beta + min(c.b1, c.b2) <= 0.0:
+        return np.nan
+    return triangular_limit_with_drift(x, dead_band, c.beta, c.b1, c.b2)
 
 
 @_part

@@ -20,6 +20,9 @@ _BEYOND = 20.0
 _LARGEST = 90.0
 """No frame shows more [deg]."""
 
+_TITLE, _LABEL = 0.012, 0.06
+"""From a panel to its title and to its label, in heights of the figure."""
+
 Ends = tuple[float, float]
 
 
@@ -47,7 +50,7 @@ class Picture:
 
     def png(self, answer: Answer) -> bytes:
         """Return the picture of an answer as PNG; parts without an answer stay empty."""
-        from matplotlib.image import imsave
+        from PIL.Image import fromarray
 
         data = curves(answer)
         frames = _frames(answer, data)
@@ -61,8 +64,8 @@ class Picture:
             line.set_data(x, np.clip(y, -beyond, beyond))
             self.axes[panel].draw_artist(line)
         made = io.BytesIO()
-        pixels = np.asarray(self.canvas.buffer_rgba())
-        imsave(made, pixels, format="png", pil_kwargs={"compress_level": 1})
+        opaque = fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+        opaque.save(made, "PNG", compress_level=1)
         return made.getvalue()
 
     def _frame(self, frames: dict[str, tuple[Ends, Ends]]) -> None:
@@ -80,7 +83,7 @@ def new_picture() -> Picture:
 
     figure = Figure(figsize=(7.4, 4.6), dpi=120)
     grid = figure.add_gridspec(
-        2, 2, left=0.065, right=0.985, bottom=0.11, top=0.93, wspace=0.22, hspace=0.22
+        2, 2, left=0.065, right=0.985, bottom=0.12, top=0.93, wspace=0.22, hspace=0.22
     )
     axes = {
         "boundary": figure.add_subplot(grid[:, 0]),
@@ -93,10 +96,13 @@ def new_picture() -> Picture:
         "deflection": "deflection, limits (broken) [deg]",
     }
     for name, one in axes.items():
-        one.set_title(headings[name], fontsize="medium", loc="left")
+        tall = one.get_position().height
+        one.set_title(headings[name], fontsize="medium", loc="left", y=1.0 + _TITLE / tall)
         one.grid(color="0.85", lw=0.8)
         one.set_axisbelow(True)
-        one.locator_params(nbins=5)  # each label costs a millisecond when a frame changes
+        one.locator_params(nbins=5)
+        for axis in (one.xaxis, one.yaxis):  # placed by hand, titles too: searching takes long
+            axis.set_label_coords(0.5, -_LABEL / tall)
     axes["attitude"].tick_params(labelbottom=False)  # as below
     axes["boundary"].set_xlabel("wind duration [s]")
     axes["deflection"].set_xlabel("time [s]")
