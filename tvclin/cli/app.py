@@ -5,6 +5,7 @@ that ``tvclin --help`` answers at once.
 """
 
 import warnings
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -55,7 +56,7 @@ app = typer.Typer(
     help="How much thrust-vector deflection must this booster have to survive this wind?",
     epilog="First: tvclin study configuration-i | tvclin init my.toml | tvclin explore",
 )
-_PANELS = {
+_PANELS: dict[str, tuple[Callable[..., None], ...]] = {
     "Start here": (study, init, vehicles, report, explore),
     "Theory": (boundary, optimum, respond, poles, reproduce),
     "Control": (autopilot, margins, laws),
