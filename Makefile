@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: study test lint bench docs clean help
+.PHONY: study test lint bench docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -23,6 +23,9 @@ bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and p
 
 docs: $(VENV)/.installed-docs  ## build the documentation as a site, docs/_build/html/index.html
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
+
+packages:  ## install wheel and sdist with each extra alone and with the lowest versions, and try them
+	$(PYTHON) .ci/packages.py
 
 clean:  ## remove the environment and all caches
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated

@@ -11,7 +11,16 @@ from tvclin.campaign.draws import METHODS
 from tvclin.campaign.flights import Flight
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, number, one_of, positive, whole_number, within
+from tvclin.errors import (
+    InputError,
+    instance,
+    number,
+    one_of,
+    positive,
+    single,
+    whole_number,
+    within,
+)
 from tvclin.plant import MODELS, Plant
 from tvclin.vehicle import Vehicle
 
@@ -84,8 +93,7 @@ class Campaign:
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
-        if Coefficients.from_vehicle(self.vehicle, self.plane).batch:
-            raise InputError("vehicle must be one vehicle; got a batch")
+        single("vehicle", Coefficients.from_vehicle(self.vehicle, self.plane).batch)
         one_of("model", self.model, MODELS)
         self._check_outputs()
         self._check_numbers()
