@@ -269,6 +269,17 @@ def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
     assert "an undamped oscillation" in str(left)
 
 
+def test_only_an_undamped_pair_oscillates_for_ever():
+    wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
+    stable = Coefficients(mu_alpha=np.linspace(-2.0, -0.1, 9), mu_delta=2.0)
+    undamped = Plant.from_coefficients(stable, "drift")  # a pole at zero beside each pair
+    assert np.all(judge(undamped, wind, wind).left_over.oscillates)
+    # (s - 1/2)(s^2 + s/2 + 0.1525)
+    mixed = Coefficients(mu_alpha=0.0975, mu_delta=2.0, C2=-0.07625)
+    damped = Plant.from_coefficients(mixed, "drift-exact")
+    assert not judge(damped, wind, wind).left_over.oscillates
+
+
 def test_unstable_poles_are_real_though_stable_ones_are_not():
     # (s - 1/2)(s^2 + s/2 + 0.1525) and (s + 1/2)(s^2 + s/2 + 0.1525)
     mixed = Coefficients(
