@@ -371,6 +371,7 @@ def test_a_repeated_pole_has_no_residue():
         (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),
         (lambda plant, wind: tvclin.judge(plant, wind, 0.1), "wind must be a History"),
+        (lambda plant, wind: tvclin.boundary_limit(3, wind), "plant must be a Plant"),
         (lambda plant, wind: tvclin.boundary_limit(plant, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.trim_deflection(plant, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.attitude_responses(plant, wind, 1, [0.0]), "wind must be a"),
