@@ -222,6 +222,10 @@ def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_
     assert verdict.stable is True
     assert np.isnan([verdict.left_over.rate, verdict.left_over.offset]).all()
     assert str(verdict.left_over) == "what several poles at zero make of the deflection"
+    some = Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=[0.0, 9.45]), model)
+    left = judge(some, tvclin.HeldDeflection(limit=0.01), wind).left_over
+    np.testing.assert_array_equal(np.isnan(left.rate), [True, False])
+    assert "several poles at zero" in str(left)
 
 
 def test_in_yaw_the_models_with_drift_leave_the_same(configuration_i):
@@ -278,6 +282,8 @@ def test_only_an_undamped_pair_oscillates_for_ever():
     mixed = Coefficients(mu_alpha=0.0975, mu_delta=2.0, C2=-0.07625)
     damped = Plant.from_coefficients(mixed, "drift-exact")
     assert not judge(damped, wind, wind).left_over.oscillates
+    straight = Plant.from_coefficients(Coefficients(mu_alpha=0.25, mu_delta=2.0), "drift")
+    assert not judge(straight, wind, wind).left_over.oscillates
 
 
 def test_unstable_poles_are_real_though_stable_ones_are_not():
