@@ -301,3 +301,18 @@ def test_a_jump_to_a_new_height_after_a_calm_is_not_overlooked():
 
     assert boundary_limit(plant, wind, 0.8).limit == pytest.approx(1.0 - np.exp(-10.2), rel=1e-12)
     assert not is_sufficient(plant, wind, 0.9 * 0.1 * 0.29, 0.8)
+
+
+@pytest.mark.parametrize(
+    ("b2", "most"),
+    # With b1 = 0 trim is B (w + b2 int w): largest as the wind peaks, or where b2 w = -w' later.
+    [(0.02, 1.0 + 0.02 * 15.0), (0.1, 1.0 / 3.0 + 0.1 * (15.0 + 40.0 / 3.0))],
+)
+def test_where_trim_never_saturates_the_limit_is_the_largest_trim(b2, most):
+    drifting = Coefficients.from_beta(beta=0.5, B=0.1, b1=0.0, b2=b2)
+    plant = Plant.from_coefficients(drifting, "drift")
+    found = boundary_limit(plant, tvclin.TriangularWind(peak=0.1, duration=60.0))
+    assert found.status.startswith("trim never saturates")
+    assert np.isnan(found.switch_time)
+    assert found.limit == pytest.approx(most, rel=1e-12)
+    assert found.deflection == pytest.approx(-most * 0.1 * 0.1, rel=1e-12)
