@@ -62,12 +62,11 @@ def sizing_of(
     InputError
         For unknown keys, files that cannot be read, and as `SizingAsked`.
     """
-    soundings = {
-        name: sounding
-        for table in wind_tables(document)
-        if SOUNDING in table
-        for name, sounding in [_sounding(table, folder)]
-    }
+    measured = [_sounding(table, folder) for table in wind_tables(document) if SOUNDING in table]
+    soundings = dict(measured)
+    if len(soundings) < len(measured):
+        names = ", ".join(name for name, _ in measured)
+        raise InputError(f"two soundings have one name among {names}; give each its own name")
     if "schedule" not in document and "size" not in document:
         if soundings:
             raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
@@ -111,9 +110,12 @@ def gust_of(document: Mapping[str, Any], duration: float) -> History | None:
 def _schedule(document: Mapping[str, Any], folder: Path) -> FlightSchedule:
     """The flight of [schedule]; the nominal flight of the study's vehicle without it."""
     table = document.get("schedule", {})
-    if any(isinstance(value, list) for value in table.values()):
+    lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
+    if lists and "source" in table:
+        raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
+    if lists:
         return schedule_of(table, "[schedule]")
-    known("key in [schedule]", table, ("source", "time_s"))
+    known("key in [schedule]", table, ("source",))
     study, campaign = document.get("study", {}), document.get("campaign", {})
     source = table.get("source", study.get("vehicle", campaign.get("vehicle")))
     if not isinstance(source, str) or not source.isprintable():
@@ -136,7 +138,7 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
             raise InputError(f"{key} in [[wind]] must be a text; got {table[key]!r}")
     profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
     named = Path(file).name
-    return table.get("name", named), SoundingAsked(replace(profile, source=named), azimuth)
+    return table.get("name") or named, SoundingAsked(replace(profile, source=named), azimuth)
 
 
 def _beside(folder: Path, source: str) -> str | Path:
