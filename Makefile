@@ -52,7 +52,7 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --group test --group lint --editable ".[report]"
+	$(BIN)/python -m pip install --quiet --group test --group lint --editable ".[notebook,report]"
 	$(INSTALL_EXTRAS)
 	touch $@
 

@@ -8,6 +8,7 @@ import sys
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -238,6 +239,17 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
     assert "phase" in panel.margins.value
 
 
+def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
+    own = tv.load_vehicle("configuration-ii").replace(name="mine", control_arm=5.0)
+    explored = type(panel)(own)
+
+    assert explored.choices.vehicle is own
+    assert explored.controls["vehicle"].options == ("mine", *tv.list_vehicles())
+    assert explored.controls["limit"].max > 5.0 * panel.controls["limit"].max
+    with pytest.raises(tv.InputError, match="one vehicle; got a batch of shape"):
+        tv.explore(own.replace(thrust=np.array([3e7, 4e7])))
+
+
 def test_a_missing_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
 
@@ -259,25 +271,34 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[list[str]]:
     monkeypatch.chdir(tmp_path)
     commands: list[list[str]] = []
 
-    def run(command: list[str], **_: Any) -> Any:
+    def begun(command: list[str]) -> Any:
         commands.append(command)
-        return subprocess.CompletedProcess(command, 0)
+        interrupts = [KeyboardInterrupt]
 
-    monkeypatch.setattr(subprocess, "run", run)
+        def wait() -> int:
+            if interrupts:
+                raise interrupts.pop()
+            return 0
+
+        return SimpleNamespace(wait=wait)
+
+    monkeypatch.setattr(subprocess, "Popen", begun)
     return commands
 
 
 def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[str]]) -> None:
     path = Path("explore-configuration-ii.ipynb")
     for said in ("Wrote", "Opening"):
-        told = CliRunner().invoke(app, ["explore", "--vehicle", "configuration-ii", "--no-browser"])
+        told = CliRunner().invoke(
+            app, ["explore", "--vehicle", "configuration-ii", "--no-browser", "--", "--allow-root"]
+        )
         assert (told.exit_code, told.stdout.split()[0]) == (0, said)
         if said == "Wrote":
             assert path.read_text() == notebook_text("configuration-ii")
             path.write_text("changed by hand")
 
     assert path.read_text() == "changed by hand"
-    lab = [sys.executable, "-m", "jupyterlab", str(path), "--no-browser"]
+    lab = [sys.executable, "-m", "jupyterlab", str(path), "--no-browser", "--allow-root"]
     assert started == [lab, lab]
 
 
@@ -285,10 +306,12 @@ def test_the_command_refuses_in_one_sentence(
     started: list[list[str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     unknown = CliRunner().invoke(app, ["explore", "--vehicle", "configuration-iii"])
+    bare = CliRunner().invoke(app, ["explore", "configuration-ii"])
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     missing = CliRunner().invoke(app, ["explore"])
 
-    assert (unknown.exit_code, missing.exit_code) == (2, 2)
+    assert (unknown.exit_code, bare.exit_code, missing.exit_code) == (2, 2, 2)
+    assert "name the vehicle with --vehicle configuration-ii" in bare.stderr
     assert "did you mean" in unknown.stderr
     assert "tvclin explore needs jupyterlab; install tvclin[notebook]" in missing.stderr
     assert started == []

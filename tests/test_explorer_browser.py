@@ -109,7 +109,7 @@ def test_the_panel_follows_a_slider_in_the_browser(address: str, browser: Any) -
     until(lambda _: seen()["width"] > 0 and seen()["text"])
     first = seen()
 
-    assert first["text"][0].startswith("Enough: this wind needs 0.356 deg")
+    assert first["text"][0].startswith("Enough: with K = 1 this wind needs 0.356 deg")
     assert first["labels"] == []
     assert first["sliders"] == 7
     assert first["width"] > 400
@@ -118,4 +118,4 @@ def test_the_panel_follows_a_slider_in_the_browser(address: str, browser: Any) -
     handle = browser.find_element(By.CSS_SELECTOR, ".jp-OutputArea .noUi-handle")
     handle.send_keys(Keys.PAGE_UP)
     until(lambda _: seen()["src"] != first["src"])
-    assert not seen()["text"][0].startswith("Enough: this wind needs 0.356 deg")
+    assert not seen()["text"][0].startswith("Enough: with K = 1 this wind needs 0.356 deg")

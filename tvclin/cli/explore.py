@@ -9,6 +9,10 @@ from tvclin.cli.options import VEHICLE_HELP
 
 
 def explore(
+    options: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[-- OPTIONS]", help="Options of JupyterLab, such as --allow-root."),
+    ] = None,
     vehicle: Annotated[str, typer.Option(help=VEHICLE_HELP)] = "configuration-i",
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Start JupyterLab and print its address only.")
@@ -18,7 +22,6 @@ def explore(
 
     Exit code 0: JupyterLab was left; 2: bad input, or the extra notebook is missing.
     """
-    import subprocess
     import sys
     from importlib.util import find_spec
 
@@ -27,6 +30,8 @@ def explore(
     from tvclin.files import write_text
     from tvclin.vehicle_file import load_vehicle
 
+    if options and not options[0].startswith("-"):
+        raise InputError(f"name the vehicle with --vehicle {options[0]}")
     load_vehicle(vehicle)
     for needed in ("jupyterlab", "ipywidgets", "ipykernel"):
         if find_spec(needed) is None:
@@ -37,10 +42,18 @@ def explore(
     else:
         write_text(path, notebook_text(vehicle))
         typer.echo(f"Wrote {path}.")
-    lab = [sys.executable, "-m", "jupyterlab", str(path)]
-    try:
-        code = subprocess.run(lab + ["--no-browser"] * no_browser, check=False).returncode
-    except KeyboardInterrupt:
-        code = 0
+    given = [*["--no-browser"] * no_browser, *(options or ())]
+    code = _run([sys.executable, "-m", "jupyterlab", str(path), *given])
     if code:
-        raise InputError(f"JupyterLab could not be started, exit code {code}; see above")
+        raise InputError(f"JupyterLab ended with exit code {code}, see above")
+
+
+def _run(command: list[str]) -> int:
+    import subprocess
+
+    process = subprocess.Popen(command)
+    while True:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:  # JupyterLab has had it too, and asks whether to stop
+            continue

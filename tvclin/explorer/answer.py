@@ -95,10 +95,11 @@ def _verdict(c: Choices, required: float | None, motion: parts.Motion | None) ->
     enough = c.limit >= required * (1.0 - 4.0 * np.finfo(float).eps)
     if not required:
         said = "No deflection is needed: no unstable pole that a wind could excite."
-    elif enough:
-        said = f"Enough: this wind needs {need:.3f} deg, and the limit is {have:.3f} deg."
     else:
-        said = f"Not enough: this wind needs {need:.3f} deg, and the limit is {have:.3f} deg."
+        said = (
+            f"{'Enough' if enough else 'Not enough'}: with K = {c.dead_band:g} this wind needs"
+            f" {need:.3f} deg, and the limit is {have:.3f} deg."
+        )
     if motion is None or motion.survived is None:
         return said
     fate = "brings the vehicle back" if motion.survived else "loses the vehicle"

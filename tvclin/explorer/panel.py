@@ -42,13 +42,15 @@ class Panel:
         All of it, to be shown.
     """
 
-    def __init__(self, vehicle: str) -> None:
+    def __init__(self, vehicle: str | Vehicle) -> None:
         widgets = _widgets()
-        names = dict.fromkeys([vehicle, *list_vehicles()])
-        self._vehicles = {name: load_vehicle(name) for name in names}
+        first, one = _named(vehicle)
+        self._vehicles = {first: one} | {
+            name: load_vehicle(name) for name in list_vehicles() if name != first
+        }
         self._picture = new_picture()
         lists = {
-            "vehicle": ("vehicle", self._vehicles, vehicle),
+            "vehicle": ("vehicle", self._vehicles, first),
             "plane": ("plane", PLANES, "pitch"),
             "model": ("model", MODELS, "drift"),
             "shape": ("wind shape", SHAPES, "triangular"),
@@ -60,7 +62,7 @@ class Panel:
             )
             for field, (label, options, value) in lists.items()
         }
-        sliders = _sliders(self._vehicles[vehicle], list(self._vehicles.values()))
+        sliders = _sliders(one, list(self._vehicles.values()))
         for field, (label, value, least, most, step) in sliders.items():
             self.controls[field] = widgets.FloatSlider(
                 description=label,
@@ -125,13 +127,14 @@ class Panel:
         return widgets.HBox([left, right])
 
 
-def explore(vehicle: str = "configuration-i") -> Any:
+def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
     """Return a panel for a notebook, in which everything can be moved by hand.
 
     Parameters
     ----------
-    vehicle : str
-        As of `load_vehicle`; the vehicles of the package are in its list as well.
+    vehicle : str or Vehicle
+        One vehicle, or what `load_vehicle` finds it by; those of the package are in the panel's
+        list as well.
 
     Returns
     -------
@@ -141,9 +144,18 @@ def explore(vehicle: str = "configuration-i") -> Any:
     Raises
     ------
     InputError
-        Where ipywidgets, of the extra `notebook`, is missing, and as `load_vehicle`.
+        Where ipywidgets, of the extra `notebook`, is missing, for a batch, and as `load_vehicle`.
     """
     return Panel(vehicle).box
+
+
+def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
+    """What the list calls a vehicle, and the vehicle."""
+    if not isinstance(vehicle, Vehicle):
+        return str(vehicle), load_vehicle(vehicle)
+    if batch := Coefficients.from_vehicle(vehicle).batch:
+        raise InputError(f"vehicle must be one vehicle; got a batch of shape {batch}")
+    return vehicle.name or "vehicle", vehicle
 
 
 def _sliders(first: Vehicle, every: list[Vehicle]) -> dict[str, Slider]:
