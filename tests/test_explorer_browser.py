@@ -18,6 +18,7 @@ pytest.importorskip("jupyterlab", reason="the extra notebook is not installed")
 pytest.importorskip("ipywidgets", reason="the extra notebook is not installed")
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
 
+from selenium.common.exceptions import WebDriverException  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.common.keys import Keys  # noqa: E402
 from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
@@ -94,7 +95,7 @@ def answers(address: str) -> bool:
 
 def test_the_panel_follows_a_slider_in_the_browser(address: str, browser: Any) -> None:
     def until(what: Any) -> Any:
-        return WebDriverWait(browser, PATIENCE, 0.2).until(what)
+        return WebDriverWait(browser, PATIENCE, 0.2, [WebDriverException]).until(what)
 
     def seen() -> Any:
         return browser.execute_script(_SEEN)
@@ -116,6 +117,6 @@ def test_the_panel_follows_a_slider_in_the_browser(address: str, browser: Any) -
     assert first["right"] <= 1280
 
     handle = browser.find_element(By.CSS_SELECTOR, ".jp-OutputArea .noUi-handle")
-    handle.send_keys(Keys.PAGE_UP)
+    until(lambda _: handle.send_keys(Keys.PAGE_UP) is None)
     until(lambda _: seen()["src"] != first["src"])
     assert not seen()["text"][0].startswith("Enough: with K = 1 this wind needs 0.356 deg")

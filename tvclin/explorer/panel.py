@@ -96,9 +96,9 @@ class Panel:
 
     def _show(self, _change: Any = None) -> None:
         found = answer(self.choices)
-        self.verdict.value = f"<b>{escape(found.verdict)}</b>"
-        self.margins.value = escape(_margins(found))
-        self.notes.value = "<br>".join(map(escape, found.notes))
+        self.verdict.value = _paragraphs(found.verdict, weight="bold")
+        self.margins.value = _paragraphs(_margins(found))
+        self.notes.value = _paragraphs(*found.notes)
         self.image.value = self._picture.png(found)
 
     def _set_canonical_gains(self, _button: Any) -> None:
@@ -106,7 +106,7 @@ class Panel:
         try:
             gains = canonical_gains(Coefficients.from_vehicle(asked.vehicle, asked.plane))
         except InputError as error:
-            self.notes.value = escape(str(error))
+            self.notes.value = _paragraphs(str(error))
             return
         for field in ("attitude_gain", "rate_gain"):
             self.controls[field].value = float(getattr(gains, field))
@@ -119,12 +119,12 @@ class Panel:
             ("attitude_gain", "rate_gain", "delay"),
         )
         column = [self.controls[field] for group in groups for field in group]
-        left = widgets.VBox([*column, self.canonical], layout={"flex": "0 0 330px"})
+        left = widgets.VBox([*column, self.canonical], layout={"flex": "0 0 310px"})
         right = widgets.VBox(
             [self.verdict, self.image, self.margins, self.notes],
-            layout={"flex": "1 1 0", "min_width": "0"},
+            layout={"flex": "1 1 350px", "min_width": "0"},
         )
-        return widgets.HBox([left, right])
+        return widgets.HBox([left, right], layout={"flex_flow": "row wrap"})
 
 
 def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
@@ -193,6 +193,11 @@ def _widgets() -> Any:
     except ImportError:
         raise InputError("the panel needs ipywidgets; install tvclin[notebook]") from None
     return ipywidgets
+
+
+def _paragraphs(*texts: str, weight: str = "normal") -> str:
+    style = f"margin:0 0 0.4em; line-height:1.4; font-weight:{weight}"
+    return "".join(f'<p style="{style}">{escape(text)}</p>' for text in texts)
 
 
 def _margins(found: Answer) -> str:
