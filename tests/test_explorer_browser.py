@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
@@ -14,8 +15,6 @@ import pytest
 
 from tvclin.explorer.notebook import notebook_text
 
-pytest.importorskip("jupyterlab", reason="the extra notebook is not installed")
-pytest.importorskip("ipywidgets", reason="the extra notebook is not installed")
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
 
 from selenium.common.exceptions import WebDriverException  # noqa: E402
@@ -27,10 +26,16 @@ BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
 DRIVER = shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    BROWSER is None or DRIVER is None,
-    reason="no browser: apt-get install chromium chromium-driver",
-)
+pytestmark = [
+    pytest.mark.skipif(
+        None in map(find_spec, ("jupyterlab", "ipywidgets", "ipykernel")),
+        reason='no JupyterLab: pip install "tvclin[notebook]"',
+    ),
+    pytest.mark.skipif(
+        BROWSER is None or DRIVER is None,
+        reason="no browser: apt-get install chromium chromium-driver",
+    ),
+]
 
 PATIENCE = 90.0
 """Seconds; on a quiet machine each step takes a few."""

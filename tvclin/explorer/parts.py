@@ -25,6 +25,7 @@ from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_then_hold
 from tvclin.errors import InputError, one_of
 from tvclin.explorer.choices import DEAD_BAND, GAINS, LAWS, RECOVERABLE, REPORT, TRIM
+from tvclin.kernels.choice import pinned
 from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
 from tvclin.laws.law import seen_coordinates
 from tvclin.margins import Margins
@@ -76,12 +77,15 @@ class Motion:
 
 
 def _part(compute: Callable[..., Any]) -> Callable[..., Part]:
-    """Keep what is found, with warnings and refusals as sentences beside it."""
+    """Keep what is found, with warnings and refusals as sentences beside it.
+
+    Without compiled kernels: a slider must not wait until they are compiled.
+    """
 
     @lru_cache(maxsize=_KEPT)
     @wraps(compute)
     def found(*plain: Any) -> Part:
-        with warnings.catch_warnings(record=True) as said:
+        with pinned(False), warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always", UserWarning)
             try:
                 value = compute(*plain)
