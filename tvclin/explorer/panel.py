@@ -44,35 +44,12 @@ class Panel:
 
     def __init__(self, vehicle: str | Vehicle) -> None:
         widgets = _widgets()
-        first, one = _named(vehicle)
-        self._vehicles = {first: one} | {
+        first, own = _named(vehicle)
+        self._vehicles = {first: own} | {
             name: load_vehicle(name) for name in list_vehicles() if name != first
         }
         self._picture = new_picture()
-        lists = {
-            "vehicle": ("vehicle", self._vehicles, first),
-            "plane": ("plane", PLANES, "pitch"),
-            "model": ("model", MODELS, "drift"),
-            "shape": ("wind shape", SHAPES, "triangular"),
-            "law": ("law", LAWS, LAWS[1]),
-        }
-        self.controls: dict[str, Any] = {
-            field: widgets.Dropdown(
-                description=label, options=list(options), value=value, style=_WIDE
-            )
-            for field, (label, options, value) in lists.items()
-        }
-        sliders = _sliders(one, list(self._vehicles.values()))
-        for field, (label, value, least, most, step) in sliders.items():
-            self.controls[field] = widgets.FloatSlider(
-                description=label,
-                value=value,
-                min=least,
-                max=most,
-                step=step,
-                style=_WIDE,
-                readout_format=f".{max(0, -round(np.floor(np.log10(step))))}f",
-            )
+        self.controls = _controls(widgets, first, self._vehicles)
         self.canonical = widgets.Button(description="canonical gains")
         self.verdict, self.notes, self.margins = (widgets.HTML() for _ in range(3))
         self.image = widgets.Image(format="png", layout={"max_width": "100%"})
@@ -156,6 +133,33 @@ def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
     if batch := Coefficients.from_vehicle(vehicle).batch:
         raise InputError(f"vehicle must be one vehicle; got a batch of shape {batch}")
     return vehicle.name or "vehicle", vehicle
+
+
+def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[str, Any]:
+    """The lists and sliders, by the field of `Choices` that they set."""
+    lists = {
+        "vehicle": ("vehicle", vehicles, first),
+        "plane": ("plane", PLANES, "pitch"),
+        "model": ("model", MODELS, "drift"),
+        "shape": ("wind shape", SHAPES, "triangular"),
+        "law": ("law", LAWS, LAWS[1]),
+    }
+    controls: dict[str, Any] = {
+        field: widgets.Dropdown(description=label, options=list(options), value=value, style=_WIDE)
+        for field, (label, options, value) in lists.items()
+    }
+    sliders = _sliders(vehicles[first], list(vehicles.values()))
+    for field, (label, value, least, most, step) in sliders.items():
+        controls[field] = widgets.FloatSlider(
+            description=label,
+            value=value,
+            min=least,
+            max=most,
+            step=step,
+            style=_WIDE,
+            readout_format=f".{max(0, -round(np.floor(np.log10(step))))}f",
+        )
+    return controls
 
 
 def _sliders(first: Vehicle, every: list[Vehicle]) -> dict[str, Slider]:
