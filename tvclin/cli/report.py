@@ -21,18 +21,22 @@ def report(
 ) -> None:
     """Write the whole answer of a study as one HTML page, which needs no network.
 
-    Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
+    Exit code 0: sufficient in the wind and over the flight, or no limit was given; 1: not
+    sufficient; 2: bad input.
     """
     from tvclin.files import write_whole
-    from tvclin.report import report_html
+    from tvclin.report import page_of
     from tvclin.study_file import example_plan, load_study
 
     plan = example_plan() if source is None else load_study(source)
-    sufficient = plan.study().sufficient
+    sufficient = None
 
     # The page is made within, so that a place that cannot be written is told before the work.
     def write(target: str) -> None:
-        Path(target).write_text(report_html(plan), encoding="utf-8", newline="")
+        nonlocal sufficient
+        page, found = page_of(plan)
+        Path(target).write_text(page, encoding="utf-8", newline="")
+        sufficient = found.sufficient
 
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}

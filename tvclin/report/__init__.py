@@ -7,6 +7,6 @@ the template. `blocks` says what a block is: every number keeps its full precisi
 A further section is one more function from `Findings` to a `Section`, named in `page.SECTIONS`.
 """
 
-from tvclin.report.page import report_html
+from tvclin.report.page import page_of, report_html
 
-__all__ = ["report_html"]
+__all__ = ["page_of", "report_html"]

@@ -56,19 +56,25 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
     >>> page.count("<h1"), page.count("<script")
     (1, 0)
     """
-    template = _template()
     if isinstance(source, Study):
         plan = StudyPlan.of_study(source)
     else:
         plan = source if isinstance(source, StudyPlan) else load_study(source)
-    return _render(find(plan), template)
+    return page_of(plan)[0]
+
+
+def page_of(plan: StudyPlan) -> tuple[str, Findings]:
+    """Return the page of a plan, and the findings it tells of; raises as `report_html`."""
+    template = _template()
+    found = find(plan)
+    return _render(found, template), found
 
 
 def _render(found: Findings, template: "Template") -> str:
     made = [section for make in SECTIONS if (section := make(found)) is not None]
     return template.render(
         name=found.study.vehicle.name or "unnamed vehicle",
-        state=verdict.state(found),
+        state={True: "yes", False: "no", None: "open"}[found.sufficient],
         verdict=verdict.sentence(found),
         basis=verdict.basis(found),
         facts=verdict.facts(found),

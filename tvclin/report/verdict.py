@@ -5,6 +5,7 @@ import numpy as np
 from tvclin.report.blocks import Line, degrees, number, significant
 from tvclin.report.findings import Findings
 from tvclin.report.sections import gust_words
+from tvclin.sizing import DeflectionTotal
 from tvclin.study import outlasts_one_pole
 
 _NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wind could excite."
@@ -12,11 +13,6 @@ _NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wi
 
 _SENSIBLE = 1000.0
 """Above this many percent a percentage says nothing."""
-
-
-def state(found: Findings) -> str:
-    """Return "yes", "no", or "open" where no limit was given."""
-    return {True: "yes", False: "no", None: "open"}[found.study.sufficient]
 
 
 def sentence(found: Findings) -> Line:
@@ -29,6 +25,8 @@ def sentence(found: Findings) -> Line:
     if limit is None:
         return ("This wind needs ", *needed, " of deflection.")
     surplus = abs(limit - need)
+    if study.sufficient and found.flight is not None and not found.sufficient:
+        return _short_over_flight(found.flight[1], limit)
     by = degrees("verdict.surplus", surplus, unit="deg")
     percent = 100.0 * surplus / need
     part: Line = (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
@@ -42,10 +40,23 @@ def sentence(found: Findings) -> Line:
     return ("Not enough: the limit of ", *have, " is ", *tail)
 
 
+def _short_over_flight(total: DeflectionTotal, limit: float) -> Line:
+    needed = degrees("verdict.flight", total.required, unit="deg")
+    by = degrees("verdict.flight_short", total.required - limit, unit="deg")
+    have = degrees("verdict.limit", limit, unit="deg")
+    words = ("Not enough: the whole flight needs ", *needed, ", ", *by)
+    return (*words, " more than the limit of ", *have, ".")
+
+
 def basis(found: Findings) -> Line:
     """Return on what the verdict rests."""
     s = found.study
+    alone: Line = ()
+    if s.sufficient and not found.sufficient:
+        needed = degrees("basis.required", s.required_deflection, unit="deg")
+        alone = ("The wind of this study alone needs ", *needed, ", which the limit covers. ")
     line: Line = (
+        *alone,
         f"On the {s.model} model in the {s.plane} plane, with a dead band of ",
         *significant("basis.dead_band", s.dead_band),
         f", in a {s.shape} wind of ",
@@ -57,9 +68,7 @@ def basis(found: Findings) -> Line:
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
-        line += (
-            " Over the whole flight, with all else that the nozzle has to do, it is too little.",
-        )
+        line += (" The flight counts all else that the nozzle has to do, and a reserve.",)
     if found.dispersed is None or found.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")
