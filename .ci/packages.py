@@ -82,9 +82,10 @@ def use(python: Path, folder: Path, extra: str) -> None:
         run(python, "-m", "tvclin", *words.split(), where=folder)
     for needed, words in FEATURES.items():
         found = tried(python, "-m", "tvclin", *words.split(), where=folder)
-        named = re.search(rf"^Error: [^\n]*tvclin\[{needed}\]", found.stderr, re.MULTILINE)
-        good = found.returncode in (0, 1) if extra == needed else found.returncode == 2 and named
-        if not good or "Traceback" in found.stderr:
+        said = re.search(rf"^Error: [^\n]*tvclin\[{needed}\]", found.stderr, re.MULTILINE)
+        works = found.returncode in (0, 1)  # also where another extra brings what is needed
+        named = extra != needed and found.returncode == 2 and said
+        if not (works or named) or "Traceback" in found.stderr:
             sys.exit(f"{extra}: tvclin {words}: exit code {found.returncode}\n{found.stderr}")
 
 
