@@ -118,11 +118,10 @@ def test_a_number_of_workers_that_is_none(workers):
 
 
 def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, monkeypatch):
-    from tvclin.campaign import run_chunk
-    from tvclin.campaign.manifest import begin
+    from tvclin.campaign import manifest, run_chunk
 
-    seal = begin(replace(plan, seed=4), tmp_path).seal
-    monkeypatch.setattr(tv, "__version__", "99.0")
+    seal = manifest.begin(replace(plan, seed=4), tmp_path).seal
+    monkeypatch.setattr(manifest, "version", lambda name: "99.0")
     with pytest.raises(tv.InputError, match=r"was begun with tvclin .*, and here is 99\.0"):
         run_chunk(str(tmp_path), seal, 0)
     with pytest.raises(tv.InputError, match="holds another campaign now"):
