@@ -164,7 +164,7 @@ WORDS = st.one_of(
 
 
 @given(st.lists(WORDS, max_size=6))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_rubbish_never_ends_in_a_traceback(arguments: list[str]) -> None:
     if "init" in arguments or "--plot" in arguments:
         return

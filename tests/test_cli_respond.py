@@ -40,8 +40,15 @@ def attitude(parts, *times):
     return np.degrees(found["attitude"])
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
-@pytest.mark.parametrize("factor", [0.9, 1.0, 1.1])
+@pytest.mark.parametrize(
+    ("model", "factor"),
+    [
+        *((model, 1.0) for model in ("fixed-path", "drift", "drift-exact", "drift-and-speed")),
+        ("fixed-path", 0.9),
+        ("drift", 1.1),
+        ("drift-exact", 0.9),
+    ],
+)
 def test_json_equals_the_library(model, factor):
     found = document("--model", model, "--capability", factor)
     parts = case(model, factor)
@@ -137,7 +144,7 @@ def test_the_csv_is_the_exact_response(tmp_path):
     np.testing.assert_allclose(values[:, 6], np.degrees(wind(expected.time)), rtol=1e-13)
 
 
-@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+@pytest.mark.parametrize("kind", ["png", "svg"])
 def test_the_figure_is_written_and_closed(tmp_path, kind):
     import matplotlib.pyplot as plt
 

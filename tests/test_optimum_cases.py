@@ -65,8 +65,8 @@ def cases(count):
         yield Constraints(poles, rng.normal(size=count) / decays, horizon)
 
 
-def test_a_hundred_random_cases_against_a_linear_program():
-    for constraints in cases(120):
+def test_random_cases_against_a_linear_program():
+    for constraints in cases(60):
         window = Window(constraints)
         best = best_multipliers(window)
         proof = certify(window, best.multipliers, best.zeros, best.norm * best.signs[0])

@@ -7,7 +7,7 @@ import pytest
 import tvclin as tv
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
-CASES = 12
+CASES = 6
 TIMES = 9
 
 

@@ -131,7 +131,7 @@ def test_a_planar_flight_with_varying_parameters_agrees() -> None:
     survives = planar_verdict(
         booster,
         wind.shift(66.0 - duration / 2.0),
-        0.0,
+        tv.ReportControl(0.0),
         plane="yaw",
         frozen=False,
         condition=condition,
