@@ -28,7 +28,7 @@ def triangular(p: FloatArray, K: FloatArray) -> FloatArray:
     twin = compiled_twin("limits", _SECONDS * p.size)
     if twin is None:
         return _triangular(p, K)
-    flat = [np.ascontiguousarray(a).ravel() for a in (p, K)]
+    flat = [np.require(a, float, ["C", "W"]).ravel() for a in (p, K)]
     y = np.empty(p.size)
 
     def work(first: int, last: int) -> None:
@@ -51,7 +51,7 @@ def triangular_with_drift(
     twin = compiled_twin("limits", _DRIFT_SECONDS * p.size)
     if twin is None:
         return _triangular_with_drift(p, K, kappa, K1, rho)
-    flat = [np.ascontiguousarray(a).ravel() for a in (p, K, kappa, K1, rho)]
+    flat = [np.require(a, float, ["C", "W"]).ravel() for a in (p, K, kappa, K1, rho)]
     z, found = np.empty(p.size), np.empty(p.size, dtype=bool)
 
     def work(first: int, last: int) -> None:

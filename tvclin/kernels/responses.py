@@ -185,7 +185,7 @@ def _flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
     flags = flat.flags
     if flat.dtype == kind and flags.c_contiguous and flags.writeable:
         return flat
-    return np.array(flat, dtype=kind)
+    return np.array(flat, dtype=kind, order="C")
 
 
 def _flat_pieces(pieces: Pieces, kind: Any) -> tuple[NDArray[Any], ...]:

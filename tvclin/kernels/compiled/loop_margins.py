@@ -90,10 +90,10 @@ def loop_peaks(loop: Rational) -> FloatArray:
 
 
 def _ascending(loop: Rational) -> tuple[FloatArray, FloatArray, FloatArray]:
-    above, below = (
-        np.ascontiguousarray(p[:, ::-1], dtype=float) for p in (loop.numerator, loop.denominator)
-    )
-    return above, below, np.ascontiguousarray(loop.delay, dtype=float)
+    """The parts of a loop in the one kind of memory for which its kernels are compiled."""
+    parts = (loop.numerator[:, ::-1], loop.denominator[:, ::-1], loop.delay)
+    above, below, delay = (np.require(part, float, ["C", "W"]) for part in parts)
+    return above, below, delay
 
 
 @compiled
