@@ -42,25 +42,25 @@ $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 	  || { echo "tvclin needs Python 3.11 or newer; name one with: make PYTHON=python3.12 ..."; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --no-compile --upgrade pip
 
-INSTALL_EXTRAS = $(BIN)/python -m pip install --quiet --only-binary numba,llvmlite,pyarrow,jsbsim \
+INSTALL_EXTRAS = $(BIN)/python -m pip install --quiet --no-compile --only-binary numba,llvmlite,pyarrow,jsbsim \
 	  --editable ".[fast,campaign,sixdof]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
 
 # slycot has wheels for the common platforms only; tvclin works without it.
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --editable .
-	$(BIN)/python -m pip install --quiet --only-binary slycot "slycot>=0.7" \
+	$(BIN)/python -m pip install --quiet --no-compile --editable .
+	$(BIN)/python -m pip install --quiet --no-compile --only-binary slycot "slycot>=0.7" \
 	  || echo "slycot has no wheel for this platform; going on without it"
 	touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --group test --group lint --editable ".[notebook,report]"
+	$(BIN)/python -m pip install --quiet --no-compile --group test --group lint --editable ".[notebook,report]"
 	$(INSTALL_EXTRAS)
 	touch $@
 
 $(VENV)/.installed-docs: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --group docs
+	$(BIN)/python -m pip install --quiet --no-compile --group docs
 	$(INSTALL_EXTRAS)
 	touch $@
