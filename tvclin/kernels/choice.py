@@ -1,7 +1,7 @@
 """Which twin of a kernel runs: numpy, or the compiled one where that pays.
 
-Compiled twins need numba (extra `fast`), up to half a minute to be compiled for the first time on
-a machine, and some tenths of a second to load from then on. They are taken when the work of a
+Compiled twins need numba (extra `fast`), up to a minute to be compiled for the first time on a
+machine, and some tenths of a second to load from then on. They are taken when the work of a
 process is worth that, and for any work once they are there. Both give the same numbers within the
 rounding each kernel states; nobody above the kernels knows which one ran.
 """
