@@ -86,7 +86,7 @@ SETTLED = 0.3
 """Saved: every unstable coordinate is below this part of the reach for a while."""
 LOOK = 8
 """Samples between two looks at a sampled flight."""
-ORDER = 12
+ORDER = 11
 """Of the Taylor series of flights without pause."""
 TOLERANCE = 1e-8
 """Of the last terms of a series, over the peak of the wind."""
@@ -96,8 +96,8 @@ SLACK = 1e-7
 """The nozzle is at its stop when it is beyond by this part: it swings in without end."""
 GRAZE = 1e-13
 """A summit that is beyond a bound by less than this part of it only touches it."""
-FINE = 1e-10
-"""Of the step: Newton's method has doubled the digits when it says so."""
+FINE, FINE_TURN = 1e-9, 1e-6
+"""Of the step: the next round would double the digits, and a summit's value has them double."""
 ROUNDS = 60
 BEGIN = 0.01
 """Length of the first step that is tried [s]."""

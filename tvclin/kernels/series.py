@@ -20,10 +20,10 @@ class Series:
     Attributes
     ----------
     y : ndarray
-        States of plant (4), nozzle (2) and law (1), ``(7, 13, m)``. Without an actuator the first
+        States of plant (4), nozzle (2) and law (1), ``(7, 12, m)``. Without an actuator the first
         state of the nozzle is the deflection.
     demand, alpha, watch : ndarray
-        Deflection asked for, angle of attack, and what watches the rate limit, ``(13, m)``: the
+        Deflection asked for, angle of attack, and what watches the rate limit, ``(12, m)``: the
         rate of the nozzle, or what pulls at one that is held.
     """
 
@@ -80,7 +80,7 @@ def lengths(rows: FloatArray, series: Series, trial: FloatArray) -> FloatArray:
     """Return steps [s] whose last two terms stay within the tolerance.
 
     A step changes as the 8th root of what there is to spare, or the 16th if it may grow: both on
-    the safe side of the 12th.
+    the safe side of the 11th.
     """
     last, before = np.abs(series.y[:, table.ORDER]), np.abs(series.y[:, table.ORDER - 1])
     error = (last[0] * trial + before[0]) * rows[table.SCALE]
@@ -92,7 +92,7 @@ def lengths(rows: FloatArray, series: Series, trial: FloatArray) -> FloatArray:
 
 
 def jet(c: FloatArray, t: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return value, slope and half the curvature of series ``(..., 13, m)`` at times ``(m,)``."""
+    """Return value, slope and half the curvature of series ``(..., 12, m)`` at times ``(m,)``."""
     value = slope = bend = np.zeros_like(c[..., 0, :])
     for k in range(table.ORDER, -1, -1):
         bend = bend * t + slope

@@ -7,41 +7,43 @@ from tvclin.kernels.compiled import lanes
 from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
+_WATCHED = (
+    (lanes.DEMAND, lanes.DEMAND_LOW),
+    (lanes.SERVO, lanes.SERVO_LOW),
+    (lanes.WATCH, lanes.WATCH_LOW),
+)
+"""The series that have bounds, and where their lower bound stands; the upper one follows."""
 TWO, THREE = np.uint64(2 * lanes.LANES), np.uint64(3 * lanes.LANES)
 
 
 @lean
-def _jet(w, start, t):  # type: ignore[no-untyped-def]
+def _jet(s, start, t):  # type: ignore[no-untyped-def]
     """Value, slope and half the curvature of a lane's series."""
     value, slope, bend = 0.0, 0.0, 0.0
     for k in range(ORDER, -1, -1):
         bend = bend * t + slope
         slope = slope * t + value
-        value = value * t + w[start + np.uint64(k * lanes.LANES)]
+        value = value * t + s[start + np.uint64(k * lanes.LANES)]
     return value, slope, bend
 
 
 @lean
-def _root(w, start, low, high, target, turn):  # type: ignore[no-untyped-def]
-    """Where a series, or its slope where `turn`, passes the target between two times.
+def _root(s, start, low, high, below, above, target):  # type: ignore[no-untyped-def]
+    """Where a series passes the target between two times, at which it misses it by so much.
 
-    Newton's method from the chord, bisection where it leaves the bracket.
+    Halley's method from the chord, bisection where it leaves the bracket.
     """
-    value, slope, _ = _jet(w, start, low)
-    below = slope if turn else value - target
-    value, slope, _ = _jet(w, start, high)
-    above = slope if turn else value - target
     fine, t = table.FINE * (high - low), 0.5 * (low + high)
     if below * above < 0.0:
         t = low + (high - low) * (below / (below - above))
     for _ in range(table.ROUNDS):
-        value, slope, bend = _jet(w, start, t)
-        miss, rise = (slope, 2.0 * bend) if turn else (value - target, slope)
+        value, slope, bend = _jet(s, start, t)
+        miss = value - target
         if (miss < 0.0) == (below < 0.0):
             low = t
         else:
             high = t
-        new = t - miss / rise if rise != 0.0 else high
+        new = t - miss * slope / (slope * slope - miss * bend)
         if not low < new < high:
             new = 0.5 * (low + high)
         if abs(new - t) <= fine:
@@ -51,84 +53,92 @@ def _root(w, start, low, high, target, turn):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _exit(w, number, i, low, high):  # type: ignore[no-untyped-def]
-    """When a series first leaves its bounds within the step, and to which side; or inf, 0."""
-    start = at(number, 0) + i
-    h = last = w[row(lanes.STEP) + i]
-    begun, rise = w[start], w[start + ALL]
-    end, fall = w[row(lanes.VALUE + number) + i], w[row(lanes.SLOPE + number) + i]
-    if not low <= end <= high:
-        side = 1.0 if end > high else -1.0
-    elif rise * fall < 0.0:
-        last = _root(w, start, 0.0, h, 0.0, True)
-        top, _, _ = _jet(w, start, last)
-        if top > high + table.GRAZE * abs(high):
-            side = 1.0
-        elif top < low - table.GRAZE * abs(low):
-            side = -1.0
+def _turn(s, start, high, below, above):  # type: ignore[no-untyped-def]
+    """Where a series turns before a time, of its slopes at both ends, and its value there."""
+    low, fine, t = 0.0, table.FINE_TURN * high, high * (below / (below - above))
+    value, slope, bend = _jet(s, start, t)
+    for _ in range(table.ROUNDS):
+        if (slope < 0.0) == (below < 0.0):
+            low = t
         else:
-            return np.inf, 0.0
-    else:
-        return np.inf, 0.0
-    edge = high if side > 0.0 else low
-    if side * (begun - edge) < 0.0:
-        return _root(w, start, 0.0, last, edge, False), side
-    if side * rise >= 0.0 or side * fall <= 0.0:
-        return 0.0, side
-    inner = _root(w, start, 0.0, h, 0.0, True)
-    bottom, _, _ = _jet(w, start, inner)
-    if side * (bottom - edge) >= 0.0:
-        return 0.0, side
-    return _root(w, start, inner, h, edge, False), side
+            high = t
+        new = t - 0.5 * slope / bend
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        far = new - t
+        if abs(far) <= fine:
+            return new, value + far * (slope + far * bend)
+        t = new
+        value, slope, bend = _jet(s, start, t)
+    return t, value
 
 
 @lean
-def meet(w, i, servo):  # type: ignore[no-untyped-def]
+def _exit(s, w, number, i, low, high):  # type: ignore[no-untyped-def]
+    """When a series first leaves its bounds within the step, and to which side; or inf, 0."""
+    start = at(number, 0) + i
+    h = w[row(lanes.STEP) + i]
+    begun, rise = s[start], s[start + ALL]
+    end, fall = w[row(lanes.VALUE + number) + i], w[row(lanes.SLOPE + number) + i]
+    inside, turns = low <= end <= high, rise * fall < 0.0
+    last, top = h, end
+    if inside and not turns:
+        return np.inf, 0.0
+    if inside:
+        last, top = _turn(s, start, h, rise, fall)
+        if not (top > high + table.GRAZE * abs(high) or top < low - table.GRAZE * abs(low)):
+            return np.inf, 0.0
+    side = 1.0 if top > high else -1.0
+    edge = high if side > 0.0 else low
+    if side * (begun - edge) < 0.0:
+        return _root(s, start, 0.0, last, begun - edge, top - edge, edge), side
+    if side * rise >= 0.0 or side * fall <= 0.0:
+        return 0.0, side
+    inner, bottom = _turn(s, start, h, rise, fall)
+    if side * (bottom - edge) >= 0.0:
+        return 0.0, side
+    return _root(s, start, inner, h, bottom - edge, end - edge, edge), side
+
+
+@lean
+def meet(s, w, i, servo):  # type: ignore[no-untyped-def]
     """Shorten a lane's step to the first limit it meets; return what and which side, or -1."""
     first, what, which = np.inf, -1, 0.0
-    t, side = _exit(w, lanes.DEMAND, i, w[row(lanes.DEMAND_LOW) + i], w[row(lanes.DEMAND_HIGH) + i])
-    if t < first:
-        first, what, which = t, lanes.DEMAND, side
-    if servo > 0:
-        t, side = _exit(
-            w, lanes.SERVO, i, w[row(lanes.SERVO_LOW) + i], w[row(lanes.SERVO_HIGH) + i]
-        )
+    for number, low in _WATCHED:
+        if number != lanes.DEMAND and servo == 0:
+            break
+        t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i])
         if t < first:
-            first, what, which = t, lanes.SERVO, side
-        t, side = _exit(
-            w, lanes.WATCH, i, w[row(lanes.WATCH_LOW) + i], w[row(lanes.WATCH_HIGH) + i]
-        )
-        if t < first:
-            first, what, which = t, lanes.WATCH, side
+            first, what, which = t, number, side
     if what >= 0:
         w[row(lanes.STEP) + i] = first
         for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
-            value, slope, _ = _jet(w, at(number, 0) + i, first)
+            value, slope, _ = _jet(s, at(number, 0) + i, first)
             w[row(lanes.VALUE + number) + i] = value
             w[row(lanes.SLOPE + number) + i] = slope
     return what, which
 
 
 @lean
-def summit(w, number, i, top, share):  # type: ignore[no-untyped-def]
+def summit(s, w, number, i, top, share):  # type: ignore[no-untyped-def]
     """Raise a lane's largest size by the summit of a series within the step."""
     start, h = at(number, 0) + i, w[row(lanes.STEP) + i]
-    rise, fall = w[start + ALL], w[row(lanes.SLOPE + number) + i]
-    one, other = w[start] + rise * h, w[row(lanes.VALUE + number) + i] - fall * h
+    rise, fall = s[start + ALL], w[row(lanes.SLOPE + number) + i]
+    one, other = s[start] + rise * h, w[row(lanes.VALUE + number) + i] - fall * h
     inside = max(one, other) if rise < 0.0 else min(one, other)
     known = w[row(top) + i]
     if rise * fall < 0.0 and abs(inside) > known and w[row(share) + i] != 0.0:
-        value, _, _ = _jet(w, start, _root(w, start, 0.0, h, 0.0, True))
+        _, value = _turn(s, start, h, rise, fall)
         w[row(top) + i] = max(known, abs(value))
 
 
 @lean
-def switch(w, i, what, side, servo):  # type: ignore[no-untyped-def]
+def switch(s, w, i, what, side, servo):  # type: ignore[no-untyped-def]
     """Put a lane into the region behind the limit it has met."""
     if what == lanes.DEMAND:
         mode = row(lanes.MODE) + i
         w[mode] = side if w[mode] == 0.0 else 0.0
-        _hold(w, i, servo)
+        _hold(s, w, i, servo)
     elif what == lanes.SERVO:
         stop = row(lanes.STOP) + i
         w[stop] = side if w[stop] == 0.0 else 0.0
@@ -137,24 +147,24 @@ def switch(w, i, what, side, servo):  # type: ignore[no-untyped-def]
     else:
         w[row(lanes.HOLD) + i] = side
         if servo == 2:
-            w[at(lanes.SPIN, 0) + i] = side * w[row(table.RATE_LIMIT) + i]
+            s[at(lanes.SPIN, 0) + i] = side * w[row(table.RATE_LIMIT) + i]
     _bound(w, i, servo)
 
 
 @lean
-def _asked(w, i):  # type: ignore[no-untyped-def]
+def _asked(s, w, i):  # type: ignore[no-untyped-def]
     """The deflection asked for where a lane is."""
-    theta, path = w[at(lanes.THETA, 0) + i], w[at(lanes.PATH, 0) + i]
+    theta, path = s[at(lanes.THETA, 0) + i], s[at(lanes.PATH, 0) + i]
     asked = w[row(table.K_ATTITUDE) + i] * theta + w[row(table.K_PATH) + i] * path
-    asked += w[row(table.K_RATE) + i] * w[at(lanes.RATE, 0) + i]
-    asked += w[row(table.K_ALPHA) + i] * (theta - path - w[at(lanes.WIND, 0) + i])
-    return asked + w[row(table.K_MEMORY) + i] * w[at(lanes.MEMORY, 0) + i]
+    asked += w[row(table.K_RATE) + i] * s[at(lanes.RATE, 0) + i]
+    asked += w[row(table.K_ALPHA) + i] * (theta - path - s[at(lanes.WIND, 0) + i])
+    return asked + w[row(table.K_MEMORY) + i] * s[at(lanes.MEMORY, 0) + i]
 
 
 @lean
-def _engage(w, i):  # type: ignore[no-untyped-def]
+def _engage(s, w, i):  # type: ignore[no-untyped-def]
     """Choose the mode of the law anew, where the demand may have jumped."""
-    asked, mode = _asked(w, i), row(lanes.MODE) + i
+    asked, mode = _asked(s, w, i), row(lanes.MODE) + i
     if not asked * w[mode] > w[row(table.RELEASE) + i]:
         w[mode] = 0.0
     if w[mode] == 0.0 and abs(asked) >= w[row(table.ENGAGE) + i]:
@@ -162,11 +172,11 @@ def _engage(w, i):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _hold(w, i, servo):  # type: ignore[no-untyped-def]
+def _hold(s, w, i, servo):  # type: ignore[no-untyped-def]
     """Choose anew whether the rate limit holds the nozzle, where the command may have jumped."""
     mode, limit = w[row(lanes.MODE) + i], w[row(table.LIMIT) + i]
-    asked = mode * limit if mode != 0.0 else min(max(_asked(w, i), -limit), limit)
-    position, spin = w[at(lanes.SERVO, 0) + i], w[at(lanes.SPIN, 0) + i]
+    asked = mode * limit if mode != 0.0 else min(max(_asked(s, w, i), -limit), limit)
+    position, spin = s[at(lanes.SERVO, 0) + i], s[at(lanes.SPIN, 0) + i]
     pull = w[row(table.STIFFNESS) + i] * (asked - position)
     most, held = w[row(table.RATE_LIMIT) + i], row(lanes.HOLD) + i
     if servo == 1:
@@ -203,7 +213,7 @@ def _between(w, i, low, region, enters, lets_go):  # type: ignore[no-untyped-def
 
 
 @lean
-def arrive(w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
+def arrive(s, w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
     """Put a lane that has come to a knot upon the next piece of its wind; return the piece."""
     now = knots[cursor + 1] if cursor + 1 < knots.size else w[row(table.UNTIL) + i]
     if cursor + 1 < knots.size and now <= w[row(table.UNTIL) + i]:
@@ -216,15 +226,15 @@ def arrive(w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
     following = knots[cursor + 1] if cursor + 1 < knots.size else np.inf
     w[row(lanes.LEFT) + i] = min(following, w[row(table.UNTIL) + i]) - now
     for k in range(wind.shape[1]):
-        w[at(lanes.WIND, k) + i] = wind[cursor, k]
-    _engage(w, i)
-    _hold(w, i, servo)
+        s[at(lanes.WIND, k) + i] = wind[cursor, k]
+    _engage(s, w, i)
+    _hold(s, w, i, servo)
     _bound(w, i, servo)
     return cursor
 
 
 @merged
-def due(w):  # type: ignore[no-untyped-def]
+def due(s, w):  # type: ignore[no-untyped-def]
     """Flag the lanes at a knot or at their time, and those whose fate may have become known."""
     now_, left, until = row(lanes.NOW), row(lanes.LEFT), row(table.UNTIL)
     end, patience, fate = row(table.END), row(table.PATIENCE), row(lanes.FATE)
@@ -235,10 +245,10 @@ def due(w):  # type: ignore[no-untyped-def]
     path, speed = at(lanes.PATH, 0), at(lanes.SPEED, 0)
     for i in range(ALL):
         now, reach = w[now_ + i], w[reach_ + i]
-        fast = w[fast_ + i] * w[theta + i] + w[fast_ + ALL + i] * w[rate + i]
-        fast += w[fast_ + TWO + i] * w[path + i] + w[fast_ + THREE + i] * w[speed + i]
-        slow = w[slow_ + i] * w[theta + i] + w[slow_ + ALL + i] * w[rate + i]
-        slow += w[slow_ + TWO + i] * w[path + i] + w[slow_ + THREE + i] * w[speed + i]
+        fast = w[fast_ + i] * s[theta + i] + w[fast_ + ALL + i] * s[rate + i]
+        fast += w[fast_ + TWO + i] * s[path + i] + w[fast_ + THREE + i] * s[speed + i]
+        slow = w[slow_ + i] * s[theta + i] + w[slow_ + ALL + i] * s[rate + i]
+        slow += w[slow_ + TWO + i] * s[path + i] + w[slow_ + THREE + i] * s[speed + i]
         after = (now >= w[end + i]) & (w[fate + i] == 0.0)
         large = (abs(fast) >= table.SETTLED * reach) | (abs(slow) >= table.SETTLED * reach)
         since = w[quiet + i]
@@ -251,11 +261,11 @@ def due(w):  # type: ignore[no-untyped-def]
 
 
 @lean
-def judged(w, i):  # type: ignore[no-untyped-def]
+def judged(s, w, i):  # type: ignore[no-untyped-def]
     """Return what is known of a lane's fate after its wind."""
     fast, slow = 0.0, 0.0
     for k in range(4):
-        x = w[at(lanes.THETA + k, 0) + i]
+        x = s[at(lanes.THETA + k, 0) + i]
         fast += w[row(table.FAST + k) + i] * x
         slow += w[row(table.SLOW + k) + i] * x
     now, reach, ratio = w[row(lanes.NOW) + i], w[row(table.REACH) + i], w[row(table.RATIO) + i]

@@ -1,8 +1,9 @@
-"""The memory of a block of flights: 64 lanes of everything in one flat array.
+"""The memory of a block of flights: 64 lanes of everything in two flat arrays, series and rows.
 
-Lanes are innermost and the distances between rows are known to the compiler, so that loops over
-the lanes become vector instructions without tests for overlap. Indices are unsigned for the same
-reason: a signed one would be tested for counting from the end.
+Lanes are innermost, and within each array the compiler knows how far apart things are, so that
+loops over the lanes become vector instructions with hardly a test for overlap: where a term of a
+series and a row lie in one array, every pair of them is tested. Indices are unsigned because a
+signed one would be tested for counting from the end.
 """
 
 import numpy as np
@@ -14,6 +15,8 @@ LANES = 64
 ALL = np.uint64(LANES)
 ORDER = table.ORDER
 TERMS = ORDER + 2
+TOGETHER = 4
+"""Terms of the series that are written in one loop over the lanes; they divide `ORDER` + 1."""
 
 THETA, RATE, PATH, SPEED, SERVO, SPIN, MEMORY, DEMAND, ALPHA, WATCH, WIND = range(11)
 """The series: states, demand, angle of attack, what the rate limit watches, and the wind."""
@@ -40,7 +43,6 @@ _FIRST = table.ROWS
     SERVO_HIGH,
     WATCH_LOW,
     WATCH_HIGH,
-    DEFLECTION,
     FLAG,
     TOP_THETA,
     TOP_RATE,
@@ -52,19 +54,19 @@ _FIRST = table.ROWS
     ONE,
     FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 31)
+) = range(_FIRST, _FIRST + 30)
 """Rows beside those of the table: time, regions, bounds of what is watched, and peaks."""
 SLOPE = VALUE + SERIES
-SIZE = (SERIES * TERMS + SLOPE + SERIES) * LANES
+SERIES_SIZE, SIZE = SERIES * TERMS * LANES, (SLOPE + SERIES) * LANES
 
 
 @lean
 def at(series: int, k: int) -> np.uint64:
-    """Return where the k-th term of a series begins."""
+    """Return where the k-th term of a series begins, among the series."""
     return np.uint64((series * TERMS + k) * LANES)
 
 
 @lean
 def row(number: int) -> np.uint64:
-    """Return where a row of numbers begins."""
-    return np.uint64((SERIES * TERMS + number) * LANES)
+    """Return where a row of numbers begins, among the rows."""
+    return np.uint64(number * LANES)
