@@ -280,7 +280,8 @@ __all__ = sorted(_HOME)  # noqa: PLE0605
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return getattr(import_module(f"tvclin.{_HOME[name]}"), name)
+        found = globals()[name] = getattr(import_module(f"tvclin.{_HOME[name]}"), name)
+        return found
     if name in _MODULES:
         return import_module(f"tvclin.{name}")
     raise AttributeError(f"module 'tvclin' has no attribute {name!r}")

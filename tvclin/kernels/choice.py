@@ -20,6 +20,8 @@ _LOADING, _COMPILING = 0.1, 10.0
 """Seconds of work for which a twin is loaded, and for which one is compiled that never was."""
 _asked: dict[str, float] = {}
 """Seconds of work that each twin has been asked for: many small calls are worth as much as one."""
+_loaded: dict[str, ModuleType] = {}
+"""Twins that were taken before, which is quicker than asking for a module again."""
 _CACHE = Path(__file__).parent / "compiled" / "__pycache__"
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
@@ -37,10 +39,15 @@ def compiled_twin(name: str, seconds: float) -> ModuleType | None:
     """
     wanted = _pinned.get()
     path = f"tvclin.kernels.compiled.{name}"
+    if name in _loaded and wanted is not False and available():
+        return _loaded[name]
     if wanted is None:
         _asked[name] = _asked.get(name, 0.0) + seconds
         wanted = path in sys.modules or _asked[name] > (_LOADING if _kept(name) else _COMPILING)
-    return import_module(path) if wanted and available() else None
+    if not (wanted and available()):
+        return None
+    _loaded[name] = import_module(path)
+    return _loaded[name]
 
 
 def _kept(name: str) -> bool:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from tvclin.kernels import integrals, lags
 from tvclin.kernels.choice import compiled_twin
-from tvclin.kernels.pieces import Pieces, spread, value
+from tvclin.kernels.pieces import Pieces, flat, spread, value
 from tvclin.kernels.residues import residues
 from tvclin.kernels.threads import in_slices
 
@@ -130,8 +130,8 @@ def _compiled(
     shape: tuple[int, ...],
 ) -> tuple[FloatArray, NDArray[np.bool_] | None]:
     kind = _COMPLEX if system.poles.dtype.kind == "c" else _kind(inputs)
-    plants = [_flat(a, k, kind) for a, k in ((system.poles, 1), (system.gains, 2))]
-    plants.append(_flat(system.outputs, 2, kind))
+    plants = [flat(a, k, kind) for a, k in ((system.poles, 1), (system.gains, 2))]
+    plants.append(flat(system.outputs, 2, kind))
     batch = (*plants, system.less_wind)
     histories = [_flat_pieces(pieces, kind) for pieces in inputs]
     batches = (system.poles.shape[:-1], inputs[0].batch, inputs[1].batch)
@@ -166,6 +166,8 @@ def _compiled(
 
 
 def _read_only(times: FloatArray) -> FloatArray:
+    if not times.flags.writeable:
+        return times
     times = times.view()
     times.flags.writeable = False
     return times
@@ -178,23 +180,15 @@ def _kind(inputs: tuple[Pieces, Pieces]) -> Any:
     return _REAL
 
 
-def _flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
-    """The batch on one axis, in the one kind of memory for which the twin is compiled."""
-    one = array.ndim == trailing
-    flat = array[np.newaxis] if one else array.reshape(-1, *array.shape[array.ndim - trailing :])
-    flags = flat.flags
-    if flat.dtype == kind and flags.c_contiguous and flags.writeable:
-        return flat
-    return np.array(flat, dtype=kind, order="C")
-
-
 def _flat_pieces(pieces: Pieces, kind: Any) -> tuple[NDArray[Any], ...]:
     batch = pieces.batch
+    if not batch and kind is _REAL:
+        return pieces.single
     pieces = spread(pieces, batch) if batch else pieces
     return (
-        _flat(pieces.knots, 1, _REAL),
-        _flat(pieces.coefficients, 3, kind),
-        _flat(pieces.rates, 1, kind),
+        flat(pieces.knots, 1, _REAL),
+        flat(pieces.coefficients, 3, kind),
+        flat(pieces.rates, 1, kind),
     )
 
 
