@@ -64,7 +64,7 @@ class Trial:
 
     def verdicts(self, limit: FloatArray) -> NDArray[np.int_]:
         """Return SAVED, LOST or UNDECIDED for each limit [rad], ``(n,)``."""
-        plain = self._is_plain and pays(len(self.steps.gusts))
+        plain = self._is_plain and pays(len(self.steps.gusts) + self._calm)
         return self._together(limit) if plain else self._step_by_step(limit)
 
     @cached_property
@@ -94,8 +94,6 @@ class Trial:
         found = np.full(limit.size, LOST)
         where, flights = self._through(limit)
         after = Sampler(self.law, self._still, self.nozzle, still=True)
-        length = self.nozzle.length
-        calm = int(np.ceil(CALM / self.modes.poles[0] / length))
         quiet, done = np.zeros(where.size, dtype=int), 0
         while where.size and done < self._patience:
             flights = after.flown(flights, done, done + _EVERY)
@@ -104,7 +102,7 @@ class Trial:
             inside = self.modes.inside(z, D)
             settled = np.all(np.abs(z) < SETTLED * D[:, np.newaxis], axis=-1)
             quiet = np.where(settled, quiet + _EVERY, 0)
-            saved = inside & (quiet >= calm)
+            saved = inside & (quiet >= self._calm)
             found[where[saved]] = SAVED
             still_open = inside & ~saved
             where, quiet = where[still_open], quiet[still_open]
@@ -158,6 +156,11 @@ class Trial:
     @property
     def _patience(self) -> int:
         return int(min(np.ceil(PATIENCE / self.modes.poles[-1] / self.nozzle.length), _MOST))
+
+    @cached_property
+    def _calm(self) -> int:
+        """Steps for which a flight must be calm to be saved, and about what a survivor takes."""
+        return int(np.ceil(CALM / self.modes.poles[0] / self.nozzle.length))
 
     @cached_property
     def _still(self) -> Steps:

@@ -21,7 +21,7 @@ from tvclin.kernels.threads import in_slices
 _TERMS = 24
 """Of the series of a gust that begins within a step."""
 _NEVER = 1 << 60
-_NUMPY, _COMPILED = 4e-5, 4e-6
+_NUMPY, _COMPILED = 1e-4, 4e-6
 """Seconds for a sample of a small batch of flights, and of one flight compiled, or so."""
 _AT_ONCE = 1000.0
 """A batch twice as large takes numpy twice the time when it is larger than this."""

@@ -103,7 +103,7 @@ def _template() -> "Template":
 
 def _printable(value: object) -> object:
     """Replace what HTML cannot hold, such as control characters, in a text."""
-    if not isinstance(value, str) or value.isprintable():
+    if not isinstance(value, str) or all(line.isprintable() for line in value.split("\n")):
         return value
     kept = "".join(one if one.isprintable() or one in "\n\t" else "\ufffd" for one in value)
     return type(value)(kept)
