@@ -28,40 +28,38 @@ def peaks(loop: Rational, omega: FloatArray) -> FloatArray:
     omega : ndarray
         Frequencies [rad/s] that miss no peak, ``(k, n)``.
     """
-    whole = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
-    ends = enumerate(AT_INFINITY)
-    return np.asarray([_largest(loop, whole, kind, end) for kind, end in ends])
-
-
-def _size(loop: Rational, omega: FloatArray, kind: int) -> FloatArray:
-    above, below = loop.parts(omega)
-    tops = (below, above, (below - above) / 2.0)
-    with np.errstate(invalid="ignore"):  # NaN fills rows of frequencies
-        return np.abs(tops[kind] / (below + above))
-
-
-def _largest(
-    loop: Rational, omega: FloatArray, kind: int, at_infinity: float
-) -> tuple[FloatArray, FloatArray]:
     from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
 
-    values = np.nan_to_num(_size(loop, omega, kind), nan=-np.inf)
-    inner = values[:, 1:-1]
-    summit = (inner >= values[:, :-2]) & (inner > values[:, 2:])
+    whole = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
+    values = np.nan_to_num(_sizes(loop, whole), nan=-np.inf)
+    top = np.argmax(values, axis=-1)
+    height, where = values.max(axis=-1), whole[np.arange(len(whole)), top]
+    inner = values[..., 1:-1]
+    summit = (inner >= values[..., :-2]) & (inner > values[..., 2:])
     summit &= inner > _WORTH * values.max(axis=-1, keepdims=True)
-    case, place = np.nonzero(summit)
-    place = place + 1
+    kind, case, place = np.nonzero(summit)
 
-    def lowness(frequency: FloatArray, index: NDArray[np.intp]) -> FloatArray:
-        return -_size(loop.take(index), frequency[:, np.newaxis], kind)[:, 0]
+    def lowness(
+        frequency: FloatArray, kind: NDArray[np.intp], case: NDArray[np.intp]
+    ) -> FloatArray:
+        sizes = _sizes(loop.take(case), frequency[:, np.newaxis])
+        return -sizes[kind, np.arange(kind.size), 0]
 
-    top = np.argmax(values, axis=-1)[:, np.newaxis]
-    height, where = (np.take_along_axis(a, top, axis=-1)[:, 0] for a in (values, omega))
-    if case.size:
-        bracket = [omega[case, place + k] for k in (-1, 0, 1)]
-        found = find_minimum(lowness, bracket, args=(case,), tolerances={"xrtol": _SHARP})
+    if kind.size:  # all in one call, whose rounds cost more than what is done in them
+        bracket = [whole[case, place + k] for k in range(3)]
+        found = find_minimum(lowness, bracket, args=(kind, case), tolerances={"xrtol": _SHARP})
         rising = np.argsort(-found.f_x)  # of several summits the highest is written last
-        rising = rising[found.success[rising] & (-found.f_x[rising] > height[case[rising]])]
-        height[case[rising]], where[case[rising]] = -found.f_x[rising], found.x[rising]
-    beyond = height <= at_infinity
-    return np.where(beyond, at_infinity, height), np.where(beyond, np.inf, where)
+        size, at = -found.f_x[rising], (kind[rising], case[rising])
+        better = found.success[rising] & (size > height[at])
+        at = (at[0][better], at[1][better])
+        height[at], where[at] = size[better], found.x[rising][better]
+    ends = np.asarray(AT_INFINITY)[:, np.newaxis]
+    beyond = height <= ends
+    return np.stack([np.where(beyond, ends, height), np.where(beyond, np.inf, where)], axis=1)
+
+
+def _sizes(loop: Rational, omega: FloatArray) -> FloatArray:
+    """Sizes of S, T and (S - T)/2 at frequencies ``(k, n)``, ``(3, k, n)``."""
+    above, below = loop.parts(omega)
+    with np.errstate(invalid="ignore"):  # NaN fills rows of frequencies
+        return np.abs(np.stack([below, above, (below - above) / 2.0]) / (below + above))
