@@ -23,7 +23,7 @@ lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 	$(BIN)/lint-imports
 
 bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and print the ratios
-	cd benchmarks && ../$(BIN)/pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean
+	cd benchmarks && ../$(BIN)/pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean .
 
 docs: $(VENV)/.installed-docs  ## build the documentation as a site, docs/_build/html/index.html
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
