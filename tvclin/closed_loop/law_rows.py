@@ -68,7 +68,7 @@ def law_rows(law: Any, shape: tuple[int, ...]) -> LawRows:
     noise = list(dict.fromkeys(one.rate_noise for one in different.values()))
     hears = np.array([noise.index(one.rate_noise) for one in different.values()])
     rows, free, driven = (np.stack(parts) for parts in zip(*every, strict=True))
-    return LawRows(rows[which].T.copy(), free[which], driven[which], noise, hears[which])
+    return LawRows(np.take(rows.T, which, axis=1), free[which], driven[which], noise, hears[which])
 
 
 def _laws(law: Any) -> NDArray[Any]:
