@@ -112,7 +112,7 @@ def attitude_response(
         input_labels=list(INPUTS),
         sysname=plant.model,
         plot_inputs=True,
-        title=f"Exact response, {plant.model} model",
+        title=f"Exact response, {plant.model} model [rad, rad/s]",
         trace_types=["forced"],
     )
 

@@ -84,6 +84,6 @@ def wind_response(
         input_labels=["wind"],
         sysname=name,
         plot_inputs=True,
-        title=f"Response to wind, {name}",
+        title=f"Response to wind, {name} [rad, rad/s]",
         trace_types=["forced"],
     )

@@ -183,6 +183,6 @@ def _response(
         input_labels=["wind"],
         sysname=f"{plant.model} with limits",
         plot_inputs=True,
-        title=f"Flight with limits, {plant.model} model",
+        title=f"Flight with limits, {plant.model} model [rad, rad/s]",
         trace_types=["forced"],
     )

@@ -35,7 +35,7 @@ def flight_response(
         input_labels=["wind"],
         sysname=engine,
         plot_inputs=True,
-        title=title,
+        title=f"{title} [rad, rad/s]",
         trace_types=["forced"],
     )
 
