@@ -320,6 +320,24 @@ def test_what_a_study_file_should_not_say_is_one_sentence(
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.parametrize(
+    ("heading", "wrong", "right"),
+    [
+        ("study", "swich", "switch"),
+        ("laws", "sample_rat_Hz", "sample_rate_Hz"),
+        ("autopilot", "dmaping", "damping"),
+        ("criteria", "phase_margn_deg", "phase_margin_deg"),
+        ("size", "reserve_percnt", "reserve_percent"),
+    ],
+)
+def test_a_campaign_finds_misspelled_keys_of_a_study(heading: str, wrong: str, right: str) -> None:
+    tables = {"study": HEAD, "wind": WIND, "campaign": {"cases": 3}}
+    tables[heading] = tables.get(heading, {}) | {wrong: 1.0}
+    for parse in (parse_campaign, parse_study):
+        with pytest.raises(tv.InputError, match=rf"\[{heading}\]: '{wrong}'; did you mean {right}"):
+            parse(tables)
+
+
 def test_a_name_with_control_characters_is_refused() -> None:
     text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
     table = tomllib.loads(text)["vehicle"] | {"name": "a\x1b[31m"}
@@ -335,4 +353,7 @@ def test_the_command_line_refuses_a_bad_study_file(tmp_path: Path) -> None:
         assert result.exit_code == 2
         assert isinstance(result.exception, SystemExit)
     assert "did you mean dead_band" in run("study", file).stderr
+    said = run("campaign", "run", file, "-o", tmp_path / "results")
+    assert said.exit_code == 2
+    assert "did you mean dead_band" in said.stderr
     assert run("init", "--study", file).exit_code == 2

@@ -11,26 +11,16 @@ import numpy as np
 
 from tvclin.campaign.dispersions import Dispersions
 from tvclin.campaign.flights import Flight
+from tvclin.campaign.keys import PERCENT, SUBJECT, Units, known, quantity, spellings
 from tvclin.campaign.plan import Campaign
-from tvclin.campaign.tables import (
-    PERCENT,
-    SUBJECT,
-    dispersions_of,
-    known,
-    quantity,
-    question_of,
-    read_tables,
-    spellings,
-    subject_of,
-    winds_of,
-)
+from tvclin.campaign.tables import dispersions_of, question_of, read_tables, subject_of, winds_of
 from tvclin.campaign.winds import WindEnsemble
 from tvclin.errors import InputError, number
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
 _DRAWN = ("cases", "seed", "method", "chunk")
-_FLIGHT: dict[str, dict[str, float]] = {
+_FLIGHT: Units = {
     "deflection_limit": UNITS["angle"],
     "rate_limit": {f"{unit}_per_s": factor for unit, factor in UNITS["angle"].items()},
     "sample_rate": {"Hz": 1.0},

@@ -1,16 +1,16 @@
-"""The tables that campaign files share with study files, and how their keys are read."""
+"""The tables that campaign files share with study files."""
 
 import csv
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tvclin.campaign.dispersions import PARAMETERS, Dispersion, Dispersions
+from tvclin.campaign.keys import PERCENT, SUBJECT, check_keys, known, quantity, spellings
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.errors import InputError, number, one_of
 from tvclin.units import UNITS
@@ -37,9 +37,6 @@ TABLES = (
 LISTS = ("dispersion", "correlation")
 SOUNDING = "sounding"
 """The key of a [[wind]] that stands over height."""
-SUBJECT = ("vehicle", "model", "plane")
-"""What is studied: keys of [study], or of [campaign] where there is no [study]."""
-PERCENT = 100.0
 
 _ANGLE, _TIME = UNITS["angle"], UNITS["time"]
 _SPREADS = {
@@ -79,12 +76,14 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        For an unknown table, one that is none, a vehicle that is missing, and what is given twice.
+        For an unknown table, one that is none, an unknown key in a table that only studies read, a
+        vehicle that is missing, and what is given twice.
     """
     known("table", document, TABLES)
     for name in document.keys() - {*LISTS, "wind"}:
         if not isinstance(document[name], dict):
             raise InputError(f"[{name}] must be a table")
+    check_keys(document)
     study, campaign = document.get("study", {}), document.get("campaign", {})
     for key in SUBJECT:
         if key in study and key in campaign:
@@ -214,29 +213,3 @@ def _dispersion(row: dict[str, Any]) -> Dispersion:
     (key, value) = rest.popitem()
     spread = number(f"{key} of {parameter}", value) * spreads[key]
     return Dispersion(parameter, shape, spread, relative=key in ("part", "percent"))
-
-
-def quantity(
-    where: str, table: dict[str, Any], name: str, units: Mapping[str, float], required: bool = True
-) -> float | None:
-    """Take a number with its unit in its key out of a table."""
-    keys = dict(zip(spellings({name: units}), units.values(), strict=True))
-    found = [key for key in keys if key in table]
-    if len(found) > 1 or (required and not found):
-        raise InputError(f"{where} must give {name} once, as {' or '.join(keys)}")
-    return number(found[0], table.pop(found[0])) * keys[found[0]] if found else None
-
-
-def known(what: str, given: Mapping[str, Any], names: Iterable[str]) -> None:
-    """Raise `InputError` for a key that is not among the names, and offer the near ones."""
-    legal = list(names)
-    for key in given:
-        if key not in legal:
-            near = get_close_matches(key, legal, n=2, cutoff=0.5)
-            hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(legal)}"
-            raise InputError(f"unknown {what}: {key!r}; {hint}")
-
-
-def spellings(quantities: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Return the keys of quantities, each with its unit."""
-    return [f"{k}_{unit}" if unit else k for k, units in quantities.items() for unit in units]

@@ -8,16 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.campaign.file import parse_campaign
-from tvclin.campaign.tables import (
-    SUBJECT,
-    dispersions_of,
-    known,
-    quantity,
-    question_of,
-    spellings,
-    subject_of,
-    winds_of,
-)
+from tvclin.campaign.keys import quantities_of
+from tvclin.campaign.tables import dispersions_of, question_of, subject_of, winds_of
 from tvclin.errors import InputError, one_of
 from tvclin.margins import CRITERIA, Criteria
 from tvclin.sizing import load_schedule
@@ -26,32 +18,7 @@ from tvclin.study_file.read_sizing import gust_of, sizing_of
 from tvclin.study_file.sizing import SizingAsked
 from tvclin.vehicle_file import parse_vehicle, vehicle_text
 
-Units = dict[str, dict[str, float]]
-
 _ALSO_OF_A_FLIGHT = ("model", "plane", "switch")
-
-_TIME = {"s": 1.0, "ms": 1e-3}
-_LAWS: Units = {"sample_rate": {"Hz": 1.0}}
-_GAINS: Units = {
-    "natural_frequency": {"rad_per_s": 1.0},
-    "damping": {"": 1.0},
-    "attitude_gain": {"": 1.0},
-    "rate_gain": {"s": 1.0},
-    "alpha_gain": {"": 1.0},
-    "integral_gain": {"per_s": 1.0},
-    "actuator_frequency": {"rad_per_s": 1.0},
-    "actuator_damping": {"": 1.0},
-    "delay": _TIME,
-}
-_CRITERIA: Units = {
-    "aero_margin_dB": {"": 1.0},
-    "gain_increase_dB": {"": 1.0},
-    "phase_margin_deg": {"": 1.0},
-    "delay_margin": _TIME,
-    "disk_margin": {"": 1.0},
-    "peak_sensitivity": {"": 1.0},
-    "peak_complementary_sensitivity": {"": 1.0},
-}
 
 
 def load_study(source: str | PathLike[str]) -> StudyPlan:
@@ -145,8 +112,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     subject = subject_of(document, folder)
     if "cases" in document.get("campaign", {}):
         parse_campaign({k: v for k, v in document.items() if k != "gust"}, folder)
-    head, drawn = dict(document.get("study", {})), document.get("campaign", {})
-    known("key in [study]", head, (*SUBJECT, "dead_band", "switch"))
+    head, drawn = document.get("study", {}), document.get("campaign", {})
     given = {key: head[key] for key in ("dead_band", "switch") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
@@ -170,7 +136,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
 
 
 def _laws(table: dict[str, Any]) -> LawsAsked:
-    given: dict[str, Any] = _numbers(table, _LAWS, "laws", ("names", "winds", "model")) | table
+    given: dict[str, Any] = quantities_of("laws", table) | table
     for key in ("names", "winds"):
         if key in given:
             if not isinstance(given[key], list):
@@ -180,12 +146,12 @@ def _laws(table: dict[str, Any]) -> LawsAsked:
 
 
 def _gains(table: dict[str, Any]) -> GainsAsked:
-    given: dict[str, Any] = _numbers(table, _GAINS, "autopilot", ("design", "model")) | table
+    given: dict[str, Any] = quantities_of("autopilot", table) | table
     return GainsAsked(**given)
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:
-    limits = _numbers(table, _CRITERIA, "criteria", ("name",))
+    limits = quantities_of("criteria", table)
     if "name" in table:
         named = CRITERIA[one_of("name in [criteria]", table["name"], CRITERIA)]
         if not limits:
@@ -193,15 +159,3 @@ def _criteria(table: dict[str, Any]) -> Criteria:
         limits = {one.margin: one.limit for one in named.requirements} | limits
     name = f"{table['name']} as changed" if "name" in table else "own"
     return Criteria.own(name, "the study file", **limits)
-
-
-def _numbers(
-    table: dict[str, Any], quantities: Units, heading: str, others: tuple[str, ...]
-) -> dict[str, float]:
-    """Take the numbers that a table gives out of it, in SI units; the others are what stays."""
-    known(f"key in [{heading}]", table, (*others, *spellings(quantities)))
-    found = {
-        name: quantity(f"[{heading}]", table, name, units, required=False)
-        for name, units in quantities.items()
-    }
-    return {name: value for name, value in found.items() if value is not None}

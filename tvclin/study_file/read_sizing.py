@@ -6,15 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.campaign import ShapedWind
-from tvclin.campaign.tables import (
-    PERCENT,
-    SOUNDING,
-    known,
-    quantity,
-    spellings,
-    wind_tables,
-    winds_of,
-)
+from tvclin.campaign.keys import known, quantities_of, quantity, spellings
+from tvclin.campaign.tables import SOUNDING, wind_tables, winds_of
 from tvclin.errors import InputError
 from tvclin.histories import History
 from tvclin.sizing import FlightSchedule, load_schedule
@@ -26,19 +19,6 @@ from tvclin.winds import OneMinusCosineGust
 
 _TIME, _ANGLE = UNITS["time"], UNITS["angle"]
 _GUST = {"peak": _ANGLE, "duration": _TIME, "peak_time": _TIME}
-_PART = {"percent": 1.0 / PERCENT}
-_ASKED: dict[str, Mapping[str, float]] = {
-    "start": _TIME,
-    "stop": _TIME,
-    "every": _TIME,
-    "window": _TIME,
-    "peak_speed": UNITS["speed"],
-    "dispersion": _PART,
-    "thrust_offset": _ANGLE,
-    "gravity_offset": UNITS["length"],
-    "reserve": _PART,
-}
-_PLAIN = ("dead_bands", "model", "law", "varying", "count")
 
 
 def sizing_of(
@@ -72,12 +52,7 @@ def sizing_of(
             raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
         return None
     table = dict(document.get("size", {}))
-    known("key in [size]", table, (*_PLAIN, *spellings(_ASKED)))
-    given: dict[str, Any] = {
-        name: quantity("[size]", table, name, units, required=False)
-        for name, units in _ASKED.items()
-    }
-    given = {name: value for name, value in given.items() if value is not None} | table
+    given: dict[str, Any] = quantities_of("size", table) | table
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {given['varying']!r}")
     if "dead_bands" in given:
