@@ -233,7 +233,8 @@ def test_many_flights_at_once_are_as_one_by_one(model, options):
         found = law.demand(seen, states, limit)
         assert found.shape == (3, 4)
         for i, j in np.ndindex(3, 4):
-            alone = law.demand(Seen(*(m[i, j] for m in seen)), states[:, i, j], limit[i, j])
+            one = Seen(*(m[i, j].item() for m in seen))
+            alone = law.demand(one, states[:, i, j], limit[i, j].item())
             assert alone == pytest.approx(found[i, j], rel=1e-12, abs=1e-15)
 
 

@@ -10,6 +10,7 @@ rest with one switch of the full deflection. Outside, nothing helps any more.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ class UnstableCoordinates:
     rows: FloatArray
     wind: FloatArray
 
-    @property
+    @cached_property
     def ratio(self) -> float:
         """The slow pole over the fast one; zero where there is only one."""
         return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
@@ -71,7 +72,7 @@ class UnstableCoordinates:
         """Return the ends of the fast coordinate that go with a slow one: the same curve."""
         if self.poles.size == 1:
             return -reach, reach
-        x = np.clip(slow / reach, -1.0, 1.0)
+        x = smaller(larger(slow / reach, -1.0), 1.0)
         power = 1.0 / self.ratio
         return (
             reach * (2.0 * ((1.0 + x) / 2.0) ** power - 1.0),
@@ -117,6 +118,16 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
         ]
     )
     return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
+
+
+def smaller(a: Any, b: Any) -> Any:
+    """Return the smaller of two, elementwise; of two floats without numpy, which takes longer."""
+    return min(a, b) if isinstance(a, float) and isinstance(b, float) else np.minimum(a, b)
+
+
+def larger(a: Any, b: Any) -> Any:
+    """Return the larger of two, as `smaller`."""
+    return max(a, b) if isinstance(a, float) and isinstance(b, float) else np.maximum(a, b)
 
 
 def left_vector(A: FloatArray, pole: float) -> FloatArray:

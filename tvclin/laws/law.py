@@ -5,6 +5,7 @@ holds no memory itself: states are handed to it, so that one law flies a thousan
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -90,6 +91,6 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
     return replace(modes, rows=modes.rows[:, :_SHOWN])
 
 
-def coordinate(row: FloatArray, attitude: Any, rate: Any, path: Any) -> Any:
+def coordinate(row: Iterable[float], attitude: Any, rate: Any, path: Any) -> Any:
     """Return the coordinate [rad] of one mode, its row being one of `seen_coordinates`."""
     return sum(c * m for c, m in zip(row, (attitude, rate, path), strict=False))

@@ -13,7 +13,7 @@ from tvclin.kernels.flight_table import EDGE, FAST_FIRST, HEADROOM, SLOW_LOOP
 from tvclin.laws.estimator import WindEstimator
 from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
 from tvclin.plant import Plant
-from tvclin.recoverable import UnstableCoordinates
+from tvclin.recoverable import UnstableCoordinates, larger, smaller
 
 FloatArray = NDArray[np.float64]
 
@@ -105,35 +105,47 @@ class RecoverableAttitudeLaw(Law):
 
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return the deflection asked for [rad]."""
-        modes, B = self._modes, float(self.plant.coefficients.B)
+        B, rows, (strength, *_) = self._numbers
         rate, wind = seen.attitude_rate, seen.attitude - seen.angle_of_attack
         if self.estimator is not None:
-            rate, wind = states
+            rate, wind = states.tolist() if states.ndim == 1 else states
         wind = wind - seen.flight_path_angle
-        wind = np.sign(wind) * np.maximum(np.abs(wind) - self.dead_band, 0.0)
-        z = [coordinate(row, seen.attitude, rate, seen.flight_path_angle) for row in modes.rows]
-        felt = modes.wind[0] * wind
-        lean = self._lean(z, felt, np.abs(wind), limit / abs(B))
+        size = larger(abs(wind) - self.dead_band, 0.0)
+        felt = strength * _where(wind < 0.0, -size, size)
+        z = [coordinate(row, seen.attitude, rate, seen.flight_path_angle) for row in rows]
+        lean = self._lean(z, felt, size, limit / abs(B))
         return B * (z[0] - felt + self.gain * (z[0] - lean))
 
     def _lean(self, z: list[Any], felt: Any, wind: Any, D: Any) -> Any:
         """Z: the lean [rad] that the wind, the recoverable set and the design wind allow."""
-        modes, reach = self._modes, self.reach * D
-        most = reach
+        most = reach = self.reach * D
         if self.design_peak is not None:
-            largest = np.maximum(self.design_peak, HEADROOM * wind)
-            asked = modes.wind[0] * largest - self.trust * D
-            most = np.minimum(reach, np.maximum(asked, 0.0))
+            largest = larger(self.design_peak, HEADROOM * wind)
+            asked = self._numbers[2][0] * largest - self.trust * D
+            most = smaller(reach, larger(asked, 0.0))
         slow = SLOW_LOOP * z[1] if len(z) > 1 else 0.0
-        lean = np.minimum(most + np.maximum(slow, 0.0), felt + slow)
-        lean = np.maximum(lean, np.minimum(slow, 0.0) - most)
+        lean = smaller(most + larger(slow, 0.0), felt + slow)
+        lean = larger(lean, smaller(slow, 0.0) - most)
         spare = FAST_FIRST * D
-        lean = np.where(felt > 0.0, np.maximum(lean, felt - spare), lean)
-        lean = np.where(felt < 0.0, np.minimum(lean, felt + spare), lean)
-        bounded = np.clip(z[1], -EDGE * reach, EDGE * reach) if len(z) > 1 else 0.0
-        ends = modes.fast_range(bounded, reach)
-        return np.minimum(np.maximum(lean, ends[0]), ends[1])
+        lean = _where(felt > 0.0, larger(lean, felt - spare), lean)
+        lean = _where(felt < 0.0, smaller(lean, felt + spare), lean)
+        bounded = smaller(larger(z[1], -EDGE * reach), EDGE * reach) if len(z) > 1 else 0.0
+        low, high = self._modes.fast_range(bounded, reach)
+        return smaller(larger(lean, low), high)
 
     @cached_property
     def _modes(self) -> UnstableCoordinates:
         return seen_coordinates(self.plant)
+
+    @cached_property
+    def _numbers(self) -> tuple[float, list[list[float]], list[float]]:
+        """B, the rows of z, and the strengths of the wind: plain, for the innermost loop."""
+        modes = self._modes
+        return float(self.plant.coefficients.B), modes.rows.tolist(), modes.wind.tolist()
+
+
+def _where(condition: Any, this: Any, that: Any) -> Any:
+    """One of two, elementwise; of floats without numpy, which takes longer."""
+    if isinstance(condition, bool):
+        return this if condition else that
+    return np.where(condition, this, that)

@@ -140,7 +140,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     memory = np.zeros(len(law.states[0]))
     kept, learnt = _memory_step(law, step)
     level, seed = law.rate_noise
-    noise = np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else None
+    noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
     mode = 0.0
 
     def asked(k: int, seen: Seen) -> float:
