@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from tvclin.autopilot.actuator import Actuator
 from tvclin.autopilot.feedback import Autopilot
 from tvclin.autopilot.gains import (
     canonical_gains,
@@ -11,7 +12,7 @@ from tvclin.autopilot.gains import (
     load_minimum_gains,
 )
 from tvclin.autopilot.optimal import lqr_gains
-from tvclin.errors import InputError, one_of
+from tvclin.errors import InputError, nonnegative, number, one_of
 from tvclin.plant import Plant
 
 DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
@@ -32,6 +33,8 @@ def designed_autopilot(
     attitude_gain: float | None = None,
     rate_gain: float | None = None,
     alpha_gain: float | None = None,
+    actuator_frequency: float = 25.1,
+    actuator_damping: float = 0.7,
     **options: Any,
 ) -> Autopilot:
     """Return the autopilot with gains by a rule, or with those that are given.
@@ -47,8 +50,10 @@ def designed_autopilot(
         given.
     attitude_gain, rate_gain, alpha_gain : float, optional
         As of `Autopilot`, in place of a rule.
+    actuator_frequency, actuator_damping : float
+        Natural frequency [rad/s] and damping ratio of the actuator; no actuator at zero.
     **options
-        The other arguments of `Autopilot`: actuator, delay, integral_gain.
+        The other arguments of `Autopilot`: delay, integral_gain.
 
     Raises
     ------
@@ -56,6 +61,7 @@ def designed_autopilot(
         For a rule and gains together, one gain alone, an unknown rule, a rule with too few numbers
         or too many, and as the rule itself.
     """
+    options["actuator"] = _actuator(actuator_frequency, actuator_damping)
     rule = design, natural_frequency, damping
     if all(gain is None for gain in (attitude_gain, rate_gain, alpha_gain)):
         return _by_rule(plant, *rule, options)
@@ -66,6 +72,12 @@ def designed_autopilot(
     return Autopilot(
         attitude_gain=attitude_gain, rate_gain=rate_gain, alpha_gain=alpha_gain or 0.0, **options
     )
+
+
+def _actuator(frequency: float, damping: float) -> Actuator | None:
+    if number("actuator_frequency", frequency, nonnegative, "rad/s") == 0.0:
+        return None
+    return Actuator(natural_frequency=frequency, damping=damping)
 
 
 def _by_rule(

@@ -51,28 +51,13 @@ class GainOptions:
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
-        from tvclin.autopilot import Actuator
         from tvclin.autopilot.rules import designed_autopilot
-        from tvclin.errors import nonnegative
+        from tvclin.errors import nonnegative, number
 
-        frequency = float(nonnegative("--actuator-frequency", self.actuator_frequency, "rad/s"))
-        options: dict[str, Any] = {
-            "actuator": Actuator(natural_frequency=frequency, damping=self.actuator_damping)
-            if frequency
-            else None,
-            "delay": float(nonnegative("--delay-ms", self.delay_ms, "ms")) / 1000.0,
-            "integral_gain": self.integral_gain,
-        }
-        return designed_autopilot(
-            plant,
-            design=self.design,
-            natural_frequency=self.natural_frequency,
-            damping=self.damping,
-            attitude_gain=self.attitude_gain,
-            rate_gain=self.rate_gain,
-            alpha_gain=self.alpha_gain,
-            **options,
-        )
+        asked = dict(vars(self))
+        delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
+        number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
+        return designed_autopilot(plant, delay=delay / 1000.0, **asked)
 
 
 def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
@@ -90,11 +75,6 @@ def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
-
-
-def make_autopilot(plant: "Plant", **options: Any) -> "Autopilot":
-    """Return the autopilot that the options of `GainOptions` ask for."""
-    return GainOptions(**options).autopilot(plant)
 
 
 def described(autopilot: "Autopilot") -> list[tuple[str, str]]:

@@ -6,21 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import (
-    ActuatorDamping,
-    ActuatorFrequency,
-    AlphaGain,
-    AttitudeGain,
-    Damping,
-    DelayMs,
-    Design,
-    IntegralGain,
-    NaturalFrequency,
-    RateGain,
-    described,
-    gains_document,
-    make_autopilot,
-)
+from tvclin.cli.gains import GainOptions, described, gains_document, takes_gains
 from tvclin.cli.options import MODELS_HELP, AsJson, Plane, Plot, Vehicle
 
 if TYPE_CHECKING:
@@ -43,18 +29,10 @@ _STEPS, _BESIDE = 20, 0.05
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
+@takes_gains
 def margins(
     vehicle: Vehicle = "configuration-i",
-    design: Design = None,
-    natural_frequency: NaturalFrequency = None,
-    damping: Damping = None,
-    attitude_gain: AttitudeGain = None,
-    rate_gain: RateGain = None,
-    alpha_gain: AlphaGain = None,
-    integral_gain: IntegralGain = 0.0,
-    actuator_frequency: ActuatorFrequency = 25.1,
-    actuator_damping: ActuatorDamping = 0.7,
-    delay_ms: DelayMs = 0.0,
+    gains: GainOptions = GainOptions(),
     criteria: CriteriaName = "classic",
     gain_db: GainDb = None,
     phase_deg: PhaseDeg = None,
@@ -80,19 +58,7 @@ def margins(
     asked = wanted_criteria(criteria, gain_db, phase_deg, delay_margin_ms)
     loaded = load_vehicle(vehicle)
     plant = Plant.from_vehicle(loaded, model, plane)
-    autopilot = make_autopilot(
-        plant,
-        design=design,
-        natural_frequency=natural_frequency,
-        damping=damping,
-        attitude_gain=attitude_gain,
-        rate_gain=rate_gain,
-        alpha_gain=alpha_gain,
-        integral_gain=integral_gain,
-        actuator_frequency=actuator_frequency,
-        actuator_damping=actuator_damping,
-        delay_ms=delay_ms,
-    )
+    autopilot = gains.autopilot(plant)
     found = autopilot.margins(plant)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from tvclin.autopilot import Actuator, Autopilot
+from tvclin.autopilot import Autopilot
 from tvclin.autopilot.rules import DESIGNS, designed_autopilot
 from tvclin.campaign import Dispersions, ShapedWind
 from tvclin.errors import InputError, instance, nonnegative, number, one_of, positive, within
@@ -68,7 +68,7 @@ class GainsAsked:
     integral_gain : float
         On the integrated attitude [1/s].
     actuator_frequency, actuator_damping : float
-        Natural frequency [rad/s] and damping ratio of the actuator; no actuator at zero.
+        As of `designed_autopilot`.
     delay : float
         Between sensors and actuator [s].
     """
@@ -94,21 +94,8 @@ class GainsAsked:
 
     def autopilot(self, plant: Plant) -> Autopilot:
         """Return the autopilot for a plant; raise `InputError` as `designed_autopilot`."""
-        frequency = self.actuator_frequency
-        return designed_autopilot(
-            plant,
-            design=self.design,
-            natural_frequency=self.natural_frequency,
-            damping=self.damping,
-            attitude_gain=self.attitude_gain,
-            rate_gain=self.rate_gain,
-            alpha_gain=self.alpha_gain,
-            integral_gain=self.integral_gain,
-            delay=self.delay,
-            actuator=Actuator(natural_frequency=frequency, damping=self.actuator_damping)
-            if frequency
-            else None,
-        )
+        asked = {name: value for name, value in vars(self).items() if name != "model"}
+        return designed_autopilot(plant, **asked)
 
 
 @dataclass(frozen=True, kw_only=True)
