@@ -381,7 +381,7 @@ def test_what_killed_workers_left_is_swept_away_when_it_is_old(plan, tmp_path):
 
 def test_without_pyarrow_the_extra_is_named_and_nothing_is_begun(plan, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(tv.InputError, match=r"need pyarrow; install tvclin\[campaign\]"):
+    with pytest.raises(tv.InputError, match=r"need pyarrow, .*install .tvclin\[campaign\]"):
         tv.run_campaign(plan, tmp_path / "results")
     assert not list(tmp_path.iterdir())
 

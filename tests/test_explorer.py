@@ -324,6 +324,7 @@ def test_the_command_refuses_in_one_sentence(
     assert (unknown.exit_code, bare.exit_code, missing.exit_code) == (2, 2, 2)
     assert "name the vehicle with --vehicle configuration-ii" in bare.stderr
     assert "did you mean" in unknown.stderr
-    assert "tvclin explore needs jupyterlab; install tvclin[notebook]" in missing.stderr
+    assert "tvclin explore needs jupyterlab, which is not installed" in missing.stderr
+    assert 'pip install "tvclin[notebook]"' in missing.stderr
     assert started == []
     assert list(Path.cwd().iterdir()) == []

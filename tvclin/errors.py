@@ -16,6 +16,16 @@ class InputError(ValueError):
     """An argument, a key or a file that cannot be used; the message says how to mend it."""
 
 
+def missing(needs: str, extra: str) -> InputError:
+    """Return the error that says what needs a package that is not installed, of an extra."""
+    return InputError(f"{needs}, which is not installed: {install(extra)}")
+
+
+def install(*extras: str) -> str:
+    """Return the command that installs extras."""
+    return f'pip install "tvclin[{",".join(extras)}]"'
+
+
 def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return `value` as a read-only float array; `InputError` unless it is real and finite."""
     return _finite(name, value, unit)[0]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tvclin.campaign.cases import evaluate
 from tvclin.campaign.manifest import Manifest, check_versions, read_manifest
-from tvclin.errors import InputError
+from tvclin.errors import InputError, missing
 from tvclin.files import make_directory, write_whole
 from tvclin.kernels.choice import pinned
 
@@ -168,7 +168,7 @@ def arrow() -> Any:
     try:
         import pyarrow
     except ImportError:
-        raise InputError("campaigns need pyarrow; install tvclin[campaign]") from None
+        raise missing("campaigns need pyarrow", "campaign") from None
     return pyarrow
 
 

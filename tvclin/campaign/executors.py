@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from multiprocessing import get_context
 from typing import Any
 
-from tvclin.errors import InputError, whole_number
+from tvclin.errors import InputError, missing, whole_number
 from tvclin.kernels.threads import VARIABLE
 
 _PATIENCE = 5.0
@@ -58,7 +58,7 @@ def cluster(address: str) -> Iterator[Executor]:
     try:
         import distributed
     except ImportError:
-        raise InputError("a scheduler needs distributed; install tvclin[campaign]") from None
+        raise missing("a scheduler needs distributed", "campaign") from None
     connect: Any = distributed.Client
     try:
         client = connect(address, timeout=_PATIENCE, set_as_default=False)

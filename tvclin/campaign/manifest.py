@@ -13,7 +13,7 @@ from typing import Any
 
 from tvclin.campaign.file import document_of, parse_campaign
 from tvclin.campaign.plan import Campaign
-from tvclin.errors import InputError
+from tvclin.errors import InputError, missing
 from tvclin.files import make_directory, write_text
 from tvclin.kernels.choice import available
 
@@ -120,9 +120,9 @@ def read_manifest(folder: Path) -> Manifest:
 def check_versions(manifest: Manifest) -> None:
     """Raise `InputError` unless this process computes with what the manifest names."""
     if manifest.compiled and not available():
-        raise InputError(
-            f"the campaign uses compiled kernels (numba {manifest.versions['numba']}), and there is"
-            " no numba here; install tvclin[fast]"
+        begun_with = manifest.versions["numba"]
+        raise missing(
+            f"the campaign uses compiled kernels (numba {begun_with}) and needs numba", "fast"
         )
     here = _versions(manifest.compiled)
     for name, wanted in manifest.versions.items():
@@ -137,7 +137,7 @@ def _versions(compiled: bool) -> dict[str, str]:
     try:
         numba = {"numba": version("numba")} if compiled else {}
     except PackageNotFoundError:
-        raise InputError("compiled kernels need numba; install tvclin[fast]") from None
+        raise missing("compiled kernels need numba", "fast") from None
     return {name: version(name) for name in ("tvclin", "numpy", "scipy")} | numba
 
 

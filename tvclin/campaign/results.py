@@ -22,7 +22,7 @@ from tvclin.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.errors import InputError, one_of
+from tvclin.errors import InputError, missing, one_of
 
 if TYPE_CHECKING:
     import xarray
@@ -215,7 +215,7 @@ class CampaignResults:
         try:
             import xarray
         except ImportError:
-            raise InputError("a Dataset needs xarray; install tvclin[campaign]") from None
+            raise missing("a Dataset needs xarray", "campaign") from None
         units = UNITS_OF | columns(self.campaign)
         data = {
             name: ("case", self.column(name), {"units": units[name]} if name in units else {})

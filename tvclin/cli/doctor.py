@@ -22,6 +22,7 @@ ADDS = {
 def doctor(as_json: AsJson = False) -> None:
     """Print versions, and which extras are there."""
     from tvclin.cli.output import print_json, print_table
+    from tvclin.errors import install
 
     packages, extras = _requirements()
     versions = {name: _version(name) for name in packages}
@@ -33,9 +34,9 @@ def doctor(as_json: AsJson = False) -> None:
     rows = [[name, version or "missing"] for name, version in (python | versions).items()]
     print_table("Versions", ["package", "version"], rows)
     print_table("Extras", ["extra: what it adds", "packages"], map(_row, found, found.values()))
-    missing = [extra for extra, names in found.items() if None in names.values()]
-    if missing:
-        typer.echo(f'To add what is missing: pip install "tvclin[{",".join(missing)}]"')
+    wanting = [extra for extra, names in found.items() if None in names.values()]
+    if wanting:
+        typer.echo(f"To add what is missing: {install(*wanting)}")
 
 
 def _row(extra: str, versions: dict[str, str | None]) -> list[str]:

@@ -25,7 +25,7 @@ def explore(
     import sys
     from importlib.util import find_spec
 
-    from tvclin.errors import InputError
+    from tvclin.errors import InputError, missing
     from tvclin.explorer.notebook import notebook_text
     from tvclin.files import write_text
     from tvclin.vehicle_file import load_vehicle
@@ -35,7 +35,7 @@ def explore(
     load_vehicle(vehicle)
     for needed in ("jupyterlab", "ipywidgets", "ipykernel"):
         if find_spec(needed) is None:
-            raise InputError(f"tvclin explore needs {needed}; install tvclin[notebook]")
+            raise missing(f"tvclin explore needs {needed}", "notebook")
     path = Path(f"explore-{Path(vehicle).stem}.ipynb")
     if path.exists():
         typer.echo(f"Opening {path} as it is.")

@@ -15,6 +15,7 @@ def reproduce(
 
     Figures 6 to 11 stand beside flights of their own, so it takes a minute or two.
     """
+    from tvclin.errors import install
     from tvclin.plots.flown import chosen_engine
     from tvclin.reproduce.figures import reproduce as write_everything
 
@@ -24,6 +25,6 @@ def reproduce(
     if chosen_engine(None) == "planar":
         typer.echo(
             "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
-            ' JSBSim, pip install "tvclin[sixdof]".'
+            f" JSBSim, {install('sixdof')}."
         )
     typer.echo(f"Wrote {len(written)} files into {output}.")

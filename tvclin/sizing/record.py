@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, one_of
+from tvclin.errors import missing, one_of
 from tvclin.files import write_text
 from tvclin.sizing.schedule import FlightSchedule
 
@@ -203,7 +203,7 @@ class Sizing:
         try:
             import xarray
         except ImportError:
-            raise InputError("a Dataset needs xarray; install tvclin[campaign]") from None
+            raise missing("a Dataset needs xarray", "campaign") from None
         data: dict[str, Any] = {}
         for name, values in self.required.items():
             if not name.startswith("K = "):

@@ -5,7 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from tvclin.errors import InputError
+from tvclin.errors import missing
 
 _INTEGRATORS = {
     "rate/rotational": 3,
@@ -81,10 +81,7 @@ def _loaded(model: str, planet: str | None) -> Any:
     try:
         import jsbsim
     except ImportError:
-        raise InputError(
-            "flights with six degrees of freedom need JSBSim, which is not installed: pip install"
-            ' "tvclin[sixdof]"'
-        ) from None
+        raise missing("flights with six degrees of freedom need JSBSim", "sixdof") from None
     base: Any = jsbsim.FGJSBBase
     base().debug_lvl = 0  # or it writes a page for every engine
     with TemporaryDirectory() as folder:
