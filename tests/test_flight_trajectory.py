@@ -183,7 +183,7 @@ def test_a_span_that_cannot_be_flown_is_refused(span, words):
 def test_a_batch_has_no_nominal_flight(name):
     vehicle, condition = tv.load_vehicle(NAMES[0]), load_flight_condition(NAMES[0])
     many = vehicle.replace(**{name: [getattr(vehicle, name)] * 2})
-    with pytest.raises(InputError, match="of one vehicle; got a batch"):
+    with pytest.raises(InputError, match="one vehicle; got a batch"):
         nominal_flight(many, condition, start=62.0, stop=70.0)
 
 

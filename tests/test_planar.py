@@ -240,7 +240,8 @@ def test_with_varying_parameters_sign_size_and_plane_of_the_wind_matter():
         ({"plane": "roll"}, "plane must be one of"),
         ({"control": 3.0}, "control must be a Law"),
         ({"rate_limit": 0.1}, "belong to a law"),
-        ({"wind": tv.SampledWind(time=[0, 1], angle=[[0.0, 0.1]] * 2)}, "wind must be one history"),
+        ({"wind": tv.SampledWind(time=[0, 1], angle=[[0.0, 0.1]] * 2)}, "wind must be one wind"),
+        ({"vehicle": tv.load_vehicle(NAMES[0]).replace(thrust=[2e6, 3e6])}, "must be one vehicle"),
         ({"vehicle": "configuration-i"}, "vehicle must be a Vehicle"),
     ],
 )

@@ -534,12 +534,8 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
             tv.Autopilot(attitude_gain=1.0, rate_gain=1.0, delay=0.1)
         ),
         "timepts must be one row": lambda: fly(times=[]),
-        "a flight is of one vehicle": lambda: fly(
-            vehicle=configuration_i.replace(thrust=[2e6, 3e6])
-        ),
-        "wind must be one history": lambda: fly(
-            wind=tv.TriangularWind(peak=[0.1, 0.2], duration=1.0)
-        ),
+        "must be one vehicle": lambda: fly(vehicle=configuration_i.replace(thrust=[2e6, 3e6])),
+        "wind must be one wind": lambda: fly(wind=tv.TriangularWind(peak=[0.1, 0.2], duration=1.0)),
         "an angle that a horizontal wind can make": lambda: fly(
             wind=tv.TriangularWind(peak=-0.9, duration=1.0)
         ),
@@ -559,7 +555,7 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "1.5 times the largest trim deflection": lambda: in_jsbsim(
             configuration_i, wind, engine=lambda *given, **named: lambda limit: False
         ),
-        "wind must be one wind": lambda: in_jsbsim(configuration_i, tv.HeldDeflection(limit=0.1)),
+        "wind must end": lambda: in_jsbsim(configuration_i, tv.HeldDeflection(limit=0.1)),
     }
     for said, bad in cases.items():
         with pytest.raises(tv.InputError, match=re.escape(said)):

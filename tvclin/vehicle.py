@@ -1,6 +1,6 @@
 """The vehicle: the nine numbers of Table I, and nothing derived from them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -170,6 +170,11 @@ class Vehicle:
         if unknown:
             raise InputError(f"Vehicle has no field {', '.join(sorted(unknown))}")
         return replace(self, **changes)
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one vehicle."""
+        return np.broadcast_shapes(*(np.shape(getattr(self, f.name)) for f in fields(self)))
 
     @property
     def mass(self) -> float | FloatArray:

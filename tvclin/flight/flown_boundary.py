@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from tvclin.autopilot import Autopilot
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, number, one_of, positive, within
+from tvclin.errors import InputError, ending, instance, number, one_of, positive, single, within
 from tvclin.flight.control import ReportControl
 from tvclin.flight.planar.verdict import planar_verdict
 from tvclin.flight.sixdof.verdict import sixdof_verdict
@@ -115,8 +113,8 @@ def flown_boundary(
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
-    if wind.batch or not np.isfinite(wind.end):
-        raise InputError("wind must be one wind, other than zero, that ends")
+    single("wind", wind.batch)
+    ending("wind", wind.end)
     control = ReportControl(dead_band) if law is None else law
     if law is not None and dead_band != 1.0:
         raise InputError("dead_band belongs to the report's control; leave it out with a law")

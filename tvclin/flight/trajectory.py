@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance, number, positive
+from tvclin.errors import InputError, finite, instance, number, positive, single
 from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at, density_at
 from tvclin.flight.condition import FlightCondition
 from tvclin.histories import History, Piecewise
@@ -252,8 +252,7 @@ def nominal_flight(
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     instance("condition", condition, FlightCondition, "see load_flight_condition")
-    if any(np.ndim(value) for value in vars(vehicle).values()):
-        raise InputError("a nominal flight is of one vehicle; got a batch")
+    single("vehicle", vehicle.batch)
     begin, end = number("start", start, unit="s"), number("stop", stop, unit="s")
     own = _time_of(vehicle)
     if not begin <= own <= end or begin == end:

@@ -18,6 +18,7 @@ from tvclin.errors import (
     number,
     one_of,
     positive,
+    single,
     within,
 )
 from tvclin.sizing.record import Sizing
@@ -168,8 +169,7 @@ def total_deflection(
     (0.626, True)
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    if any(np.ndim(getattr(vehicle, f)) for f in ("thrust", "control_arm", "axial_force")):
-        raise InputError("vehicle must be one vehicle; got a batch")
+    single("vehicle", vehicle.batch)
     if not all(isinstance(line, Line) for line in others):
         raise InputError(f"others must be lines, such as Line('wind tunnel', 0.01); got {others!r}")
     thrust, axial, slope, arm = (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, instance, number
+from tvclin.errors import InputError, instance, number, single
 from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -58,8 +58,7 @@ def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) 
     array([ 7011.8, 16888.2])
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    if np.ndim(vehicle.velocity) or np.ndim(vehicle.attitude) or np.ndim(vehicle.time or 0.0):
-        raise InputError("a steady climb is that of one vehicle; got a batch")
+    single("vehicle", vehicle.batch)
     begin, end = number("start", start, unit="s"), number("stop", stop, unit="s")
     if not begin < end:
         raise InputError(f"stop must be after start; got {begin:.6g} and {end:.6g} s")

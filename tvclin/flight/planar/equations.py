@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, instance, one_of
+from tvclin.errors import instance, one_of, single
 from tvclin.flight.trajectory import NominalFlight
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -53,8 +53,7 @@ class PlanarMotion:
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         one_of("plane", self.plane, PLANES)
-        if np.ndim(self.vehicle.weight) or np.ndim(self.vehicle.velocity):
-            raise InputError("a flight is of one vehicle; got a batch")
+        single("vehicle", self.vehicle.batch)
 
     @property
     def states(self) -> tuple[str, ...]:

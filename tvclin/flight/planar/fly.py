@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.autopilot import Actuator
+from tvclin.errors import one_row
 from tvclin.flight.answer import flight_response, warn_of_the_end
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Control, command_of, limit_of
-from tvclin.flight.door import flight_times
 from tvclin.flight.planar.case import planar_case
 from tvclin.histories import History
 from tvclin.vehicle import Vehicle
@@ -93,7 +93,7 @@ def fly_planar(
     -0.093
     0.091
     """
-    times = flight_times(timepts)
+    times = one_row("timepts", timepts, "s")
     span = (float(times.min()), float(times.max()))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
     command = command_of(control, span[0], actuator, rate_limit)

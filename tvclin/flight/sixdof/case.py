@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.errors import InputError, instance, number, one_of, within
+from tvclin.errors import InputError, instance, number, one_of, single, within
 from tvclin.flight.answer import OUTPUTS
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Command, ReportControl
@@ -75,10 +75,7 @@ class SixDof:
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         one_of("plane", self.plane, PLANES)
-        if self.coefficients.batch:
-            raise InputError(
-                f"a flight is of one vehicle; got a batch of shape {self.coefficients.batch}"
-            )
+        single("vehicle", self.vehicle.batch)
         if self.earth is not None:
             instance("earth", self.earth, Earth, "or None for a flat planet")
         if self.condition is not None:

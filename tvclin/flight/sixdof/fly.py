@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.errors import one_row
 from tvclin.flight.answer import FARTHEST, flight_response, warn_of_the_end
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Control, command_of, limit_of
-from tvclin.flight.door import flight_times
 from tvclin.flight.sixdof.case import Air, SixDof
 from tvclin.flight.sixdof.earth import Earth
 from tvclin.histories import History
@@ -104,7 +104,7 @@ def fly_sixdof(
     0.092
     """
     case = SixDof(vehicle, plane, drift, step, earth, condition)
-    times = flight_times(timepts)
+    times = one_row("timepts", timepts, "s")
     air = case.air(wind, float(times.min()), float(times.max()))
     command = command_of(control, float(times.min()), actuator, rate_limit)
     limit = limit_of(control, deflection_limit)
