@@ -160,11 +160,9 @@ class Study:
         history = alone if gust is None else _with_gust(alone, gust)
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"
-        shown = [name for name in ("fixed-path", with_drift) if name in plants]
+        shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant(coefficients, model)
-        if limit is not None:
-            limit = float(within("limit", positive("limit", limit, "rad"), 0.0, np.pi / 2, "rad"))
-        judged: Any = (plant, history, limit, dead_band, switch)
+        limit = None if limit is None else _capability(limit)
         return cls(
             vehicle=vehicle,
             plane=plane,
@@ -175,23 +173,13 @@ class Study:
             switch=switch,
             modes={name: unstable_modes(plant) for name, plant in plants.items()},
             trim_deflection=abs(float(coefficients.B * history.peak)),
-            boundaries={
-                name: boundary_limit(plants[name], history, dead_bands, switch) for name in shown
-            },
             dead_bands=dead_bands,
             dead_band=dead_band,
             limit=limit,
-            sufficient=None
-            if limit is None
-            else is_sufficient(plant, history, limit, dead_band, switch),
-            survivable_peak=None if limit is None else survivable_peak(*judged),
-            forecast_free=_where_defined(forecast_free_limit, plants, shown, history),
-            minima={
-                name: best.peak
-                for name, best in _where_defined(_optimum, plants, shown, history).items()
-            },
             notes=tuple(_notes(plant, history, dead_band, switch)),
             gust=gust,
+            **_needed(shown, history, dead_bands, switch),
+            **_judged(plant, history, limit, dead_band, switch),
         )
 
     @property
@@ -233,19 +221,45 @@ def _with_gust(wind: History, gust: History) -> History:
     return wind + gust
 
 
+def _capability(limit: float) -> float:
+    return float(within("limit", positive("limit", limit, "rad"), 0.0, np.pi / 2, "rad"))
+
+
+def _needed(
+    plants: dict[str, Plant], wind: History, dead_bands: NDArray[np.float64], switch: str
+) -> dict[str, Any]:
+    """What each model needs: with dead bands, without a forecast, and with a complete one."""
+    best = _where_defined(_optimum, plants, wind)
+    return {
+        "boundaries": {k: boundary_limit(p, wind, dead_bands, switch) for k, p in plants.items()},
+        "forecast_free": _where_defined(forecast_free_limit, plants, wind),
+        "minima": {name: optimum.peak for name, optimum in best.items()},
+    }
+
+
+def _judged(
+    plant: Plant, wind: History, limit: float | None, dead_band: float, switch: str
+) -> dict[str, Any]:
+    """Whether a limit is enough, and what it survives; None without one."""
+    if limit is None:
+        return {"sufficient": None, "survivable_peak": None}
+    question = plant, wind, limit, dead_band, switch
+    return {"sufficient": is_sufficient(*question), "survivable_peak": survivable_peak(*question)}
+
+
 def _optimum(plant: Plant, wind: History) -> Optimum:
     """The least peak of a control from t = 0 on, or from the onset of a gust before that."""
     return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
 
 
 def _where_defined(
-    function: Callable[..., Any], plants: dict[str, Plant], names: list[str], wind: Any
+    function: Callable[..., Any], plants: dict[str, Plant], wind: History
 ) -> dict[str, Any]:
     """What a function of plant and wind says of each model for which it is defined."""
     found = {}
-    for name in names:
+    for name, plant in plants.items():
         with suppress(InputError):
-            found[name] = function(plants[name], wind)
+            found[name] = function(plant, wind)
     return found
 
 

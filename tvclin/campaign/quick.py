@@ -113,30 +113,13 @@ def disperse_study(
     >>> bool(found.required.upper > nominal.required_deflection)
     True
     """
-    if study.gust is not None:
-        raise InputError("a study with a gust cannot be dispersed; leave the gust out")
-    if whole_number("cases", cases) == 0:
-        raise InputError("cases must be one or more; got 0")
-    wind = study.wind
-    campaign = Campaign(
-        vehicle=study.vehicle,
-        wind=ShapedWind(study.shape, wind.peak, wind.duration),
-        dispersions=dispersions,
-        cases=cases,
-        seed=seed,
-        model=study.model,
-        plane=study.plane,
-        dead_bands=(study.dead_band,),
-        method=method,
-    )
-    found = evaluate(campaign, 0, cases)
+    found = evaluate(_campaign(study, dispersions, cases, seed, method), 0, cases)
     deflection = found[boundary_name(study.dead_band)]
     good = ~np.isnan(deflection)
     if not np.any(good):
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")
     values = {name: found[name] for name in dispersions.parameters}
     counted = deflection[good]
-    limit = study.limit
     return DispersedStudy(
         nominal=study,
         dispersions=dispersions,
@@ -145,8 +128,33 @@ def disperse_study(
         deflection=deflection,
         status=found["status"].astype(str),
         required=quantile_bound(counted, probability, confidence),
-        success=None
-        if limit is None
-        else success_probability(int(np.sum(counted <= limit)), counted.size, confidence),
+        success=_success(counted, study.limit, confidence),
         drivers=sensitivities({k: v[good] for k, v in values.items()}, counted),
     )
+
+
+def _campaign(
+    study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
+) -> Campaign:
+    if study.gust is not None:
+        raise InputError("a study with a gust cannot be dispersed; leave the gust out")
+    if whole_number("cases", cases) == 0:
+        raise InputError("cases must be one or more; got 0")
+    return Campaign(
+        vehicle=study.vehicle,
+        wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),
+        dispersions=dispersions,
+        cases=cases,
+        seed=seed,
+        model=study.model,
+        plane=study.plane,
+        dead_bands=(study.dead_band,),
+        method=method,
+    )
+
+
+def _success(deflection: FloatArray, limit: float | None, confidence: float) -> Success | None:
+    if limit is None:
+        return None
+    enough = int(np.sum(deflection <= limit))
+    return success_probability(enough, deflection.size, confidence)

@@ -20,6 +20,8 @@ _DURATIONS, _EACH_SWING, _MOST = 41, 16, 2000
 """Durations tried first: over the whole range, in each swing of a mode, and at most for one."""
 _RINGING = 5.0
 """The swings of a mode are counted until it has fallen to e^-5."""
+_NEAR = 1e-6
+"""To which a worst duration is sought, over the shortest."""
 _FLAT = 1e-9
 """A summit that rises less than this part above its samples is not refined."""
 
@@ -87,16 +89,12 @@ def worst_duration(
     >>> round(worst.duration, 1), worst.at_the_end
     (17.7, False)
     """
-    from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
-
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     if plant.batch or autopilot.batch:
         raise InputError("worst_duration is for one case; take those of a batch one by one")
-    low, high = (
-        number("shortest", shortest, positive, "s"),
-        number("longest", longest, positive, "s"),
-    )
+    low = number("shortest", shortest, positive, "s")
+    high = number("longest", longest, positive, "s")
     if low >= high:
         raise InputError(f"longest must be above shortest; got {high:.6g} and {low:.6g} s")
     margins = loop_margins(autopilot.rational_loop(plant))
@@ -108,7 +106,13 @@ def worst_duration(
     def deflection(duration: float) -> float:
         return abs(answer(shape(peak=peak, duration=duration)).peak("deflection")[0])
 
-    durations = _durations(closed(autopilot, plant)[1], low, high)
+    return _worst(deflection, _durations(closed(autopilot, plant)[1], low, high))
+
+
+def _worst(deflection: Callable[[float], float], durations: FloatArray) -> WorstDuration:
+    """The worst of the durations, or what is worse between them."""
+    from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
+
     values = np.array([deflection(duration) for duration in durations])
     top = int(np.argmax(values))
     ends = (0, durations.size - 1)
@@ -116,7 +120,7 @@ def worst_duration(
     for k in _summits(durations, values):
         edges = durations[k - 1], durations[k + 1]
         near = minimize_scalar(
-            lambda d: -deflection(d), bounds=edges, options={"xatol": 1e-6 * low}
+            lambda d: -deflection(d), bounds=edges, options={"xatol": _NEAR * durations[0]}
         )
         if -near.fun > worst.peak_deflection:
             worst = WorstDuration(float(near.x), float(-near.fun), False)
