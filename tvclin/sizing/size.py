@@ -21,6 +21,7 @@ from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
+_WORDS = {"model": MODELS, "plane": PLANES, "switch": SWITCHES, "law": LAWS}
 _LOOKS = 33
 """Parameters are looked at so many times while a wind blows."""
 
@@ -91,13 +92,8 @@ def size(
     array([0.42 , 0.351, 0.26 ])
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
-    for name, value, choices in (
-        ("model", model, MODELS),
-        ("plane", plane, PLANES),
-        ("switch", switch, SWITCHES),
-        ("law", law, LAWS),
-    ):
-        one_of(name, value, choices)
+    for name, value in (("model", model), ("plane", plane), ("switch", switch), ("law", law)):
+        one_of(name, value, _WORDS[name])
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
     if chosen.ndim != 1 or not chosen.size or not bands.size:
@@ -118,8 +114,7 @@ def size(
     said = [one for row in needs for need in row for one in need.said]
     if varying:
         mode = _growing(schedule, model, plane, placed)
-        along = [[_varying(mode, w, bands, switch) for w in row] for row in placed]
-        required |= _varying_columns(along, bands)
+        required |= _varying_columns(mode, placed, bands, switch)
         required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
         said += _missing(required, bands)
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
@@ -199,7 +194,10 @@ def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[st
     }
 
 
-def _varying_columns(needs: list[list[VaryingNeed]], bands: FloatArray) -> dict[str, FloatArray]:
+def _varying_columns(
+    mode: GrowingMode, placed: list[list[PlacedWind]], bands: FloatArray, switch: str
+) -> dict[str, FloatArray]:
+    needs = [[_varying(mode, wind, bands, switch) for wind in row] for row in placed]
     return {
         f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
         **_bands(needs, bands, VARYING),
