@@ -1,0 +1,226 @@
+"""What `tvclin study` prints: tables and JSON of a study, and of a dispersed one."""
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from tvclin.cli.inputs import gust_words
+
+if TYPE_CHECKING:
+    from tvclin.campaign import DispersedStudy
+    from tvclin.study import Study
+
+
+def print_study(result: "Study", source: str) -> None:
+    """Print the vehicle, its coefficients and poles, the boundaries and the verdict."""
+    import numpy as np
+
+    from tvclin.cli.output import print_pairs
+
+    v, c, deg = result.vehicle, result.coefficients, np.degrees
+    print_pairs(
+        f"Vehicle: {v.name or source}",
+        [
+            ("weight W", f"{v.weight:.4g} N"),
+            ("thrust T", f"{v.thrust:.4g} N"),
+            ("inertia I", f"{v.moment_of_inertia:.4g} kg m2"),
+            ("normal force N", f"{v.normal_force_slope:.4g} N/rad"),
+            ("aerodynamic arm l_a", f"{v.aerodynamic_arm:.4g} m"),
+            ("axial force F_A", f"{v.axial_force:.4g} N"),
+            ("control arm l_c", f"{v.control_arm:.4g} m"),
+            ("velocity V_n", f"{v.velocity:.5g} m/s"),
+            ("attitude Theta_n", f"{deg(v.attitude):.4g} deg"),
+            ("time", "-" if v.time is None else f"{v.time:g} s"),
+        ],
+    )
+    print_pairs(
+        f"\nCoefficients, {result.plane} plane",
+        [
+            ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
+            ("B", f"{c.B:.4f} deg/deg"),
+            ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
+            ("C1", f"{c.C1:.5f} 1/s"),
+            ("C2", f"{c.C2:.6f} 1/s3"),
+            ("b1", f"{c.b1:.5f} 1/s"),
+            ("b2", f"{c.b2:.5f} 1/s"),
+        ],
+        columns=4,
+    )
+    print_pairs(
+        "\nUnstable poles [1/s]",
+        [(name, _poles(modes.poles)) for name, modes in result.modes.items()],
+        columns=1,
+    )
+    typer.echo()
+    _print_boundaries(result)
+
+
+def study_document(result: "Study") -> dict[str, Any]:
+    """Return a study as a document for JSON."""
+    import numpy as np
+
+    v, c, deg = result.vehicle, result.coefficients, np.degrees
+    return {
+        "vehicle": {name: getattr(v, name) for name in v.__dataclass_fields__},
+        "plane": result.plane,
+        "coefficients": {
+            "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
+            "B": c.B,
+            **{name: getattr(c, name) for name in c.__dataclass_fields__},
+        },
+        "wind": {
+            "shape": result.shape,
+            "peak_deg": deg(result.wind.peak),
+            "duration_s": result.wind.duration,
+        },
+        "gust": None
+        if result.gust is None
+        else {
+            "peak_deg": deg(result.gust.peak),
+            "begins_s": result.gust.onset,
+            "ends_s": result.gust.end,
+        },
+        "unstable_poles_per_s": {name: m.poles.tolist() for name, m in result.modes.items()},
+        "trim_deflection_deg": deg(result.trim_deflection),
+        "boundaries": {
+            name: {
+                "dead_band": result.dead_bands,
+                "limit": found.limit,
+                "deflection_deg": np.abs(deg(found.deflection)),
+                "switch_time_s": found.switch_time,
+                "status": found.status.tolist(),
+            }
+            for name, found in result.boundaries.items()
+        },
+        "forecast_free": {
+            name: {"limit": one.limit, "deflection_deg": abs(deg(one.deflection)), "kind": one.kind}
+            for name, one in result.forecast_free.items()
+        },
+        "minimum_deg": {name: deg(peak) for name, peak in result.minima.items()},
+        "notes": result.notes,
+        "verdict": {
+            "model": result.model,
+            "dead_band": result.dead_band,
+            "required_deflection_deg": deg(result.required_deflection),
+            "limit_deg": None if result.limit is None else deg(result.limit),
+            "sufficient": result.sufficient,
+            "survivable_peak_deg": None
+            if result.survivable_peak is None
+            else abs(deg(result.survivable_peak)),
+        },
+    }
+
+
+def print_dispersed(found: "DispersedStudy") -> None:
+    """Print the deflection that covers the dispersed cases, and what drives it."""
+    import numpy as np
+
+    from tvclin.cli.output import print_pairs
+
+    required, drivers = found.required, list(found.drivers.items())[:3]
+    percent, sure = f"{100 * required.probability:g} %", f"{100 * required.confidence:g} %"
+    covers = f"{np.degrees(required.upper):.4f} deg"
+    if np.isinf(required.upper):
+        covers = "too few cases to say: give more --cases"
+    pairs = [
+        ("dispersions", "assumed: " + ", ".join(found.dispersions.parameters)),
+        ("median", f"{np.degrees(np.nanmedian(found.deflection)):.4f} deg"),
+        (f"{percent} of the cases", f"{np.degrees(required.estimate):.4f} deg"),
+        (f"{percent} of flights, {sure} sure", covers),
+        ("driven by", ", ".join(f"{name} ({rank:+.2f})" for name, rank in drivers)),
+    ]
+    if found.success is not None:
+        s = found.success
+        enough = f"in {100 * s.estimate:.2f} % ({100 * s.lower:.2f} to {100 * s.upper:.2f} %)"
+        pairs.append(("the limit is enough", enough))
+    print_pairs(f"\nDispersed, {required.cases} cases, seed {found.seed}", pairs, columns=1)
+
+
+def dispersed_document(found: "DispersedStudy") -> dict[str, Any]:
+    """Return the same as a document for JSON."""
+    import numpy as np
+
+    required = found.required
+    return {
+        "cases": required.cases,
+        "seed": found.seed,
+        "probability": required.probability,
+        "confidence": required.confidence,
+        "median_deg": np.degrees(np.nanmedian(found.deflection)),
+        "estimate_deg": np.degrees(required.estimate),
+        "upper_deg": np.degrees(required.upper),
+        "lower_deg": np.degrees(required.lower),
+        "drivers": found.drivers,
+        "success": None if found.success is None else vars(found.success),
+        "dispersions": [vars(one) for one in found.dispersions.each],
+    }
+
+
+def _print_boundaries(result: "Study") -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+
+    deg = np.degrees
+    names = list(result.boundaries)
+    rows = []
+    for i, K in enumerate(result.dead_bands):
+        mark = " <" if result.dead_band == K else ""
+        row = [f"{K:g}{mark}"]
+        for name in names:
+            found = result.boundaries[name]
+            row += [f"{found.limit[i]:.4f}", f"{abs(deg(found.deflection[i])):.4f}"]
+        rows.append(row)
+    rows += _without_and_with_forecast(result, names)
+    peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
+    print_table(
+        f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
+        f"{gust_words(result.gust)}"
+        f" (trim takes {deg(result.trim_deflection):.4f} deg)",
+        ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
+        rows,
+    )
+    needed = f"{deg(result.required_deflection):.4f} deg"
+    basis = f"(model {result.model}, dead band {result.dead_band:g})"
+    typer.echo(f"Required deflection: {needed} {basis}, the row marked <")
+    if result.limit is not None and result.survivable_peak is not None:
+        word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
+        largest = abs(deg(result.survivable_peak))
+        said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
+        typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}")
+    typer.echo(
+        "no forecast: what any law needs that does not know when the wind will stop (with drift a"
+        " lower bound); wind known: appendix C"
+    )
+    for note in result.notes:
+        typer.echo(f"Note: {note}.")
+
+
+def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[str]]:
+    """The least of any law without a forecast, and of any control that knows the wind."""
+    import numpy as np
+
+    needs = {
+        "no forecast": {k: abs(one.deflection) for k, one in result.forecast_free.items()},
+        "wind known": result.minima,
+    }
+    rows = []
+    for label, deflections in needs.items():
+        row = [label]
+        for name in names:
+            if name in deflections and result.trim_deflection:
+                part = deflections[name] / result.trim_deflection
+                row += [f"{part:.4f}", f"{np.degrees(deflections[name]):.4f}"]
+            else:
+                row += ["-", "-"]
+        rows.append(row)
+    return rows
+
+
+def _poles(poles: Any) -> str:
+    shown = [
+        f"{p.real:.6f}" if p.imag == 0.0 else f"{p.real:.6f} +- {p.imag:.6f}j"
+        for p in poles
+        if p.imag >= 0.0
+    ]
+    return ", ".join(shown) or "none"
