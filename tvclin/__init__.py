@@ -77,13 +77,8 @@ if TYPE_CHECKING:
     from tvclin.margins import Loop as Loop
     from tvclin.margins import Margins as Margins
     from tvclin.margins import loop_margins as loop_margins
-    from tvclin.modes import LeftOver as LeftOver
     from tvclin.modes import Modes as Modes
-    from tvclin.modes import Verdict as Verdict
     from tvclin.modes import all_modes as all_modes
-    from tvclin.modes import is_stable as is_stable
-    from tvclin.modes import judge as judge
-    from tvclin.modes import residues as residues
     from tvclin.modes import unstable_modes as unstable_modes
     from tvclin.optimum import Optimum as Optimum
     from tvclin.optimum import RateLimitedOptimum as RateLimitedOptimum
@@ -130,6 +125,11 @@ if TYPE_CHECKING:
     from tvclin.vehicle import Vehicle as Vehicle
     from tvclin.vehicle_file import list_vehicles as list_vehicles
     from tvclin.vehicle_file import load_vehicle as load_vehicle
+    from tvclin.verdict import LeftOver as LeftOver
+    from tvclin.verdict import Verdict as Verdict
+    from tvclin.verdict import is_stable as is_stable
+    from tvclin.verdict import judge as judge
+    from tvclin.verdict import residues as residues
     from tvclin.winds import AsymmetricTriangularWind as AsymmetricTriangularWind
     from tvclin.winds import LayeredGust as LayeredGust
     from tvclin.winds import OneMinusCosineGust as OneMinusCosineGust
@@ -206,16 +206,7 @@ _ROOMS = {
     ),
     "loads": ("Loads", "wind_loads"),
     "margins": ("CRITERIA", "Criteria", "Crossings", "Loop", "Margins", "loop_margins"),
-    "modes": (
-        "LeftOver",
-        "Modes",
-        "Verdict",
-        "all_modes",
-        "is_stable",
-        "judge",
-        "residues",
-        "unstable_modes",
-    ),
+    "modes": ("Modes", "all_modes", "unstable_modes"),
     "optimum": (
         "Optimum",
         "RateLimitedOptimum",
@@ -261,6 +252,7 @@ _ROOMS = {
     ),
     "vehicle": ("Vehicle",),
     "vehicle_file": ("list_vehicles", "load_vehicle"),
+    "verdict": ("LeftOver", "Verdict", "is_stable", "judge", "residues"),
     "winds": (
         "AsymmetricTriangularWind",
         "LayeredGust",

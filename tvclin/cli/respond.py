@@ -22,7 +22,7 @@ from tvclin.cli.options import (
 if TYPE_CHECKING:
     from tvclin.extremes import Extremes
     from tvclin.loads import Loads
-    from tvclin.modes import Verdict
+    from tvclin.verdict import Verdict
 
 _LONGEST = 1000.0
 """Of --until: nothing in a flight lasts that long."""
@@ -62,8 +62,8 @@ def respond(
     from tvclin.errors import positive, within
     from tvclin.extremes import extremes
     from tvclin.loads import wind_loads
-    from tvclin.modes import judge
     from tvclin.vehicle_file import load_vehicle
+    from tvclin.verdict import judge
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
