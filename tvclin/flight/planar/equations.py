@@ -53,7 +53,7 @@ class PlanarMotion:
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         one_of("plane", self.plane, PLANES)
-        single("vehicle", self.vehicle.batch)
+        single("vehicle", self.vehicle.replace(time=None).batch)
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -75,7 +75,7 @@ class SixDof:
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         one_of("plane", self.plane, PLANES)
-        single("vehicle", self.vehicle.batch)
+        single("vehicle", self.coefficients.batch)
         if self.earth is not None:
             instance("earth", self.earth, Earth, "or None for a flat planet")
         if self.condition is not None:
