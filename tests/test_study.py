@@ -63,6 +63,8 @@ def test_a_vehicle_with_hardly_an_aerodynamic_moment_is_studied(
         ({"peak": 2.0}, "within 90 degrees"),
         ({"dead_band": 1.2}, "dead_band must be between 0 and 1"),
         ({"limit": -0.1}, "limit must be positive"),
+        ({"limit": [0.1, 0.2]}, "limit must be one number"),
+        ({"dead_band": [0.5, 1.0]}, "dead_band must be one number"),
         ({"model": "Drift"}, "did you mean 'drift'"),
         ({"plane": "roll"}, "plane must be one of"),
     ],

@@ -83,6 +83,11 @@ def within(
     return array
 
 
+def between(lowest: float, highest: float) -> Callable[..., NDArray[np.float64]]:
+    """Return `within` for these ends, as a check for `number`."""
+    return lambda name, value, unit="": within(name, value, lowest, highest, unit)
+
+
 def one_of(name: str, value: object, choices: Iterable[str]) -> str:
     """Return `value` if it is among `choices`; otherwise raise `InputError` with the near ones."""
     names = list(choices)

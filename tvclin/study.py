@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
 from tvclin.cards import Row, card
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, instance, one_of, positive, single, within
+from tvclin.errors import InputError, between, instance, number, one_of, positive, single
 from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
@@ -152,7 +152,7 @@ class Study:
         """
         shape = SHAPES[one_of("wind", wind, SHAPES)]
         one_of("model", model, MODELS)
-        dead_band = float(within("dead_band", dead_band, 0.0, 1.0))
+        dead_band = number("dead_band", dead_band, between(0.0, 1.0))
         coefficients = Coefficients.from_vehicle(vehicle, plane)
         single("vehicle", coefficients.batch)
         plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
@@ -222,7 +222,8 @@ def _with_gust(wind: History, gust: History) -> History:
 
 
 def _capability(limit: float) -> float:
-    return float(within("limit", positive("limit", limit, "rad"), 0.0, np.pi / 2, "rad"))
+    number("limit", limit, positive, "rad")
+    return number("limit", limit, between(0.0, np.pi / 2), "rad")
 
 
 def _needed(

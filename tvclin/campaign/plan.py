@@ -13,13 +13,13 @@ from tvclin.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.coefficients import Coefficients
 from tvclin.errors import (
     InputError,
+    between,
     instance,
     number,
     one_of,
     positive,
     single,
     whole_number,
-    within,
 )
 from tvclin.plant import MODELS, Plant
 from tvclin.vehicle import Vehicle
@@ -106,7 +106,7 @@ class Campaign:
         if ("flight" in self.outputs) != (self.flight is not None):
             raise InputError('the output "flight" and a [flight] belong together: give both')
         _some("dead_bands", self.dead_bands)
-        bands = tuple(float(within("dead_bands", K, 0.0, 1.0)) for K in self.dead_bands)
+        bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
 
     def _check_numbers(self) -> None:

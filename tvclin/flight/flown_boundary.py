@@ -7,7 +7,16 @@ from typing import Any
 
 from tvclin.autopilot import Autopilot
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, ending, instance, number, one_of, positive, single, within
+from tvclin.errors import (
+    InputError,
+    between,
+    ending,
+    instance,
+    number,
+    one_of,
+    positive,
+    single,
+)
 from tvclin.flight.control import ReportControl
 from tvclin.flight.planar.verdict import planar_verdict
 from tvclin.flight.sixdof.verdict import sixdof_verdict
@@ -119,7 +128,7 @@ def flown_boundary(
     if law is not None and dead_band != 1.0:
         raise InputError("dead_band belongs to the report's control; leave it out with a law")
     top = number("highest", highest, positive)
-    narrow = number("tolerance", within("tolerance", tolerance, _FINEST, 0.5))
+    narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
     make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
     survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
     scale = abs(float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import finite, instance, nonnegative, number, positive, within
+from tvclin.errors import between, finite, instance, nonnegative, number, positive
 from tvclin.kernels.flight_table import EDGE, FAST_FIRST, HEADROOM, SLOW_LOOP
 from tvclin.laws.estimator import WindEstimator
 from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
@@ -75,8 +75,9 @@ class RecoverableAttitudeLaw(Law):
 
     def __post_init__(self) -> None:
         modes = seen_coordinates(self.plant)
-        object.__setattr__(self, "reach", float(within("reach", self.reach, 1e-3, 1.0)))
-        object.__setattr__(self, "trust", float(within("trust", self.trust, 1e-3, 1.0)))
+        for name in ("reach", "trust"):
+            part = number(name, getattr(self, name), between(1e-3, 1.0))
+            object.__setattr__(self, name, part)
         object.__setattr__(self, "gain", number("gain", self.gain, positive))
         object.__setattr__(self, "dead_band", number("dead_band", self.dead_band, nonnegative))
         if self.design_peak is not None:

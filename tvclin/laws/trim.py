@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import nonnegative, number, within
+from tvclin.errors import between, nonnegative, number
 from tvclin.laws.law import Law, Seen, seen_coordinates
 from tvclin.plant import Plant
 
@@ -92,7 +92,8 @@ class DeadBandLaw(TrimLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "dead_band", float(within("dead_band", self.dead_band, 0.01, 1.0)))
+        K = number("dead_band", self.dead_band, between(0.01, 1.0))
+        object.__setattr__(self, "dead_band", K)
 
     @property
     def engage(self) -> float:  # type: ignore[override]

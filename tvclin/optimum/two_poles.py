@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, finite, plain, positive, together, within
+from tvclin.errors import InputError, number, plain, positive, together, within
 from tvclin.modes import unstable_modes
 from tvclin.plant import Plant
 
@@ -94,7 +94,7 @@ def switch_variable(y: float, ratio: float) -> float:
     >>> round(switch_variable(10.0, 0.1), 5)
     0.5441
     """
-    y, ratio = float(finite("y", y)), _ratio(ratio)
+    y, ratio = number("y", y), _ratio(ratio)
     return float(np.exp(-switch_time((ratio, 1.0), (y / ratio, 1.0))))
 
 
@@ -264,7 +264,7 @@ def _positive_three(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, An
 
 
 def _ratio(ratio: float) -> float:
-    return float(_ratios(ratio))
+    return number("ratio", _ratios(ratio))
 
 
 def _ratios(ratio: ArrayLike) -> FloatArray:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tvclin.boundary import boundary_limit
 from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_then_hold
-from tvclin.errors import positive, within
+from tvclin.errors import number, positive, within
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.flown import FLOWN, PEAK, Flights, chosen_engine, flown_attitudes
@@ -76,7 +76,7 @@ def attitude_chart(
     tau_beta = positive("tau_beta", np.atleast_1d(tau_beta)).tolist()
     factors = positive("factors", np.atleast_1d(factors)).tolist()
     within("points", points, 2, 1e6)
-    x = np.linspace(0.0, float(positive("until", until)), int(points))
+    x = np.linspace(0.0, number("until", until, positive), int(points))
     columns = [
         column
         for b in tau_beta

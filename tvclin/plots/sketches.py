@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tvclin.boundary import boundary_limit
 from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_then_hold
-from tvclin.errors import positive
+from tvclin.errors import number, positive
 from tvclin.histories import History
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
@@ -39,7 +39,7 @@ def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
     title = (
         f"Sketch (a). Rectangular wind and control on the boundary\neq (7), tau*beta = {tau_beta:g}"
     )
-    return _wind_and_control("sketch-a", title, wind, float(positive("tau_beta", tau_beta)), 0.0)
+    return _wind_and_control("sketch-a", title, wind, number("tau_beta", tau_beta, positive), 0.0)
 
 
 def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
@@ -57,7 +57,7 @@ def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
         "Sketch (b). Triangular wind and control on the boundary\n"
         f"eqs (11), (12), tau*beta = {tau_beta:g}, K = {dead_band:g}"
     )
-    b = float(positive("tau_beta", tau_beta))
+    b = number("tau_beta", tau_beta, positive)
     return _wind_and_control("sketch-b", title, wind, b, float(dead_band))
 
 
@@ -82,7 +82,7 @@ def sketch_c(
     """
     from tvclin.optimum.two_poles import early_switch, switch_variable
 
-    y = np.linspace(0.0, float(positive("highest", highest)), int(points))
+    y = np.linspace(0.0, number("highest", highest, positive), int(points))
     y = np.sort(np.concatenate([y[y != 1.0], [1.0 - _JUMP, 1.0, 1.0 + _JUMP]]))
     columns = []
     for r in ratios:

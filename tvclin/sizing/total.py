@@ -12,6 +12,7 @@ import numpy as np
 
 from tvclin.errors import (
     InputError,
+    between,
     finite,
     instance,
     nonnegative,
@@ -19,7 +20,6 @@ from tvclin.errors import (
     one_of,
     positive,
     single,
-    within,
 )
 from tvclin.sizing.record import Sizing
 from tvclin.vehicle import Vehicle
@@ -176,7 +176,7 @@ def total_deflection(
         float(np.asarray(x))
         for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
     )
-    turned = number("thrust_offset", within("thrust_offset", thrust_offset, -1.0, 1.0, "rad"))
+    turned = number("thrust_offset", thrust_offset, between(-1.0, 1.0), "rad")
     aside = number("gravity_offset", gravity_offset, finite, "m")
     lines = (
         Line("nominal flight", abs(number("nominal", nominal, finite, "rad"))),

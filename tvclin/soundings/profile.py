@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, number, one_of, within
+from tvclin.errors import InputError, between, finite, number, one_of, within
 from tvclin.soundings.passage import Flown, angles_along
 from tvclin.winds import SampledWind
 
@@ -144,7 +144,7 @@ class WindProfile:
         InputError
             For a thickness below a millimetre or beyond 1000 km.
         """
-        half = number("thickness", within("thickness", thickness, _THINNEST, _THICKEST, "m")) / 2
+        half = number("thickness", thickness, between(_THINNEST, _THICKEST), "m") / 2
         low = np.maximum(self.height - half, self.height[0])
         high = np.minimum(self.height + half, self.height[-1])
         east, north = (

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, nonnegative, number, positive, within
+from tvclin.errors import InputError, between, finite, nonnegative, number, positive
 from tvclin.soundings.profile import WindProfile
 
 FloatArray = NDArray[np.float64]
@@ -54,7 +54,7 @@ def add_gust(
     you design to.
     """
     low, angle = number("base", base, unit="m"), number("azimuth", azimuth, unit="rad")
-    flank = number("blend", within("blend", blend, _THINNEST, _THICKEST, "m"))
+    flank = number("blend", blend, between(_THINNEST, _THICKEST), "m")
     top = low + flank + number("thickness", thickness, nonnegative, "m")
     if low < profile.height[0] or top + flank > profile.height[-1]:
         raise InputError(
