@@ -322,9 +322,9 @@ class Autopilot:
         times = one_row("timepts", timepts, "s")
         self._require_single("respond", plant)
         answer = self.answer(plant, wind)
-        return wind_response(
-            times, answer(times), wind, answer.labels, f"{plant.model} with autopilot"
-        )
+        name = f"{plant.model} with autopilot"
+        title = f"Response to wind, {name}"
+        return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
 
     def _require_single(self, what: str, plant: Plant) -> None:
         instance("plant", plant, Plant, "see Plant.from_vehicle")

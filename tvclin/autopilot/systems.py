@@ -57,7 +57,13 @@ def closed_loop(autopilot: "Autopilot", plant: Plant) -> "control.StateSpace":
 
 
 def wind_response(
-    times: FloatArray, outputs: FloatArray, wind: History, labels: tuple[str, ...], name: str
+    times: FloatArray,
+    outputs: FloatArray,
+    wind: History,
+    labels: tuple[str, ...],
+    *,
+    name: str,
+    title: str,
 ) -> "control.TimeResponseData":
     """Return a response to a wind alone as `control.TimeResponseData`.
 
@@ -69,8 +75,8 @@ def wind_response(
         The wind [rad].
     labels : tuple of str
         Names of the outputs.
-    name : str
-        What responds.
+    name, title : str
+        What responds, and the title of its plot.
     """
     from control import TimeResponseData
 
@@ -84,6 +90,6 @@ def wind_response(
         input_labels=["wind"],
         sysname=name,
         plot_inputs=True,
-        title=f"Response to wind, {name} [rad, rad/s]",
+        title=f"{title} [rad, rad/s]",
         trace_types=["forced"],
     )

@@ -11,22 +11,17 @@ if TYPE_CHECKING:
 def peak_angle(
     vehicle: "Vehicle", plane: str, peak_deg: float | None, peak_speed: float | None
 ) -> float:
-    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was.
-
-    A speed becomes an angle by eq (B1e); a cross wind meets the vehicle at right angles, so in
-    yaw its sine is 1.
-    """
+    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was."""
     import numpy as np
 
     from tvclin.errors import InputError
-    from tvclin.winds import angle_from_speed
+    from tvclin.winds.speed import angle_in_plane
 
     if peak_speed is None:
         return float(np.radians(5.0 if peak_deg is None else peak_deg))
     if peak_deg is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
-    angle = np.pi / 2 if plane == "yaw" else vehicle.attitude
-    return float(angle_from_speed(peak_speed, vehicle.velocity, angle))
+    return float(angle_in_plane(peak_speed, vehicle.velocity, vehicle.attitude, plane))
 
 
 def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.autopilot.systems import wind_response
 from tvclin.closed_loop.airframe import Nozzle, gust_steps, steps
 from tvclin.closed_loop.checks import (
     check_actuator,
@@ -168,21 +169,13 @@ def _sampled(
 def _response(
     plant: Plant, wind: History, times: FloatArray, rows: FloatArray
 ) -> "TimeResponseData":
-    from control import TimeResponseData
-
-    gust = wind(times)
     _, _, C, D = plant.matrices()
-    outputs = C @ rows[:-1] + D @ np.stack([rows[-1], gust])
-    return TimeResponseData(
+    outputs = C @ rows[:-1] + D @ np.stack([rows[-1], wind(times)])
+    return wind_response(
         times,
         np.vstack([outputs, rows[-1:]]),
-        None,
-        gust[np.newaxis],
-        issiso=False,
-        output_labels=[*plant.outputs, "deflection"],
-        input_labels=["wind"],
-        sysname=f"{plant.model} with limits",
-        plot_inputs=True,
-        title=f"Flight with limits, {plant.model} model [rad, rad/s]",
-        trace_types=["forced"],
+        wind,
+        (*plant.outputs, "deflection"),
+        name=f"{plant.model} with limits",
+        title=f"Flight with limits, {plant.model} model",
     )

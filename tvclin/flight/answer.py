@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.autopilot.systems import wind_response
 from tvclin.histories import History
 
 if TYPE_CHECKING:
@@ -23,21 +24,7 @@ def flight_response(
     times: FloatArray, outputs: FloatArray, wind: History, *, engine: str, title: str
 ) -> "TimeResponseData":
     """Return the `OUTPUTS` of a flight ``(5, n)`` as `control.TimeResponseData`."""
-    from control import TimeResponseData
-
-    return TimeResponseData(
-        times,
-        outputs,
-        None,
-        wind(times)[np.newaxis],
-        issiso=False,
-        output_labels=list(OUTPUTS),
-        input_labels=["wind"],
-        sysname=engine,
-        plot_inputs=True,
-        title=f"{title} [rad, rad/s]",
-        trace_types=["forced"],
-    )
+    return wind_response(times, outputs, wind, OUTPUTS, name=engine, title=title)
 
 
 def warn_of_the_end(time: float) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from tvclin.autopilot import Actuator, Autopilot
 from tvclin.closed_loop.checks import check_actuator, check_rate_limit
-from tvclin.errors import InputError, instance, number, positive, within
+from tvclin.errors import InputError, between, instance, number, positive
 from tvclin.flight.door import check_one
 from tvclin.histories import History
 from tvclin.laws import Law, SaturatedLaw
@@ -34,9 +34,12 @@ class ReportControl:
     dead_band: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "dead_band", float(within("dead_band", self.dead_band, 0.0, 1.0)))
+        K = number("dead_band", self.dead_band, between(0.0, 1.0))
+        object.__setattr__(self, "dead_band", K)
 
 
+ONSET = 1e-9
+"""Part of the limit at which a control with no dead band takes a wind to have begun."""
 Control = History | Law | Autopilot | ReportControl
 """What can fly."""
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from tvclin.campaign import ShapedWind
 from tvclin.errors import (
     InputError,
-    finite,
     instance,
     nonnegative,
     number,
@@ -31,7 +30,7 @@ from tvclin.sizing.placing import WindOf
 from tvclin.soundings import WindProfile
 from tvclin.study import SHAPES
 from tvclin.vehicle import Vehicle
-from tvclin.winds import angle_from_speed
+from tvclin.winds.speed import angle_in_plane
 
 _MOST = 10_000
 """Flight times; more are a step that was given in the wrong unit."""
@@ -151,8 +150,8 @@ class SizingAsked:
         if last - first < 2.0 * half:
             half = 0.0
         low = np.ceil((first + half) / self.every) * self.every
-        low = low if self.start is None else float(finite("the first flight time", self.start))
-        high = last - half if self.stop is None else float(finite("the last one", self.stop))
+        low = low if self.start is None else number("the first flight time", self.start)
+        high = last - half if self.stop is None else number("the last one", self.stop)
         if high < low:
             raise InputError(
                 f"the last flight time must not be before the first; got {low:g} to {high:g} s"
@@ -219,8 +218,8 @@ class SizingAsked:
         """Return the peak angle [rad] of a pulse that a vehicle meets."""
         if self.peak_speed is None:
             return pulse.peak
-        angle = np.pi / 2 if self.plane == "yaw" else vehicle.attitude
-        return float(angle_from_speed(self.peak_speed, vehicle.velocity, angle))
+        at = vehicle.velocity, vehicle.attitude
+        return float(angle_in_plane(self.peak_speed, *at, self.plane))
 
     def _met(self, pulse: ShapedWind) -> WindOf:
         def met(vehicle: Vehicle) -> History:

@@ -36,3 +36,13 @@ def angle_from_speed(
             f" {np.abs(sine).max():.6g}"
         )
     return np.arcsin(sine)
+
+
+def angle_in_plane(
+    speed: ArrayLike, velocity: ArrayLike, attitude: ArrayLike, plane: str
+) -> NDArray[np.float64]:
+    """Return the angle [rad] of a wind [m/s] that meets a flight along its attitude [rad].
+
+    In yaw the wind comes across, at right angles. Raise `InputError` as `angle_from_speed`.
+    """
+    return angle_from_speed(speed, velocity, np.pi / 2 if plane == "yaw" else attitude)

@@ -16,7 +16,7 @@ from tvclin.closed_loop.continuous import Arc, ContinuousFlight, smooth_piece
 from tvclin.errors import InputError, ending, instance
 from tvclin.flight.answer import FARTHEST
 from tvclin.flight.condition import FlightCondition
-from tvclin.flight.control import Command, ReportControl
+from tvclin.flight.control import ONSET, Command, ReportControl
 from tvclin.flight.door import check_one
 from tvclin.flight.planar.equations import PlanarMotion
 from tvclin.flight.trajectory import nominal_flight
@@ -27,8 +27,6 @@ from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-_ONSET = 1e-9
-"""Part of the limit at which a control with no dead band takes a wind to have begun."""
 _RTOL, _ATOL = 1e-9, 1e-12
 _HAIR = 1e-6
 """A flight is followed so little further than its end, over the attitude there."""
@@ -170,7 +168,7 @@ class _TrimThenHold(TrimLaw):
     @property
     def engage(self) -> float:  # type: ignore[override]
         """K, or the first sign of a wind."""
-        return max(self.dead_band, _ONSET)
+        return max(self.dead_band, ONSET)
 
 
 def _far(t: float, x: FloatArray, *inputs: Any) -> float:

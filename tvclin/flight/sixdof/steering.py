@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle
+from tvclin.flight.control import ONSET
 from tvclin.histories import History
 from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law, Seen, TrimLaw
@@ -22,8 +23,6 @@ Steering = Callable[[int, Seen], float]
 _NOTHING = np.zeros(0)
 _FINE = 128
 """Parts of the step in which the dead band is left."""
-_ONSET = 1e-9
-"""Part of the limit at which a control with no dead band takes a wind to have begun."""
 
 
 def step_means(history: History, times: FloatArray, step: float) -> FloatArray:
@@ -69,7 +68,7 @@ class TrimThenHold:
         step: float,
     ) -> None:
         self._trim, self._B = trim, float(trim.plant.coefficients.B)
-        self._limit, self._level = limit, max(dead_band, _ONSET) * limit
+        self._limit, self._level = limit, max(dead_band, ONSET) * limit
         self._at_onset = dead_band == 0.0
         self._wind, self._times, self._step = wind, times, step
         self._means = step_means(wind, times, step).tolist()
