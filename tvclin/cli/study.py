@@ -1,6 +1,6 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,11 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plot,
 )
+
+if TYPE_CHECKING:
+    from tvclin.campaign import DispersedStudy
+    from tvclin.study import Study
+    from tvclin.study_file import StudyPlan
 
 
 def study(
@@ -94,18 +99,7 @@ def study(
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
     result = plan.study()
-    dispersed = None
-    if disperse:
-        from tvclin.campaign import DEFAULT_DISPERSIONS, disperse_study
-
-        dispersed = disperse_study(
-            result,
-            plan.dispersions or DEFAULT_DISPERSIONS,
-            cases=plan.cases,
-            seed=plan.seed,
-            probability=plan.probability,
-            confidence=plan.confidence,
-        )
+    dispersed = _dispersed(plan, result) if disperse else None
     if plot is not None:
         from tvclin.plots import save_figure, study_chart
 
@@ -119,3 +113,16 @@ def study(
             print_dispersed(dispersed)
     if result.sufficient is False:
         raise typer.Exit(1)
+
+
+def _dispersed(plan: "StudyPlan", result: "Study") -> "DispersedStudy":
+    from tvclin.campaign import DEFAULT_DISPERSIONS, disperse_study
+
+    return disperse_study(
+        result,
+        plan.dispersions or DEFAULT_DISPERSIONS,
+        cases=plan.cases,
+        seed=plan.seed,
+        probability=plan.probability,
+        confidence=plan.confidence,
+    )
