@@ -7,7 +7,7 @@ import numpy as np
 
 from tvclin.autopilot import canonical_gains
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.errors import InputError
+from tvclin.errors import InputError, missing
 from tvclin.explorer.answer import Answer, answer
 from tvclin.explorer.choices import LAWS, Choices
 from tvclin.explorer.parts import LONGEST
@@ -195,7 +195,7 @@ def _widgets() -> Any:
     try:
         import ipywidgets
     except ImportError:
-        raise InputError("the panel needs ipywidgets; install tvclin[notebook]") from None
+        raise missing("the panel needs ipywidgets", "notebook") from None
     return ipywidgets
 
 

@@ -5,7 +5,7 @@ from importlib.resources import files
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from tvclin.errors import InputError
+from tvclin.errors import missing
 from tvclin.report import basis, control, flight, sections, verdict
 from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import Findings, find
@@ -87,7 +87,7 @@ def _template() -> "Template":
     try:
         from jinja2 import Environment, PackageLoader, StrictUndefined
     except ImportError:
-        raise InputError("the page needs jinja2; install tvclin[report]") from None
+        raise missing("the page needs jinja2", "report") from None
     environment = Environment(
         loader=PackageLoader("tvclin.report", "."),
         autoescape=True,
