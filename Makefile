@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: study test lint bench docs packages clean help
+.PHONY: study test coverage lint bench docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -15,6 +15,10 @@ COMPILING := $(addprefix tests/test_,response_twins.py kernel_flights.py loop_ke
 test: $(VENV)/.installed-dev lint  ## set everything up and pass the tests
 	$(BIN)/pytest -n auto --dist loadfile -q $(COMPILING)
 	$(BIN)/pytest -n auto -q $(addprefix --ignore=,$(COMPILING))
+
+coverage: $(VENV)/.installed-dev  ## pass the tests and list the lines that none of them runs
+	$(BIN)/python -m pip install --quiet --no-compile --group coverage
+	$(BIN)/pytest -n auto --dist loadfile -q --cov=tvclin
 
 lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 	$(BIN)/ruff check
@@ -32,7 +36,7 @@ packages:  ## install wheel and sdist with each extra alone and with the lowest 
 	$(PYTHON) .ci/packages.py
 
 clean:  ## remove the environment and all caches
-	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated
+	rm -rf $(VENV) .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated
 	rm -rf tvclin/kernels/compiled/__pycache__
 
 help:  ## list the commands
