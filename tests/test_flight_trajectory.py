@@ -196,6 +196,7 @@ def test_times_outside_the_span_are_refused(flight):
     ("table", "words"),
     [
         ("", r"no table \[flight\]"),
+        ("[[flight]]\naltitude_m = 1e4", r"flight must be a table \[flight\]; got \[\{'alt"),
         ("[flight]\naltitude_m = 1e4", "specific_impulse is missing"),
         ("[flight]\naltitude = 1e4", "altitude has no known unit; write altitude_m or"),
         ("[flight]\naltitud_m = 1e4", "did you mean altitude_m"),

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import sys
 
 import numpy as np
 import pytest
@@ -207,6 +208,21 @@ def test_table_dataset_and_worst_hold_the_same_numbers(configuration_i, tmp_path
         worst.deflection
     )
     assert data["trim"].attrs["units"] == "rad"
+
+
+def test_what_is_defined_nowhere_has_no_worst(configuration_i) -> None:
+    turns = tv.SampledWind(time=[0.0, 2.0, 4.0, 6.0], angle=[0.0, 0.1, -0.1, 0.0])
+    found = tv.size(held(configuration_i), turns, times=[66.0])
+
+    assert "K = 1" not in found.worst
+    assert found.worst["minimum"].deflection == found.required["minimum"][0, 0]
+
+
+def test_a_dataset_says_what_it_needs(configuration_i, monkeypatch) -> None:
+    found = tv.size(held(configuration_i), tv.TriangularWind(peak=PEAK, duration=7.5), times=[66.0])
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(InputError, match=r"needs xarray; install tvclin\[campaign\]"):
+        found.to_xarray()
 
 
 @pytest.mark.parametrize(

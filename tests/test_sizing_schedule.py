@@ -135,6 +135,11 @@ def test_what_is_no_schedule_is_refused(configuration_i, fields, words) -> None:
         tv.FlightSchedule(configuration_i.replace(**fields))
 
 
+def test_a_step_that_makes_too_many_rows_is_refused() -> None:
+    with pytest.raises(InputError, match="step must give at most .* rows; got 1e-09 s"):
+        tv.load_schedule("configuration-ii", start=75.0, stop=95.0, step=1e-9)
+
+
 def test_times_outside_are_refused(tmp_path) -> None:
     schedule = read(tmp_path, CSV, "flight.csv")
     with pytest.raises(InputError, match="between 60 and 80 s"):

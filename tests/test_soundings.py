@@ -190,6 +190,10 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
             lambda: jet().to_wind(flight, azimuth=0.0, plane="roll"),
             "plane must be one of pitch, yaw",
         ),
+        (
+            lambda: tv.fly_through(jet(), flight, azimuth=0.0, gust=3.0),
+            "gust must be one history, such as OneMinusCosineGust",
+        ),
         (lambda: jet().at(26e3), "height must be between 0 and 25000 m"),
         (lambda: jet().between(5e3, 5e3), "low must be below high"),
         (lambda: jet().smoothed(0.0), "thickness must be between 0.001"),
@@ -201,6 +205,12 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
         (
             lambda: tv.steady_climb(vehicle.replace(attitude=0.0), height=0, start=0, stop=1),
             "vehicle must climb",
+        ),
+        (
+            lambda: tv.steady_climb(
+                vehicle.replace(velocity=[5e2, 6e2]), height=0, start=0, stop=1
+            ),
+            "is that of one vehicle; got a batch",
         ),
     ):
         with pytest.raises(tv.InputError, match=said):

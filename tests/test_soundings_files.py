@@ -69,6 +69,13 @@ def test_openrocket_has_no_units_and_must_be_named():
         tv.read_sounding(GOLDEN / "openrocket.csv")
 
 
+def test_a_table_copied_from_a_page_ends_where_the_markup_goes_on(tmp_path):
+    rows = (GOLDEN / "components.csv").read_text()
+    copied = tv.read_sounding(write(tmp_path, f"{rows}</PRE><H3>Indices</H3>\n1,2,3,4,5,6,7\n"))
+    plain = tv.read_sounding(GOLDEN / "components.csv")
+    holds(copied, plain.height, plain.east, plain.north)
+
+
 def test_a_wyoming_list_in_knots_and_the_second_sounding_in_it():
     first = tv.read_sounding(GOLDEN / "wyoming.txt")
     at = np.radians(260)
@@ -183,7 +190,9 @@ def table(*rows, header="height_m,speed_m_per_s,direction_deg"):
         ("wind_u=[(0, 1), (1, 2)]\nwind_v=[(0, 1), (0, 2)]", "line 2: the heights of wind_v must"),
         ("wind_u=[(0, 1), (1, 2)]\nwind_v=[(0, 1), x]", "line 2: wind_v must be a list of numbers"),
         ("wind_u=[(0, 1), (1, 2)]\nwind_v=[3, 4]", "line 2: wind_v must be a list of two or more"),
+        ("wind_u=[(0, 1), (1, 2)]\nwind_v=[(0, 1), (1,)]", "line 2: wind_v must be a list of two"),
         ("wind_u=[(0, 1), (2\n", "neither JSON nor Python"),
+        ("wind_u=" + "-" * 20_000 + "1", "neither JSON nor Python"),
     ],
 )
 def test_what_is_no_wind_is_refused_in_one_sentence(tmp_path, content, said):
@@ -221,6 +230,8 @@ def test_paths_that_are_no_files_are_refused(tmp_path):
             tv.read_sounding(path)
     with pytest.raises(tv.InputError, match=r"format must be one of .* \(did you mean 'igra'"):
         tv.read_sounding(GOLDEN / "igra.txt", "igra2")
+    with pytest.raises(tv.InputError, match="line 1: an IGRA file begins each sounding with"):
+        tv.read_sounding(GOLDEN / "components.csv", "igra")
     with pytest.raises(tv.InputError, match="read it with read_range_reference"):
         tv.read_sounding(GOLDEN / "T1cap19.txt")
 

@@ -85,6 +85,16 @@ def test_an_attitude_beyond_90_degrees_is_refused(attitude):
     assert message.startswith("attitude must be between")
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("moment_of_inertia", 1e19), ("axial_force", 1e-10), ("weight", [1e6, 1e19])],
+)
+def test_sizes_that_no_booster_has_are_refused(name, value):
+    rule = f"{name} must be a size between 1e-09 and 1e+18 in SI units; got {np.ravel(value)[-1]:g}"
+    assert refusal(tvclin.Vehicle, **NUMBERS | {name: value}) == rule
+    assert tvclin.Vehicle(**NUMBERS | {"aerodynamic_arm": 1e-10}).aerodynamic_arm == 1e-10
+
+
 def test_vertical_and_descending_flight_are_legal():
     assert tvclin.Vehicle(**NUMBERS | {"attitude": np.pi / 2}).attitude == np.pi / 2
     assert tvclin.Vehicle(**NUMBERS | {"attitude": -np.pi / 2}).attitude == -np.pi / 2

@@ -187,6 +187,7 @@ def test_a_wind_angle_follows_from_speed_as_in_equation_b1e():
     [
         ({"peak": 0.0}, r"^peak must be other than zero; got 0 rad$"),
         ({"peak": 5.0}, r"^peak must be a wind angle within 90 degrees, in radians; got 5 rad"),
+        ({"peak": 9e-13}, r"^peak must be at least 1e-12 rad in size; got 9e-13$"),
         ({"peak": np.nan}, r"^peak must be finite; got nan rad$"),
         ({"peak": "5 deg"}, r"^peak must be a number in rad; got '5 deg'$"),
         ({"peak": 0.1 + 0j}, r"^peak must be a number in rad"),
