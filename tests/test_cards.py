@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin.campaign import quantile_bound
 from tvclin.cards import card
 
 
@@ -58,6 +59,33 @@ def test_margins_are_shown_in_the_units_they_name():
     assert float(shown["aero margin (gain may fall)"][0]) == pytest.approx(
         20 * np.log10(margins.aero_margin), rel=1e-5
     )
+
+
+def test_a_quantile_shows_its_bounds():
+    shown = cells(quantile_bound(np.arange(1.0, 501.0), 0.9, 0.95))
+    bound = quantile_bound(np.arange(1.0, 501.0), 0.9, 0.95)
+
+    assert float(shown["no smaller than"][0]) == bound.lower < bound.estimate
+    assert float(shown["no larger than"][0]) == bound.upper > bound.estimate
+    assert shown["cases"][0] == "500"
+
+
+def test_the_boundary_of_a_law_shows_degrees():
+    found = tv.ClosedLoopBoundary(
+        limit=0.8,
+        deflection=np.radians(0.4),
+        scan=np.array([0.7, 0.9]),
+        survives=np.array([False, True]),
+        growth=-0.1,
+        creeps=False,
+        status="ok",
+    )
+    assert list(cells(found).values()) == [
+        ("0.8", "-"),
+        ("0.4", "deg"),
+        ("-0.1", "1/s"),
+        ("ok", ""),
+    ]
 
 
 @pytest.mark.parametrize(

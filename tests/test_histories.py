@@ -271,6 +271,18 @@ def test_a_fast_lag_and_a_slow_one_commute_over_long_pieces():
     np.testing.assert_allclose(fast_first(LATE), expected, 1e-12, 1e-15 * np.max(expected))
 
 
+def test_a_history_ends_before_no_time_that_is_no_number():
+    with pytest.raises(tv.InputError, match=r"^time must be a number in s, or inf; got nan$"):
+        tri().before(np.nan)
+    assert tri().before(np.inf).end == tri().end
+
+
+def test_a_history_shows_how_much_of_it_there_is_and_when():
+    samples = tv.SampledWind(time=[1.0, 2.5, 4.0], angle=[0.0, 0.1, 0.0])
+    assert repr(samples) == "SampledWind(3 samples from 1 s to 4 s)"
+    assert repr(samples.shift(2.0)) == f"Piecewise({samples.knots.size} pieces from 3 s to 6 s)"
+
+
 def test_a_filter_must_not_differentiate_nor_begin_with_zero():
     for num, den in (([1.0, 0.0], [1.0]), ([1.0], [0.0, 1.0]), ([0.0, 1.0], [2.0])):
         with pytest.raises(tv.InputError, match=r"^numerator must not be of higher degree"):

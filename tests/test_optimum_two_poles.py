@@ -163,6 +163,21 @@ def test_the_switching_ratio_is_that_of_the_demands():
         assert best.peak == pytest.approx(abs(alone), rel=1e-11)
 
 
+@pytest.mark.parametrize("model", ["drift-exact", "drift-and-speed"])
+def test_a_force_at_the_centre_of_pressure_holds_the_balance_of_forces(model):
+    """It acts as the wind does, so that N alpha_w / T, held while the wind lasts, undoes it."""
+    booster = tvclin.load_vehicle("configuration-i")
+    plant = Plant.from_vehicle(booster.replace(control_arm=-booster.aerodynamic_arm), model)
+    wind = tvclin.RectangularWind(peak=0.05, duration=30.0)
+    best = optimum_deflection(plant, wind, 0.0, wind.end)
+
+    balance = 0.05 * booster.normal_force_slope / booster.thrust
+    assert best.peak == pytest.approx(balance, rel=1e-14)
+    assert best.certificate.dual == pytest.approx(balance, rel=1e-14)
+    assert best.switch_times.size == 0
+    assert best.deflection([0.0, 29.9]) == pytest.approx([balance] * 2, rel=1e-14)
+
+
 def test_validity_of_batches_and_of_stable_vehicles():
     both = Coefficients.from_beta(
         beta=[0.53, 0.4], B=0.1, C1=[0.025, 0.034], C2=[0.0036, 0.0015], b1=0.03, b2=0.02

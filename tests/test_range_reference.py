@@ -27,6 +27,8 @@ def test_the_tables_of_the_cape_are_read_as_they_stand(cape):
     more = (february.sd_north, february.mean_speed, february.sd_speed, february.skew_speed)
     assert [field[at] for field in more] == [13.82, 43.47, 16.44, -0.28]
     assert february.count[at] == 1500
+    site = february.site
+    assert repr(february) == f"RangeReference({site}, February, {february.height.size} levels)"
 
 
 @pytest.mark.parametrize("percentile", [1.0, 50.0, 95.0, 99.865])
@@ -79,6 +81,7 @@ def test_bad_statistics_are_refused(tmp_path, cape):
         (text.replace(" 12.000   40.83", " 10.000   40.83"), "line 28: heights must ascend"),
         (text.replace("17.25", "9e99"), "line 28: a number is beyond"),
         (text[: text.index("12.000   40.83") + 40], "line 28: a row has 10 numbers; got"),
+        (text[: text.index("\n", text.index("KM  "))], "line 2: two or more rows must follow"),
         (text.replace("17.25", "x"), "line 28: sd_east must be a number"),
         ("wind", "is no Range Reference Atmosphere"),
         (text.splitlines()[1], "line 1: a month, a station and a line of units"),
