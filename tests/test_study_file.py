@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tvclin.campaign.file import parse_campaign
 from tvclin.cli.app import app
+from tvclin.study_file import SoundingAsked
 from tvclin.study_file.read import example, parse_study
 
 HEAD = {"vehicle": "configuration-i"}
@@ -336,6 +338,43 @@ def test_a_campaign_finds_misspelled_keys_of_a_study(heading: str, wrong: str, r
     for parse in (parse_campaign, parse_study):
         with pytest.raises(tv.InputError, match=rf"\[{heading}\]: '{wrong}'; did you mean {right}"):
             parse(tables)
+
+
+def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
+    schedule, pulse = tv.load_schedule("configuration-i"), tv.ShapedWind("triangular", 0.08, 7.5)
+    low = tv.WindProfile(height=[0.0, 100.0], east=[5.0, 5.0], north=[0.0, 0.0])
+    for given, said in (
+        ({}, "a sizing needs a wind: a pulse or a sounding"),
+        ({"pulses": (pulse,), "dead_bands": ()}, "dead_bands must hold one number or more"),
+        (
+            {"soundings": {"low": SoundingAsked(low, 0.0)}},
+            "low: the flight does not reach the wind",
+        ),
+    ):
+        with pytest.raises(tv.InputError, match=said):
+            tv.SizingAsked(schedule=schedule, **given).sizing()
+
+
+def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
+    vehicle, pulse = tv.load_vehicle("configuration-i"), tv.ShapedWind("triangular", 0.08, 7.5)
+    schedule = tv.load_schedule("configuration-i")
+    pitch, yaw = (
+        tv.SizingAsked(schedule=schedule, pulses=(pulse,), peak_speed=60.0, plane=plane)
+        for plane in ("pitch", "yaw")
+    )
+    across = np.sin(yaw.peak_at(vehicle, pulse)) * vehicle.velocity
+    assert across == pytest.approx(60.0, rel=1e-14)
+    assert np.sin(pitch.peak_at(vehicle, pulse)) * vehicle.velocity == pytest.approx(
+        60.0 * np.sin(vehicle.attitude), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("load", [tv.load_study, tv.load_sizing])
+def test_a_file_that_is_no_toml_is_refused(tmp_path: Path, load: Callable[[Path], object]) -> None:
+    file = tmp_path / "half.toml"
+    file.write_text("[study\n")
+    with pytest.raises(tv.InputError, match=r"half\.toml is not valid TOML"):
+        load(file)
 
 
 def test_a_name_with_control_characters_is_refused() -> None:
