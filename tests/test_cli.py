@@ -85,6 +85,33 @@ def test_poles_prints_every_model() -> None:
         assert number in result.output
 
 
+def test_poles_in_json_are_beta_and_its_residues() -> None:
+    document = json.loads(run("poles", "--model", "fixed-path", "--json").output)
+    c = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
+    poles = {one["pole_per_s"]: one for one in document["models"]["fixed-path"]}
+
+    assert sorted(poles) == pytest.approx([-c.beta, c.beta], rel=1e-14)
+    # -mu_delta/(s^2 - beta^2) at the pole beta, and -B of it for the wind
+    growing = poles[max(poles)]
+    assert abs(growing["deflection_residue_per_s"]) == pytest.approx(c.mu_delta / (2 * c.beta))
+    assert abs(growing["wind_residue_per_s"]) == pytest.approx(c.beta / 2)
+
+
+def test_a_gust_on_top_is_told() -> None:
+    assert ", with a gust of 1 deg and 2 s" in run("study", "--gust", "1", "2").output
+
+
+def test_a_fault_of_the_package_is_not_dressed_up_as_bad_input(monkeypatch) -> None:
+    def broken(_: object) -> None:
+        raise ValueError("operands could not be broadcast together")
+
+    monkeypatch.setattr("tvclin.vehicle_file.load_vehicle", broken)
+    result = run("poles")
+
+    assert result.exit_code == 1
+    assert type(result.exception) is ValueError
+
+
 def test_vehicles_and_version_are_told() -> None:
     assert "configuration-ii" in run("vehicles").output
     assert json.loads(run("vehicles", "--json").output)["configuration-i"]["B"] == pytest.approx(
@@ -138,6 +165,7 @@ def test_figures_are_written(tmp_path: Path, command: str, kind: str) -> None:
         ["study", "missing.toml"],
         ["boundary", "--tau-beta", "-1"],
         ["boundary", "--dead-band", "2"],
+        ["boundary", "--model", "drift"],
         ["boundary", "--wind", "square"],
         ["poles", "--model", "none"],
         ["init", "."],

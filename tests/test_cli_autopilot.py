@@ -1,6 +1,7 @@
 """`tvclin margins`, `autopilot` and `laws`: the numbers of the library, and clear refusals."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,24 @@ def test_criteria_decide_the_exit_code():
     assert run(*gains, "--phase-deg", "80").exit_code == 1
     assert run(*gains, "--delay-margin-ms", "2000").exit_code == 1
     assert "NOT MET" in run("margins").output
+
+
+def test_a_gain_margin_may_be_asked_for_in_decibels():
+    plant = booster()
+    rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": tv.Actuator()}
+    margins = tv.design_gains(plant.coefficients, **rule).margins(plant)
+    least = min(margins.aero_margin_dB, 20.0 * np.log10(margins.gain_increase))
+    for asked, code in ((least - 1e-6, 0), (least + 1e-6, 1)):
+        result = run("margins", "--natural-frequency", "1", "--gain-db", repr(float(asked)))
+        assert result.exit_code == code
+
+
+def test_only_gains_that_are_used_are_shown():
+    gains = ("margins", "--attitude-gain", "0.7", "--rate-gain", "0.9", "--alpha-gain", "0.25")
+    shown = run(*gains, "--integral-gain", "0.05").output
+    assert re.search(r"alpha gain b0\W+0\.25\b", shown)
+    assert re.search(r"integral gain aI\W+0\.05 1/s", shown)
+    assert "integral gain" not in run(*gains).output
 
 
 def test_an_unstable_loop_has_a_reason_and_no_margins():
@@ -137,6 +156,12 @@ def test_a_limit_is_judged():
     gains = ("autopilot", "--natural-frequency", "1", "--limit-deg")
     assert run(*gains, "0.6").exit_code == 1
     assert run(*gains, "0.7").exit_code == 0
+
+
+def test_the_comparison_is_drawn(tmp_path):
+    file = tmp_path / "comparison.svg"
+    assert run("autopilot", "--natural-frequency", "1", "--plot", str(file)).exit_code == 0
+    assert "</svg>" in file.read_text()
 
 
 @pytest.mark.parametrize("chart", ["nichols", "bode", "nyquist", "root-locus"])
