@@ -206,6 +206,14 @@ def test_the_command_line_says_the_same(nominal):
             "must be positive definite",
         ),
         (
+            lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((2.0, 0.0), (0.0, 1.0))),
+            "correlation must have ones on its diagonal",
+        ),
+        (
+            lambda: tv.WindEnsemble(time=[0.0, 1.0], angle=[0.1, 0.0]),
+            r"angle must hold one wind in each row; got an array of shape \(2,\)",
+        ),
+        (
             lambda: tv.Dispersions(DEFAULT_DISPERSIONS.each[:2], ((1.0,),)),
             "symmetric matrix of 2 rows",
         ),

@@ -209,6 +209,13 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         (
             {
                 "dispersion": [{"parameter": p, "percent": 1} for p in ("thrust", "weight")],
+                "correlation": [{"between": ["thrust", "thrust"], "coefficient": 0.5}],
+            },
+            "between in .*correlation.* must name two parameters; got .'thrust', 'thrust'",
+        ),
+        (
+            {
+                "dispersion": [{"parameter": p, "percent": 1} for p in ("thrust", "weight")],
                 "correlation": [{"between": ["thrust", "weight"], "coefficient": 1.5}],
             },
             "correlation must be positive definite",
@@ -239,6 +246,21 @@ def test_bad_wind_files_are_one_clear_sentence(tmp_path, text, message):
     (tmp_path / "winds.csv").write_text(text)
     with pytest.raises(tv.InputError, match=message):
         parse_campaign({"campaign": HEAD, "wind": {"file": "winds.csv"}}, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a = " + "[" * 10_000, "is not valid TOML"),
+        ('[campaign]\nvehicle = "none.toml"\n', "none.toml does not exist"),
+    ],
+)
+def test_a_campaign_file_is_named_in_what_is_wrong_with_it(tmp_path, text, message):
+    file = tmp_path / "many.toml"
+    file.write_text(text)
+    with pytest.raises(tv.InputError, match=rf"many\.toml:? .*{message}") as caught:
+        tv.load_campaign(file)
+    assert "\n" not in str(caught.value)
 
 
 def test_a_dispersed_wind_needs_a_shape(ensemble):

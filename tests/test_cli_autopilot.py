@@ -186,6 +186,19 @@ def test_laws_are_flown_in_the_winds_asked_for():
         assert one["growth"] < 0.0
 
 
+def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monkeypatch):
+    """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
+    monkeypatch.setattr("tvclin.trials.law_trials", lambda *_, **__: [])
+    monkeypatch.setattr("tvclin.plots.laws.law_curve", lambda _, __, tau, ___: np.ones_like(tau))
+    winds, file = ("--wind", "triangle", "--wind", "opposite gusts"), tmp_path / "laws.svg"
+    result = run("laws", "--model", "fixed-path", *winds, "--json", "--plot", str(file))
+    bounds = json.loads(result.stdout)["no_forecast"]
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    assert bounds["triangle"] == tv.forecast_free_limit(booster("fixed-path"), wind).limit
+    assert bounds["opposite gusts"] is None
+    assert "</svg>" in file.read_text()
+
+
 def test_a_boundary_beyond_the_range_is_no_number():
     """Of a puff of 10 ms next to nothing is needed; two samples a second are too few."""
     plain = ("--wind", "triangle", "--model", "fixed-path", "--sample-rate")

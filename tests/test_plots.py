@@ -258,6 +258,19 @@ def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     assert out.stdout.strip() == "[]"
 
 
+def test_the_chart_of_laws_measures_them_by_equation_12_and_the_minimum(configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
+    found = plots.laws_chart(plant, {}, 0.08, np.array([2.0, 4.0])).curves
+
+    for K in (1.0, 0.5):
+        expected = triangular_limit([2.0, 4.0], K)
+        np.testing.assert_allclose(found.column(f"open loop K = {K:g}"), expected, rtol=1e-12)
+    # the minimum of one pole is K = 0, and in one triangle a forecast is worth nothing
+    for label in ("wind known (C)", "any law, no forecast"):
+        expected = triangular_limit([2.0, 4.0], 0.0)
+        np.testing.assert_allclose(found.column(label), expected, rtol=1e-9)
+
+
 def test_study_chart_and_pole_map_are_control_plots(configuration_i):
     study = tv.Study.from_vehicle(configuration_i, duration=7.5, peak=0.08, limit=0.006)
     drawn = plots.study_chart(study)
