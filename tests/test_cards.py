@@ -114,6 +114,15 @@ def test_a_long_array_is_shown_by_its_range():
     assert row[0] == "0.1 to 2, shape (50,)"
 
 
+def test_what_is_no_row_of_numbers_is_shown_in_words():
+    rows = [
+        ("nothing", np.array([]), ""),
+        ("verdicts", [True, False], ""),
+        ("statuses", np.array(["ok", "lost", "ok"]), ""),
+    ]
+    assert [row[1] for row in Cells(card("x", rows)).rows] == ["none", "yes, no", "lost, ok"]
+
+
 def test_names_are_no_markup():
     vehicle = tv.load_vehicle("configuration-i").replace(name="<script>alert(1)</script>")
 

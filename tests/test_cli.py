@@ -14,6 +14,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.files import write_text
 
 
 def run(*arguments: str) -> Result:
@@ -99,6 +100,12 @@ def test_poles_in_json_are_beta_and_its_residues() -> None:
 
 def test_a_gust_on_top_is_told() -> None:
     assert ", with a gust of 1 deg and 2 s" in run("study", "--gust", "1", "2").output
+
+
+@pytest.mark.skipif(not Path("/dev/null").exists(), reason="a device of POSIX")
+def test_a_device_is_no_file_to_replace() -> None:
+    with pytest.raises(tv.InputError, match=r"^/dev/null is not an ordinary file; name another$"):
+        write_text(Path("/dev/null"), "a figure")
 
 
 def test_a_fault_of_the_package_is_not_dressed_up_as_bad_input(monkeypatch) -> None:

@@ -173,6 +173,10 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
             "the last flight time must not be before",
         ),
         (("configuration-i", "--to", "900"), "time must be between 41 and 116 s"),
+        (
+            ("configuration-i", "--peak-deg", "5", "--peak-speed", "40"),
+            "give --peak-deg or --peak-speed, not both",
+        ),
         (("configuration-i", "--every", "0"), "every must be positive"),
         (("configuration-i", "--every", "1e-9"), "at most 10000 flight times"),
         (("configuration-i", "--count", "K=1", *FAST), "count must be one of trim"),

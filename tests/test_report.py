@@ -1,6 +1,7 @@
 """The page: every number is the library's, every text escaped, the same inputs the same bytes."""
 
 import re
+import sys
 import tomllib
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -15,10 +16,17 @@ from tvclin.cli.app import app
 from tvclin.report import flight, sections, verdict
 from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import find
+from tvclin.report.page import _template
 from tvclin.study_file.read import example, parse_study
 from tvclin.trials import law_trials
 
 pytest.importorskip("jinja2")
+
+
+def test_a_page_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    with pytest.raises(tv.InputError, match=r"the page needs jinja2; install tvclin\[report\]"):
+        _template()
 
 
 class Page(HTMLParser):
