@@ -13,6 +13,7 @@ import pytest
 import tvclin as tv
 from tvclin.campaign.cases import evaluate
 from tvclin.campaign.file import document_of, parse_campaign, template
+from tvclin.campaign.forecast import forecast_free_deflections
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -261,6 +262,21 @@ def test_a_campaign_file_is_named_in_what_is_wrong_with_it(tmp_path, text, messa
     with pytest.raises(tv.InputError, match=rf"many\.toml:? .*{message}") as caught:
         tv.load_campaign(file)
     assert "\n" not in str(caught.value)
+
+
+def test_what_has_no_bound_without_forecast_is_refused_as_one_case_is(configuration_i):
+    drift = tv.Plant.from_vehicle(configuration_i, "drift-and-speed")
+    fixed = tv.Plant.from_vehicle(configuration_i, "fixed-path")
+    gust, held = tv.TriangularWind(peak=0.08, duration=7.5), tv.HeldDeflection(limit=0.1)
+    for plant, wind, said in (
+        (drift, gust, "a limit without forecast needs real unstable poles"),
+        (fixed, held, "wind must end"),
+        (fixed, gust - gust.shift(9.0), "not defined for a wind that changes its sign"),
+    ):
+        with pytest.raises(tv.InputError, match=said):
+            forecast_free_deflections(plant, wind)
+    stable = tv.Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=-2.0), "fixed-path")
+    assert forecast_free_deflections(stable, gust) == [0.0]
 
 
 def test_a_dispersed_wind_needs_a_shape(ensemble):
