@@ -13,6 +13,7 @@ from tvclin import plots
 from tvclin.closed_forms import rectangular_limit, triangular_limit
 from tvclin.closed_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin.plots.curves import Column, Curves, curves_of
+from tvclin.plots.style import Look, draw
 from tvclin.reproduce.figures import FIGURES
 
 mpl.use("Agg")
@@ -294,6 +295,9 @@ def test_curves_say_what_is_wrong():
         found.column("two")
     with pytest.raises(tv.InputError, match="drawn from curves"):
         curves_of(object())
+    look = Look("title", "y [-]", {"one": {}})
+    with pytest.raises(tv.InputError, match="x .* two different values or more"):
+        draw(found, look)
 
 
 @pytest.mark.parametrize(

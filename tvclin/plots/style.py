@@ -72,7 +72,15 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
         The numbers; nothing else is drawn.
     look : Look
         How they look.
+
+    Raises
+    ------
+    InputError
+        For an abscissa of fewer than two values, which has no width.
     """
+    if not np.ptp(curves.abscissa[np.isfinite(curves.abscissa)]) > 0.0:
+        what = pretty(curves.abscissa_label)
+        raise InputError(f"{what} must hold two different values or more; got {curves.abscissa}")
     panels = curves.panels
     shape, axes = new_panels(len(panels), look.across)
     lines: list[Any] = []
