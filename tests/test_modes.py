@@ -228,6 +228,15 @@ def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_
     assert "several poles at zero" in str(left)
 
 
+@pytest.mark.parametrize("model", MODELS[1:])
+def test_where_the_speed_plays_no_part_every_model_with_drift_leaves_one_ramp(model):
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.1, b2=0.05)
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    left = judge(Plant.from_coefficients(c, model), held, wind).left_over
+    # At rest mu_alpha rate = mu_delta b1 delta.
+    assert left.rate == pytest.approx(2.0 * 0.1 * 0.01 / 0.25, rel=1e-13)
+
+
 def test_in_yaw_the_models_with_drift_leave_the_same(configuration_i):
     wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
     exact, speed = (
@@ -263,6 +272,27 @@ def test_with_drift_pulses_of_wind_and_deflection_leave_the_sum_of_both(configur
     pulse = tvclin.RectangularWind(peak=0.02, duration=2.0)
     left = judge(plant, pulse, wind).left_over
     assert left.offset == pytest.approx(c.b1 / c.B * 0.04 + c.b2 * 0.3, rel=1e-13)
+
+
+def test_a_held_deflection_that_does_not_ramp_leaves_an_offset_of_its_own():
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.0, b2=0.05)
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    left = judge(Plant.from_coefficients(c, "drift"), held, wind).left_over
+    # For b1 = 0 the deflection turns the vehicle by delta/B as on a fixed path, the wind by
+    # b2 times its area.
+    assert left.rate == 0.0
+    assert left.offset == pytest.approx(0.01 / c.B + 0.05 * 0.15, rel=1e-13)
+
+
+def test_wind_and_trim_that_both_stay_leave_what_came_before_the_trim():
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.05, b2=0.05)
+    wind = tvclin.HeldDeflection(limit=0.05)
+    trim = tvclin.HeldDeflection(limit=-0.05 * c.B, start=3.0)
+    for late in (0.0, 7.0):
+        moved = trim.shift(late), wind.shift(late)
+        left = judge(Plant.from_coefficients(c, "drift"), *moved).left_over
+        # Trim cancels the wind: a pulse of 3 s is left, and of that b2 times its area.
+        assert (left.rate, left.offset) == (0.0, pytest.approx(0.05 * 0.15, rel=1e-12))
 
 
 def test_one_undamped_vehicle_in_a_batch_is_enough_to_say_so():
@@ -375,6 +405,7 @@ def test_a_repeated_pole_has_no_residue():
         (lambda plant, wind: tvclin.Plant.from_vehicle("configuration-i"), "vehicle must be a V"),
         (lambda plant, wind: tvclin.Plant(3), "coefficients must be a Coefficients"),
         (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
+        (lambda plant, wind: all_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),
         (lambda plant, wind: tvclin.judge(plant, wind, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.boundary_limit(3, wind), "plant must be a Plant"),

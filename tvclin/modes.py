@@ -98,7 +98,7 @@ def unstable_poles(plant: Plant) -> NDArray[Any]:
     every = _all_poles(plant)
     unstable = growing(every)
     poles = np.where(unstable, every, np.nan)[..., : int(unstable.sum(axis=-1).max(initial=0))]
-    if np.iscomplexobj(poles) and np.all((np.imag(poles) == 0.0) | np.isnan(poles)):
+    if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):
         poles = np.real(poles)
     return poles
 

@@ -4,14 +4,14 @@ It leaves none exactly when the residue of the attitude vanishes at every unstab
 come from the exact transforms; no verdict ever comes from watching a simulation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import instance
-from tvclin.histories import History
+from tvclin.histories import History, Piecewise
 from tvclin.kernels import polynomials
 from tvclin.kernels.residues import residues as residues_of_pieces
 from tvclin.kernels.responses import MARGINAL
@@ -169,14 +169,27 @@ def _final_attitude(
     marginal = last == 0.0
     several = marginal & (denominator[..., -2] == 0.0)
     slope = np.where(several, np.nan, np.where(marginal, denominator[..., -2], 1.0))
-    gains = [numerator[..., -1] for numerator in numerators]
-    ends = [h.final_value for h in (deflection, wind)]
-    held = gains[0] * ends[0] + gains[1] * ends[1]
-    areas = [_area(history) for history in (deflection, wind)]
-    total = gains[0] * areas[0] + gains[1] * areas[1]
+    orders = [_lowest(*pair) for pair in zip(numerators, (deflection, wind), strict=True)]
+    held, total = (first + second for first, second in zip(*orders, strict=True))
     rate = np.where(marginal, held / slope, 0.0)
     drifted = np.where(rate == 0.0, total / slope, np.nan)
     return np.where(marginal, drifted, held / np.where(marginal, 1.0, last)), rate
+
+
+def _lowest(numerator: FloatArray, history: History) -> tuple[FloatArray, FloatArray]:
+    """The terms with 1/s and with s^0 of a numerator times the transform of a history.
+
+    A history that does not die out is its final value from t = 0 on, and the rest of it.
+    """
+    pieces, end = history.pieces, history.final_value
+    constant = np.zeros(pieces.coefficients.shape[-3:], dtype=bool)
+    constant[-1, :, 0] = True
+    constant = constant & (pieces.rates == 0.0)[..., np.newaxis, :, np.newaxis]
+    rest = replace(pieces, coefficients=np.where(constant, 0.0, pieces.coefficients))
+    slope = numerator[..., -2] if numerator.shape[-1] > 1 else 0.0
+    with np.errstate(invalid="ignore"):  # a history without a final value
+        area = Piecewise(rest).laplace(0.0) - end * pieces.knots[..., -1]
+        return numerator[..., -1] * end, numerator[..., -1] * area + slope * end
 
 
 def _without_common_zero(plant: Plant) -> list[FloatArray]:
@@ -184,11 +197,6 @@ def _without_common_zero(plant: Plant) -> list[FloatArray]:
     terms = [plant.denominator, *(plant.numerator("attitude", i) for i in INPUTS)]
     common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
     return [np.where(common[..., None], np.roll(term, 1, axis=-1), term) for term in terms]
-
-
-def _area(history: History) -> FloatArray:
-    """The integral of a history that dies out; zero for one that does not."""
-    return np.where(history.final_value == 0.0, history.laplace(0.0), 0.0)
 
 
 def _oscillates(plant: Plant) -> Any:
