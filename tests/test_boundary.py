@@ -261,13 +261,50 @@ def test_the_survivable_peak_is_the_one_whose_boundary_is_the_given_limit(peak):
     assert np.sign(largest) == np.sign(peak)
     needed = boundary_limit(plant, sampled(largest), 0.5).deflection
     assert abs(needed) == pytest.approx(0.005, rel=1e-13)
+    assert survivable_peak(plant, sampled(peak), -0.005, 0.5) == largest
 
 
-def test_winds_that_have_no_boundary_limit_are_refused():
+@pytest.mark.parametrize(
+    ("wind", "message"),
+    [
+        (sampled(angle=GUST - 0.5), "wind must not change its sign .* -0.04 to 0.04 rad$"),
+        (sampled(angle=[GUST, GUST - 0.5]), "wind must not change its sign .* -0.04 to 0.08 rad$"),
+        (tvclin.HeldDeflection(limit=0.05), "wind must end"),
+        (sampled() + tvclin.HeldDeflection(limit=0.05) * [0.0, 1.0], "wind must end"),
+        (0.0 * sampled(), "wind must differ from zero"),
+        (sampled() * [0.0, 1.0], "wind must differ from zero"),
+    ],
+)
+def test_winds_that_have_no_boundary_limit_are_refused_alone_or_in_a_batch(wind, message):
+    with pytest.raises(InputError, match=f"^{message}"):
+        boundary_limit(plant_of(), wind)
+
+
+@pytest.mark.parametrize("peak", [0.08, -0.08])
+def test_a_wind_may_cross_zero_by_rounding_and_no_more(peak):
+    crossing = [np.where(TIME == TIME[-2], -part, GUST) for part in (1e-14, 1e-10)]
+    assert boundary_limit(plant_of(), sampled(peak, angle=crossing[0])).status == "ok"
     with pytest.raises(InputError, match="^wind must not change its sign"):
-        boundary_limit(plant_of(), sampled(angle=GUST - 0.5))
-    with pytest.raises(InputError, match="^wind must end"):
-        boundary_limit(plant_of(), tvclin.HeldDeflection(limit=0.05))
+        boundary_limit(plant_of(), sampled(peak, angle=crossing[1]))
+
+
+def test_vehicles_with_more_and_fewer_unstable_poles_stand_in_one_batch():
+    numbers = {"mu_alpha": [0.3, 0.3, -0.4], "C1": [0.025, 0.2, 1.0], "C2": [0.004, -0.1, 0.076]}
+    wind, limits = sampled(), []
+    for row in range(3):
+        one = Coefficients(mu_delta=2.6, **DRIFT, **{k: v[row] for k, v in numbers.items()})
+        plant = Plant.from_coefficients(one, "drift-exact")
+        assert tvclin.unstable_modes(plant).poles.size == (2, 1, 0)[row]
+        limits.append(boundary_limit(plant, wind).limit)
+    batch = Plant.from_coefficients(Coefficients(mu_delta=2.6, **DRIFT, **numbers), "drift-exact")
+    np.testing.assert_allclose(boundary_limit(batch, wind).limit, limits, rtol=1e-12)
+    assert limits[2] == 0.0 < limits[1] != limits[0]
+
+
+def test_a_batch_of_stable_vehicles_needs_no_deflection():
+    stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.6))
+    found = boundary_limit(stable, sampled())
+    assert found.limit.tolist() == found.deflection.tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("bad", [-1e-9, 1.000001, np.nan, "all"], ids=repr)
@@ -316,3 +353,7 @@ def test_where_trim_never_saturates_the_limit_is_the_largest_trim(b2, most):
     assert np.isnan(found.switch_time)
     assert found.limit == pytest.approx(most, rel=1e-12)
     assert found.deflection == pytest.approx(-most * 0.1 * 0.1, rel=1e-12)
+    ordinary = tvclin.TriangularWind(peak=0.1, duration=[60.0, 4.0])
+    both = boundary_limit(plant, ordinary, [1.0, 0.5])
+    assert both.status.tolist() == [found.status, "ok"]
+    assert both.limit[0] == pytest.approx(most, rel=1e-12)

@@ -115,7 +115,7 @@ def boundary_limit(
     Raises
     ------
     InputError
-        For a wind that changes sign or never ends, and a dead band outside [0, 1].
+        For a wind that changes sign, never ends or is zero, and a dead band outside [0, 1].
 
     Notes
     -----
@@ -124,7 +124,7 @@ def boundary_limit(
     K = within("dead_band", dead_band, 0.0, 1.0)
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
-    _check_one_signed(wind)
+    _check_wind(wind)
     pole = _fastest_real_pole(plant)
     unstable = ~np.isnan(pole)
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
@@ -243,10 +243,11 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
 
 
 def _trim_for_ever(problem: Problem) -> FloatArray:
-    """The least limit with which the dead band is never left and trim never limited."""
-    peaks = [np.abs(Piecewise(pieces).peak) for pieces in (problem.driver, problem.trim)]
-    band = np.where(problem.dead_band > 0.0, problem.dead_band, np.inf)
-    return np.maximum(peaks[0] / band, peaks[1])
+    """The least limit with which trim is never limited.
+
+    Nor is the dead band ever left: K times the demand, a mean of trim, is above all the driver.
+    """
+    return np.abs(Piecewise(problem.trim).peak)
 
 
 def _fastest_real_pole(plant: Plant) -> FloatArray:
@@ -259,7 +260,7 @@ def _fastest_real_pole(plant: Plant) -> FloatArray:
     return np.where(np.isinf(fastest), np.nan, fastest)
 
 
-def _check_one_signed(wind: History) -> None:
+def _check_wind(wind: History) -> None:
     values = np.real(kernel.value(wind.pieces, wind.probe_times()))
     size = np.abs(values).max(axis=-1)
     slack = 1e-12 * size
@@ -268,5 +269,7 @@ def _check_one_signed(wind: History) -> None:
             "wind must not change its sign for a boundary limit; got values from"
             f" {values.min():.6g} to {values.max():.6g} rad"
         )
-    if np.any(np.isinf(wind.end)):
+    if np.any(np.isneginf(wind.end)):
+        raise InputError("wind must differ from zero; got a history that is zero throughout")
+    if np.any(np.isposinf(wind.end)):
         raise InputError("wind must end: the last piece of its history must be zero")
