@@ -250,6 +250,7 @@ def test_sufficient_is_at_or_above_the_boundary_in_either_sign(model):
     needed = boundary_limit(plant, wind, 0.5).deflection
     assert is_sufficient(plant, wind, needed, 0.5) is True
     assert is_sufficient(plant, wind, -1.000001 * needed, 0.5) is True
+    assert is_sufficient(plant, wind, 1.000001 * needed) is False  # without a dead band of 0.5
     assert is_sufficient(plant, wind, 0.999999 * needed, 0.5) is False
     assert is_sufficient(plant, wind, [0.9 * needed, needed], 0.5).tolist() == [False, True]
 
@@ -357,3 +358,23 @@ def test_where_trim_never_saturates_the_limit_is_the_largest_trim(b2, most):
     both = boundary_limit(plant, ordinary, [1.0, 0.5])
     assert both.status.tolist() == [found.status, "ok"]
     assert both.limit[0] == pytest.approx(most, rel=1e-12)
+
+
+def test_where_the_demand_jumps_every_limit_above_the_first_pulse_is_sufficient():
+    plant = Plant.from_coefficients(
+        Coefficients.from_beta(beta=0.5, B=0.1, b1=0.1, b2=0.4), "drift"
+    )
+    second = tvclin.RectangularWind(peak=0.06, duration=0.5).shift(40.0)
+    wind = tvclin.RectangularWind(peak=0.05, duration=20.0) + second
+    found = boundary_limit(plant, wind, [1.0, 0.0])
+    # Held from the first pulse on, more than its height is needed, for trim rises in it; a limit
+    # above that height trims it all, and the short second pulse needs less.
+    assert found.limit[0] == pytest.approx(5.0 / 6.0, rel=1e-12)
+    assert [status.split(":")[0] for status in found.status] == [
+        "no limit meets (4b) exactly",
+        "ok",
+    ]
+    for part, sign in ((1.0 - 1e-9, -1.0), (1.0 + 1e-9, 1.0)):
+        held = tvclin.trim_then_hold(plant, wind, limit=part * found.deflection[0], dead_band=1.0)
+        over = tvclin.residues(plant, held, wind)[0] / tvclin.residues(plant, held, 0.0 * wind)[0]
+        assert np.sign(over) == sign

@@ -282,6 +282,8 @@ def test_a_held_deflection_that_does_not_ramp_leaves_an_offset_of_its_own():
     # b2 times its area.
     assert left.rate == 0.0
     assert left.offset == pytest.approx(0.01 / c.B + 0.05 * 0.15, rel=1e-13)
+    both = judge(Plant.from_coefficients(c, "drift"), held * [1.0, 2.0], wind).left_over
+    np.testing.assert_allclose(both.offset, [0.08 + 0.0075, 0.16 + 0.0075], rtol=1e-13)
 
 
 def test_wind_and_trim_that_both_stay_leave_what_came_before_the_trim():

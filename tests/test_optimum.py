@@ -1,7 +1,10 @@
 """The minimum-peak control against the tables, a linear program and mpmath of our own."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import tvclin
 from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_deflection
@@ -12,7 +15,7 @@ from tvclin.optimum import (
 from tvclin.optimum.constraints import Constraints
 from tvclin.optimum.dual import best_multipliers
 from tvclin.optimum.exponential_sums import Window
-from tvclin.optimum.minimum_peak import STABLE, UNTOUCHED, certify
+from tvclin.optimum.minimum_peak import STABLE, UNTOUCHED, _polished, _solve, certify
 
 NAMES = ("configuration-i", "configuration-ii")
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
@@ -36,6 +39,75 @@ def solved(poles, demands, horizon=np.inf):
     window = Window(Constraints(np.asarray(poles), np.asarray(demands, float), horizon))
     best = best_multipliers(window)
     return best, certify(window, best.multipliers, best.zeros, best.norm * best.signs[0])
+
+
+def test_the_conditions_are_those_of_their_poles():
+    """Two real poles and a pair: e_i, its slope, its integral, and the way back."""
+    c = Constraints(np.array([0.5, 0.1 + 0.3j, 0.02]), np.zeros(4))
+    functions = [
+        lambda u: np.exp(-0.5 * u),
+        lambda u: np.exp(-0.1 * u) * np.cos(0.3 * u),
+        lambda u: np.exp(-0.1 * u) * np.sin(0.3 * u),
+        lambda u: np.exp(-0.02 * u),
+    ]
+    u, step = np.array([0.0, 0.7, 3.0, 11.0]), 1e-5
+    np.testing.assert_allclose(c.basis(u), [f(u) for f in functions], rtol=1e-13)
+    slopes = [(f(u + step) - f(u - step)) / (2.0 * step) for f in functions]
+    np.testing.assert_allclose(c.slopes(u), slopes, atol=1e-9)
+    knots = [0.0, 0.7, 3.0, np.inf]
+    areas = [[quad(f, *knots[k : k + 2])[0] for k in range(3)] for f in functions]
+    np.testing.assert_allclose(c.moments(np.array(knots)), areas, atol=1e-7)
+    values = np.array([1.0, 2.0 - 3.0j, 4.0])
+    np.testing.assert_array_equal(c.joined(c.in_rows(values)), values)
+
+
+def test_a_residual_is_the_violation_over_the_sizes_of_the_pieces_and_the_demand():
+    window = Window(Constraints(np.array([1.0]), np.array([1.0])))
+    # Up to ln 2 the deflection 3 has the moment 1.5, from then on -1.5: the demand of 1 is missed.
+    proof = certify(window, np.array([1.0]), np.array([np.log(2.0)]), 3.0)
+    assert proof.residual == pytest.approx(1.0 / (1.5 + 1.5 + 1.0), rel=1e-14)
+    assert (proof.primal, proof.dual, proof.tail) == (3.0, pytest.approx(1.0), 0.0)
+    assert proof.gap == pytest.approx(2.0 / 3.0)
+    assert certify(window, np.array([1.0]), np.zeros(0), -3.0).gap == pytest.approx(2.0 / 3.0)
+
+
+def test_the_lower_bound_holds_however_early_the_window_is_cut(monkeypatch):
+    poles, demands = [0.1 + 0.2j], [1.0, 0.5]
+    best, proof = solved(poles, demands)
+    for cut in (1.0, 6.0):
+        monkeypatch.setattr("tvclin.optimum.exponential_sums._TRUNCATED", cut)
+        window = Window(Constraints(np.asarray(poles), np.asarray(demands)))
+        bound = certify(window, best.multipliers, best.zeros[best.zeros < window.end], 1.0)
+        assert bound.dual < proof.primal
+        assert bound.tail > 1e-5
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("poles", [[1.0, 2.0], [2.0, 1.0]])
+def test_where_one_constant_meets_both_conditions_one_pole_proves_it(poles, sign):
+    window = Window(Constraints(np.array(poles), sign * 2.0 / np.array(poles)))
+    switches, multipliers = _solve(window)
+    proof = certify(window, multipliers, switches, sign * 2.0)
+    assert switches.size == 0
+    assert (proof.residual, proof.dual) == (pytest.approx(0.0, abs=1e-15), pytest.approx(2.0))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_switch_times_that_are_nearly_right_are_made_exact(sign):
+    poles, demands = np.array([0.5, 0.1, 0.02]), sign * np.array([1.0, -3.0, 30.0])
+    best, _ = solved(poles, demands)
+    assert best.zeros.size == 2
+    window = Window(Constraints(poles, demands))
+    switches, limit = _polished(window, best.zeros + np.array([1e-3, -2e-3]))
+    np.testing.assert_allclose(switches, best.zeros, rtol=1e-10)
+    assert limit == pytest.approx(best.norm * best.signs[0], rel=1e-12)
+
+
+def test_at_its_switch_times_the_deflection_changes_its_sign():
+    plant = plant_of()
+    best = optimum_deflection(plant, triangle(plant, 20.0), -2.0)
+    before, after = best.deflection(best.switch_times[0] + np.array([-1e-6, 1e-6]))
+    assert before == -after != 0.0
 
 
 @pytest.mark.parametrize("tau_beta", [0.1, 1.0, 4.0, 20.0])
@@ -170,6 +242,7 @@ def test_nothing_is_needed_by_a_stable_vehicle_or_by_a_wind_that_excites_nothing
     best = optimum_deflection(stable, wind)
     assert (best.peak, best.status) == (0.0, STABLE)
     assert best.multipliers.shape == (0,)
+    assert astuple(best.certificate) == (0.0, 0.0, 0.0, 0.0, 0.0)
     assert np.all(best.deflection(np.linspace(-1.0, 9.0, 5)) == 0.0)
     tuned = Plant(Coefficients.from_beta(beta=0.5, B=0.1, b1=0.03, b2=-0.5), "drift")
     best = optimum_deflection(tuned, wind)

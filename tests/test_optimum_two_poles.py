@@ -188,4 +188,42 @@ def test_validity_of_batches_and_of_stable_vehicles():
     assert np.isnan(single_pole_validity(Coefficients.from_beta(beta=0.5, B=0.1)))
 
 
+def test_only_two_real_unstable_poles_have_a_validity():
+    # A slow pole beside the fast one, none, and the pair of s^3 - 0.05 s + 0.1.
+    numbers = {"mu_alpha": [0.3, 0.3, 0.05], "C1": [0.025, 0.2, 0.0], "C2": [0.004, -0.1, 0.1]}
+    common = {"mu_delta": 2.6, "b1": 0.03, "b2": 0.02}
+    found = single_pole_validity(Coefficients(**common, **numbers))
+    alone = Coefficients(**common, **{name: values[0] for name, values in numbers.items()})
+    assert found[0] == pytest.approx(single_pole_validity(alone), rel=1e-12)
+    assert np.isnan(found[1:]).all()
+
+
+NUMBERS = {"duration": 9.0, "beta1": 0.01, "beta2": 0.5, "K1_ratio": 1.0}
+
+
+@pytest.mark.parametrize(
+    "call", [switching_ratio, longest_single_pole_duration, neglecting_the_fast_pole]
+)
+@pytest.mark.parametrize("name", NUMBERS)
+def test_numbers_that_are_not_positive_or_do_not_fit_are_refused(call, name):
+    numbers = dict(NUMBERS)
+    if call is not switching_ratio:
+        del numbers["duration"]
+    if name in numbers:
+        with pytest.raises(tvclin.InputError, match=f"^{name} must be positive"):
+            call(**numbers | {name: -0.1})
+    with pytest.raises(tvclin.InputError, match="broadcast"):
+        call(**numbers | {"beta1": [0.01, 0.02], "K1_ratio": [1.0, 1.0, 1.0]})
+
+
+def test_arguments_of_the_approximations_are_checked():
+    with pytest.raises(tvclin.InputError, match="^y must be"):
+        late_switch(1.001, 0.1)
+    with pytest.raises(tvclin.InputError, match="^y must be positive"):
+        early_switch(0.0, 0.1)
+    for call in (late_switch, early_switch):
+        with pytest.raises(tvclin.InputError, match="broadcast"):
+            call([0.1, 0.2], [0.1, 0.2, 0.3])
+
+
 # ---- any number of poles -------------------------------------------------------------------

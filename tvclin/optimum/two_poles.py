@@ -249,7 +249,8 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
         return plain(np.full(coefficients.batch, np.nan))
     usable = np.all((np.imag(poles) == 0.0) & ~np.isnan(poles), axis=-1)
     slow, fast = (np.where(usable, np.real(poles[..., i]), 1.0 + i) for i in (1, 0))
-    K = np.real(modes.wind_residues / modes.deflection_residues)
+    with np.errstate(invalid="ignore"):  # complex NaN stands for a pole that is not there
+        K = np.real(modes.wind_residues / modes.deflection_residues)
     ratio = np.where(usable, K[..., 1] / K[..., 0], 1.0)
     usable &= ratio > 0.0
     found = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))
