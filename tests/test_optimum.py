@@ -15,7 +15,14 @@ from tvclin.optimum import (
 from tvclin.optimum.constraints import Constraints
 from tvclin.optimum.dual import best_multipliers
 from tvclin.optimum.exponential_sums import Window
-from tvclin.optimum.minimum_peak import STABLE, UNTOUCHED, _polished, _solve, certify
+from tvclin.optimum.minimum_peak import (
+    NOT_CONVERGED,
+    STABLE,
+    UNTOUCHED,
+    _polished,
+    _solve,
+    certify,
+)
 
 NAMES = ("configuration-i", "configuration-ii")
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
@@ -101,6 +108,18 @@ def test_switch_times_that_are_nearly_right_are_made_exact(sign):
     switches, limit = _polished(window, best.zeros + np.array([1e-3, -2e-3]))
     np.testing.assert_allclose(switches, best.zeros, rtol=1e-10)
     assert limit == pytest.approx(best.norm * best.signs[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1.0 + 1e-8])
+def test_what_misses_its_conditions_is_not_ok_nor_below_the_bound(monkeypatch, factor):
+    plant = plant_of()
+    wind = triangle(plant, 20.0)
+    true = optimum_deflection(plant, wind)
+    limit = factor * float(true.deflection(0.0))
+    monkeypatch.setattr("tvclin.optimum.minimum_peak._polished", lambda _, times: (times, limit))
+    best = optimum_deflection(plant, wind)
+    assert best.status == NOT_CONVERGED
+    assert best.peak == pytest.approx(max(factor, 1.0) * true.peak, rel=1e-10)
 
 
 def test_at_its_switch_times_the_deflection_changes_its_sign():
@@ -227,6 +246,8 @@ def test_a_finite_horizon_costs_little_and_less_the_later_it_is():
         ratio = optimum_deflection(plant, wind, 0.0, horizon).peak
         ratio /= optimum_deflection(plant, wind).peak
         assert ratio == pytest.approx(1.0 / -np.expm1(-beta * horizon), rel=1e-13)
+    endless, never = (optimum_deflection(plant, wind, 0.0, h) for h in (np.inf, None))
+    assert endless.peak == never.peak
     exact = plant_of()
     wind = triangle(exact, 20.0)
     peaks = [optimum_deflection(exact, wind, 0.0, h).peak for h in (40.0, 60.0, 200.0, None)]

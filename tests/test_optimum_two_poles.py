@@ -98,6 +98,20 @@ def test_the_dual_finds_the_same_for_two_poles():
         assert best.zeros.size <= 1
 
 
+@pytest.mark.parametrize("horizon", [2.0, 9.0, 40.0])
+def test_with_a_horizon_the_switch_meets_eq_c5(horizon):
+    for poles, demands in (
+        ((0.5, 0.1), (1.0, 3.0)),
+        ((0.1, 0.4), (-1.0, 2.0)),
+        ((2.0, 0.2), (5, 1)),
+    ):
+        time = switch_time(poles, demands, horizon)
+        assert 0.0 < time < horizon
+        p, c = np.array(poles), np.array(poles) * demands
+        shares = 1.0 - 2.0 * np.exp(-p * time) + np.exp(-p * horizon)
+        assert c[0] * shares[1] == pytest.approx(c[1] * shares[0], rel=1e-10)
+
+
 def test_at_y_of_one_the_switch_is_never_or_at_once():
     assert switch_time((1.0, 2.0), (2.0, 1.0)) == np.inf
     before = switch_time((0.01, 0.5), (50.0 * (1.0 - 1e-9), 1.0))
