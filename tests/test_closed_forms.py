@@ -179,6 +179,15 @@ def test_the_switch_comes_in_the_first_half_of_the_wind():
     np.testing.assert_allclose(solution.switch, solution.limit * arguments[1] / 2, rtol=1e-15)
 
 
+def test_a_root_beyond_its_usual_ends_is_found_beside_a_plain_one():
+    # With K1 > 1 the root z = y tau beta/2 of eq (18) may lie beyond 1/(1 - K).
+    numbers = [20.0, 4.0], [0.1, 0.5], 0.5, 0.01, [0.2, 0.005]
+    found = solve_triangular_with_drift(*numbers)
+    assert found.limit[0] * 10.0 > 1.0 / (1.0 - 0.1)
+    for y, *at in zip(found.limit, *np.broadcast_arrays(*numbers), strict=True):
+        assert brackets(eq_18, y, 1e-11, *at)
+
+
 def test_where_b2_is_above_b1_the_status_says_so_and_the_value_is_a_solution():
     solution = solve_triangular_with_drift(4.0, 0.5, 0.5, 0.02, 0.03)
     assert "b2 is above b1" in solution.status
