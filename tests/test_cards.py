@@ -136,3 +136,14 @@ def test_only_vehicles_that_are_all_unstable_show_a_response_parameter():
     assert shown[1] == "1/s"
     for stable in (-1.0, 0.0, [1.0, -1.0]):
         assert "beta" not in cells(tv.Coefficients(mu_alpha=stable, mu_delta=2.0))
+
+
+def test_many_flights_are_counted_by_what_became_of_them() -> None:
+    need = abs(tv.boundary_limit(PLANT, WIND).deflection)
+    limits = need * np.array([0.5, 1.5, 1.6, -1.0])
+    flown = tv.fly_many(PLANT, tv.TrimLaw(PLANT), WIND, deflection_limit=limits)
+    assert flown.counts == {"survived": 2, "lost": 1, "no flight": 1}
+    assert repr(flown) == "<FlownCases (4,): 2 survived, 1 lost, 1 no flight>"
+    shown = cells(flown)
+    assert shown["survived"] == ("2", "flights")
+    assert shown["largest deflection"][1] == "deg"

@@ -82,3 +82,18 @@ def test_a_batch_of_vehicles_is_refused(configuration_i: tv.Vehicle) -> None:
         tv.Study.from_vehicle(
             configuration_i.replace(thrust=np.array([2e6, 3e6])), duration=7.5, peak=0.08
         )
+
+
+def test_what_is_doubtful_about_vehicle_and_plane_is_noted() -> None:
+    vehicle = tv.load_vehicle("configuration-i")
+
+    def notes(peak_deg: float, plane: str = "pitch", **change: float) -> str:
+        peak = np.radians(peak_deg)
+        changed = vehicle.replace(**change)
+        found = tv.Study.from_vehicle(changed, duration=7.5, peak=peak, plane=plane)
+        return " ".join(found.notes)
+
+    assert "head wind of 5 deg needs up to a fifth more" in notes(5.0)
+    assert "head wind" not in notes(1.0) + notes(5.0, "yaw")
+    assert "T/W 0.18" in notes(1.0, thrust=0.18 * vehicle.weight)
+    assert "T/W" not in notes(1.0)

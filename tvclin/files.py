@@ -28,6 +28,8 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
         raise InputError(f"{path} is a directory; name a file in it")
     if path.exists() and not path.is_file():
         raise InputError(f"{path} is not an ordinary file; name another")
+    if not path.parent.exists():
+        raise InputError(f"{path} cannot be written: make the folder {path.parent} first")
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         os.close(handle)

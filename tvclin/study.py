@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
+from math import radians
 from typing import Any, Self
 
 import numpy as np
@@ -22,6 +23,8 @@ from tvclin.winds import RectangularWind, TriangularWind
 
 _MARKEDLY = 1.01
 """A requirement above this many times another is worth a note."""
+_STRONG = radians(1.5)
+"""Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 SHAPES: dict[str, Callable[..., Any]] = {
@@ -176,7 +179,7 @@ class Study:
             dead_bands=dead_bands,
             dead_band=dead_band,
             limit=limit,
-            notes=tuple(_notes(plant, history, dead_band, switch)),
+            notes=(*_doubts(vehicle, plane, peak), *_notes(plant, history, dead_band, switch)),
             gust=gust,
             **_needed(shown, history, dead_bands, switch),
             **_judged(plant, history, limit, dead_band, switch),
@@ -267,6 +270,18 @@ def _where_defined(
 def outlasts_one_pole(study: Study) -> bool:
     """Return whether the wind lasts longer than `single_pole_validity` allows."""
     return bool(study.wind.duration > single_pole_validity(study.coefficients))
+
+
+def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
+    if vehicle.thrust < vehicle.weight:
+        ratio = float(vehicle.thrust / vehicle.weight)
+        yield f"thrust is below weight (T/W {ratio:.2g}): is a power of ten missing?"
+    if plane == "pitch" and abs(peak) > _STRONG:
+        yield (
+            "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
+            " time leaves out: a head wind of 5 deg needs up to a fifth more (tvclin fly"
+            " --along-trajectory --boundary)"
+        )
 
 
 def _notes(plant: Plant, wind: Any, dead_band: float, switch: str) -> Iterator[str]:

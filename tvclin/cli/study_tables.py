@@ -189,8 +189,8 @@ def _print_boundaries(result: "Study") -> None:
         said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
         typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}")
     typer.echo(
-        "no forecast: what any law needs that does not know when the wind will stop (with drift a"
-        " lower bound); wind known: appendix C"
+        "no forecast, bound: no law that does not know when the wind will stop can need less; wind"
+        " known: the least of all, appendix C; y_BR: over what trim takes"
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
@@ -201,7 +201,7 @@ def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[s
     import numpy as np
 
     needs = {
-        "no forecast": {k: abs(one.deflection) for k, one in result.forecast_free.items()},
+        "no forecast, bound": {k: abs(one.deflection) for k, one in result.forecast_free.items()},
         "wind known": result.minima,
     }
     rows = []

@@ -40,7 +40,7 @@ def init(
     from tvclin.study_file import example
     from tvclin.vehicle_file import template
 
-    if file.exists() and not file.is_dir():
+    if file.is_file() and file.stat().st_size > 0:
         raise InputError(f"{file} exists already; name another file or move it away")
     write_text(file, example() if study else template())
     then = f"tvclin report {file}" if study else f"tvclin study {file}"

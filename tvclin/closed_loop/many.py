@@ -1,5 +1,6 @@
 """Many flights at once, each of a plant, a law, a wind and limits of its own."""
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.cards import Row, card
 from tvclin.closed_loop.checks import check_sample_rate
 from tvclin.closed_loop.fates import judging_rows
 from tvclin.closed_loop.gusts import polynomial_pieces
@@ -26,7 +28,7 @@ FloatArray = NDArray[np.float64]
 STATUS = ("undecided", "survived", "lost", "no flight")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FlownCases:
     """What came of many flights, each field in the shape of the batch.
 
@@ -62,6 +64,25 @@ class FlownCases:
     end_time: FloatArray
     saturated_time_fraction: FloatArray
     status: NDArray[np.str_]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many flights have each status that occurs, the most frequent first."""
+        return dict(Counter(self.status.ravel().tolist()).most_common())
+
+    def __repr__(self) -> str:
+        words = ", ".join(f"{count} {status}" for status, count in self.counts.items())
+        return f"<FlownCases {self.status.shape}: {words}>"
+
+    def _repr_html_(self) -> str:
+        worst = [
+            ("attitude", self.peak_attitude),
+            ("deflection", self.peak_deflection),
+            ("angle of attack", self.peak_angle_of_attack),
+        ]
+        rows: list[Row] = [(status, count, "flights") for status, count in self.counts.items()]
+        rows += [(f"largest {name}", np.degrees(values), "deg") for name, values in worst]
+        return card(f"{self.status.size} flights", rows)
 
 
 def fly_many(
