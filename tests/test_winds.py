@@ -34,6 +34,11 @@ def test_a_rectangular_wind_keeps_its_angle_until_it_stops():
     np.testing.assert_array_equal(wind(times), [0.0, 0.0, -0.08, -0.08, -0.08, 0.0, 0.0])
 
 
+def test_a_pulse_without_a_peak_is_refused_as_python_does():
+    with pytest.raises(TypeError, match="missing 1 required keyword-only argument: 'peak'"):
+        tv.TriangularWind(duration=7.5)
+
+
 def test_a_triangular_wind_rises_to_half_its_duration_and_falls():
     wind = tv.TriangularWind(peak=0.1, duration=8.0)
     expected = [0.0, 0.0, 0.025, 0.1, 0.05, 0.0, 0.0]

@@ -1,6 +1,6 @@
 """Gusts with the shape of one minus a cosine, which start and end without a kink."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -46,7 +46,7 @@ class OneMinusCosineGust(History):
     The shape is that of 14 CFR 25.341(a)(2).
     """
 
-    peak: float | FloatArray  # type: ignore[assignment]
+    peak: float | FloatArray = field()  # type: ignore[assignment]
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
@@ -89,7 +89,7 @@ class LayeredGust(History):
     MAPLEAF (TurbulenceModelling.py), which cites it.
     """
 
-    peak: float | FloatArray  # type: ignore[assignment]
+    peak: float | FloatArray = field()  # type: ignore[assignment]
     blend: float | FloatArray
     plateau: float | FloatArray
 

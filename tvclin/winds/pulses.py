@@ -1,6 +1,6 @@
 """Pulses of straight lines: rectangle, triangles and trapezoid, all from t = 0 on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -33,7 +33,7 @@ class RectangularWind(History):
         not broadcast.
     """
 
-    peak: float | FloatArray  # type: ignore[assignment]
+    peak: float | FloatArray = field()  # type: ignore[assignment]
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
@@ -65,7 +65,7 @@ class TriangularWind(History):
         not broadcast.
     """
 
-    peak: float | FloatArray  # type: ignore[assignment]
+    peak: float | FloatArray = field()  # type: ignore[assignment]
     duration: float | FloatArray
 
     def __post_init__(self) -> None:
@@ -98,7 +98,7 @@ class AsymmetricTriangularWind(History):
         the duration, or shapes that do not broadcast.
     """
 
-    peak: float | FloatArray  # type: ignore[assignment]
+    peak: float | FloatArray = field()  # type: ignore[assignment]
     duration: float | FloatArray
     peak_time: float | FloatArray
 
@@ -133,7 +133,7 @@ class TrapezoidalWind(History):
         shapes that do not broadcast.
     """
 
-    peak: float | FloatArray  # type: ignore[assignment]
+    peak: float | FloatArray = field()  # type: ignore[assignment]
     rise: float | FloatArray
     hold: float | FloatArray
     fall: float | FloatArray
