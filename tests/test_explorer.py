@@ -263,7 +263,7 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
 def test_a_missing_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
 
-    with pytest.raises(tv.InputError, match=r"install tvclin\[notebook\]"):
+    with pytest.raises(tv.InputError, match=r"pip install \"tvclin\[notebook\]\""):
         tv.explore()
 
 

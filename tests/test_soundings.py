@@ -210,7 +210,7 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
             lambda: tv.steady_climb(
                 vehicle.replace(velocity=[5e2, 6e2]), height=0, start=0, stop=1
             ),
-            "is that of one vehicle; got a batch",
+            "vehicle must be one vehicle; got a batch",
         ),
     ):
         with pytest.raises(tv.InputError, match=said):
