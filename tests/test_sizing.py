@@ -221,9 +221,7 @@ def test_what_is_defined_nowhere_has_no_worst(configuration_i) -> None:
 def test_a_dataset_says_what_it_needs(configuration_i, monkeypatch) -> None:
     found = tv.size(held(configuration_i), tv.TriangularWind(peak=PEAK, duration=7.5), times=[66.0])
     monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(
-        InputError, match=r"needs xarray, which is not installed: .*tvclin\[campaign\]"
-    ):
+    with pytest.raises(InputError, match=r"needs xarray, .*not installed: .*tvclin\[campaign\]"):
         found.to_xarray()
 
 

@@ -75,7 +75,7 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
         resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
         return resource.read_text(encoding="utf-8"), text
     path = Path(text)
-    looks_like_a_path = isinstance(source, PathLike) or path.suffix == ".toml" or path.name != text
+    looks_like_a_path = isinstance(source, PathLike) or path.suffix or path.name != text
     if not looks_like_a_path and not path.exists():
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
     start = f"write one with: tvclin init {path}, or a study file with: tvclin init --study {path}"
