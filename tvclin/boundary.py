@@ -12,6 +12,8 @@ where a is the time at which the dead band is left and p the largest real unstab
 the report stand in `closed_forms`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

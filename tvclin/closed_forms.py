@@ -7,6 +7,8 @@ The printed forms lose all digits at the ends of their ranges; those used here d
 is divided by K, 1 - K or b1, and no large numbers are subtracted.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

@@ -6,6 +6,8 @@ boundary their growing parts cancel, so they lose digits with e^(tau beta (t/tau
 use `response.attitude_response`, which loses none; these are for reading, and for checking it.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

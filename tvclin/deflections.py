@@ -4,6 +4,8 @@ A deflection that is held, one that switches between two limits, and the report'
 until the dead band is left, then the limit.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

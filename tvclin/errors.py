@@ -4,6 +4,8 @@ Every check names the argument, the rule it breaks, and what came, so that the
 reader knows which argument to change.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from typing import Any

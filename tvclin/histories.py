@@ -6,6 +6,8 @@ shifted, cut short, or sent through a rational filter. Boundaries and verdicts n
 transform; nothing is sampled.
 """
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -96,18 +98,18 @@ class History(ABC):
         values = _real_if_real(integrals.future(self.pieces, s, times.ravel()), s)
         return values.reshape((*values.shape[:-1], *times.shape))
 
-    def __add__(self, other: object) -> "History":
+    def __add__(self, other: object) -> History:
         if not isinstance(other, History):
             return NotImplemented
         return Piecewise(kernel.add(self.pieces, other.pieces))
 
-    def __sub__(self, other: object) -> "History":
+    def __sub__(self, other: object) -> History:
         return self + (-other) if isinstance(other, History) else NotImplemented
 
-    def __neg__(self) -> "History":
+    def __neg__(self) -> History:
         return self * -1.0
 
-    def __mul__(self, factor: ArrayLike) -> "History":
+    def __mul__(self, factor: ArrayLike) -> History:
         """Return the history times `factor`, which broadcasts with ``batch``."""
         if isinstance(factor, History):
             return NotImplemented
@@ -116,19 +118,19 @@ class History(ABC):
     __rmul__ = __mul__
     __array_ufunc__ = None  # so that numpy leaves `array * history` to __rmul__
 
-    def shift(self, dt: ArrayLike) -> "History":
+    def shift(self, dt: ArrayLike) -> History:
         """Return the same history, later by `dt` [s], which broadcasts with ``batch``."""
         dt = finite("dt", dt, "s")[..., np.newaxis]
         return Piecewise(Pieces(self.knots + dt, self.pieces.coefficients, self.pieces.rates))
 
-    def before(self, time: ArrayLike) -> "History":
+    def before(self, time: ArrayLike) -> History:
         """Return the history up to `time` [s], zero from there on; an infinite time keeps all."""
         edge = np.asarray(time, dtype=float)
         if np.any(np.isnan(edge)):
             raise InputError(f"time must be a number in s, or inf; got {time!r}")
         return Piecewise(kernel.before(self.pieces, edge))
 
-    def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> "History":
+    def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> History:
         """Return the exact answer of the filter numerator(s)/denominator(s), at rest before.
 
         Parameters

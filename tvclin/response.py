@@ -10,6 +10,8 @@ lost; integrated forward, the same mode would be the difference of two numbers t
 e^(p t). A residue that is zero within the rounding of its own sum counts as zero.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -54,7 +56,7 @@ class Responses:
 
 def attitude_response(
     plant: Plant, deflection: History, wind: History, timepts: ArrayLike
-) -> "TimeResponseData":
+) -> TimeResponseData:
     """Return the exact response of one plant as `control.TimeResponseData`.
 
     Parameters

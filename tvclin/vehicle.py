@@ -1,5 +1,7 @@
 """The vehicle: the nine numbers of Table I, and nothing derived from them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 

@@ -1,5 +1,7 @@
 """What the closed loop makes of a wind, exactly and without limits."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

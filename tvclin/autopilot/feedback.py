@@ -6,6 +6,8 @@ Positive deflection pitches the nose down, so positive gains are negative feedba
 `close` wire the same blocks and give python-control's own systems with named signals.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -118,7 +120,7 @@ class Autopilot:
         return broadcast(**shapes)
 
     @with_diagram
-    def loop(self, plant: Plant) -> "control.StateSpace":
+    def loop(self, plant: Plant) -> control.StateSpace:
         """Return the loop L, broken at the deflection command.
 
         LOOP_DIAGRAM
@@ -150,7 +152,7 @@ class Autopilot:
         return open_loop(self, plant)
 
     @with_diagram
-    def close(self, plant: Plant) -> "control.StateSpace":
+    def close(self, plant: Plant) -> control.StateSpace:
         """Return the plant with this autopilot around it.
 
         LOOP_DIAGRAM
@@ -295,9 +297,7 @@ class Autopilot:
         labels = (*plant.outputs, "deflection")
         return partial(wind_answer, A, B[:, 0], C, D[:, 0], labels)
 
-    def respond(
-        self, plant: Plant, wind: History, timepts: ArrayLike
-    ) -> "control.TimeResponseData":
+    def respond(self, plant: Plant, wind: History, timepts: ArrayLike) -> control.TimeResponseData:
         """Return the exact response of the closed loop to a wind as `control.TimeResponseData`.
 
         Parameters

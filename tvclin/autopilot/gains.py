@@ -3,6 +3,8 @@
 All are arrays where the coefficients are: gains for every flight condition in one call.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

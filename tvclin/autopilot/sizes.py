@@ -3,6 +3,8 @@
 The polynomials of a loop multiply several of them; what lies beyond overflows or vanishes.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

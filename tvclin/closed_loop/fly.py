@@ -1,5 +1,7 @@
 """The door to all flights with limits."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +42,7 @@ def fly(
     rate_limit: float = np.inf,
     actuator: Actuator | None = None,
     sample_rate: float | None = None,
-) -> "TimeResponseData":
+) -> TimeResponseData:
     """Return the flight of a law with limits, as `control.TimeResponseData`.
 
     It is at rest until the onset of the wind.
@@ -166,9 +168,7 @@ def _sampled(
     return np.where(times < start, 0.0, rows)
 
 
-def _response(
-    plant: Plant, wind: History, times: FloatArray, rows: FloatArray
-) -> "TimeResponseData":
+def _response(plant: Plant, wind: History, times: FloatArray, rows: FloatArray) -> TimeResponseData:
     _, _, C, D = plant.matrices()
     outputs = C @ rows[:-1] + D @ np.stack([rows[-1], wind(times)])
     return wind_response(

@@ -1,5 +1,7 @@
 """Many flights at once, each of a plant, a law, a wind and limits of its own."""
 
+from __future__ import annotations
+
 from collections import Counter
 from dataclasses import dataclass
 from typing import Any

@@ -4,6 +4,8 @@ Source: U.S. Standard Atmosphere, 1976 (NOAA-S/T 76-1562), table 4 (the layers, 
 height) and section 1.2 (constants); temperature is linear in each layer and the air at rest.
 """
 
+from __future__ import annotations
+
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache

@@ -1,5 +1,7 @@
 """A flight with the linear theory's prediction beside it."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -32,7 +34,7 @@ MODEL = "drift-exact"
 """The linear model that flights are compared with."""
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
-_FLY: dict[str, Callable[..., "TimeResponseData"]] = {"planar": fly_planar, "sixdof": fly_sixdof}
+_FLY: dict[str, Callable[..., TimeResponseData]] = {"planar": fly_planar, "sixdof": fly_sixdof}
 _HIGHEST = 4.0
 
 

@@ -7,6 +7,8 @@ dynamic pressure. The report gives none of these histories (nor tables against M
 altitude): flights on this trajectory are reconstructed, not those of 1968.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any

@@ -6,6 +6,8 @@ They are entire in z, so nothing is lost where z tends to zero: the textbook
 form (1 - e^(-z))/z and its higher relatives are never divided out there.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

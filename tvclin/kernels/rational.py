@@ -1,5 +1,7 @@
 """A batch of rational functions, each with a delay, on the imaginary axis."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, Self
 

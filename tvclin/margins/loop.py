@@ -1,5 +1,7 @@
 """A loop as a rational function and a delay: all that its margins depend on."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
@@ -61,7 +63,7 @@ class Loop(Rational):
 
     @classmethod
     def from_system(
-        cls, system: "control.StateSpace | control.TransferFunction", delay: ArrayLike = 0.0
+        cls, system: control.StateSpace | control.TransferFunction, delay: ArrayLike = 0.0
     ) -> Self:
         """Return the loop of a python-control system with one input and one output.
 

@@ -5,6 +5,8 @@
 with beta1 the slow pole, beta2 the fast one, and t_s the time of the one switch.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,5 +1,7 @@
 """The boundary limit against the duration of the wind: figures 2 and 5, and those of a study."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -48,7 +50,7 @@ def boundary_chart(
     tau_beta: ArrayLike | None = None,
     dead_bands: Sequence[float] = DEAD_BANDS,
     coefficients: Coefficients | None = None,
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw the boundary limit against tau beta for rectangular and triangular winds.
 
     Parameters
@@ -68,7 +70,7 @@ def boundary_chart(
 
 def figure_2(
     tau_beta: ArrayLike | None = None, dead_bands: Sequence[float] = DEAD_BANDS
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw the report's figure 2: the boundary without drift, eqs (7) and (12).
 
     Parameters
@@ -84,7 +86,7 @@ def figure_5(
     tau_beta: ArrayLike | None = None,
     dead_bands: Sequence[float] = (1.0, 0.5),
     vehicles: Sequence[Vehicle | str] = CONFIGURATIONS,
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw the report's figure 5: triangular winds without drift, eq (12), and with it, eq (18).
 
     Parameters
@@ -125,7 +127,7 @@ def figure_5(
     return plot
 
 
-def study_chart(study: Study, durations: ArrayLike | None = None) -> "ControlPlot":
+def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot:
     """Draw the required deflection against the duration of the wind, for one study.
 
     Solid lines are the first model of the study's boundaries, broken ones the second; marks tell
@@ -194,7 +196,7 @@ def _draw_boundaries(
     tau_beta: ArrayLike | None,
     dead_bands: Sequence[float],
     coefficients: Coefficients | None,
-) -> "ControlPlot":
+) -> ControlPlot:
     x, c = _abscissas(tau_beta), coefficients
     columns = [Column("rectangular", _row(rectangular_limit(x, 1.0 if c is None else c.K1)))]
     for K in dead_bands:
@@ -218,7 +220,7 @@ def _draw_boundaries(
     return plot
 
 
-def _mark_durations(axes: "Axes", tau_beta: FloatArray) -> None:
+def _mark_durations(axes: Axes, tau_beta: FloatArray) -> None:
     axes.set_xlim(0.0, float(tau_beta.max()))
     axes.locator_params(axis="x", nbins=11, steps=[1, 2, 4, 5, 10])
 

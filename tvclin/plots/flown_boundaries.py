@@ -1,5 +1,7 @@
 """The boundary limit against the duration of the wind, theoretical and flown: figures 10 and 11."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +41,7 @@ def figure_10(
     tau_beta: ArrayLike = TAU_BETA,
     along: ArrayLike = 4.0,
     engine: str | None = None,
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw the report's figure 10: the boundary of configuration I, theoretical and flown.
 
     Parameters
@@ -77,7 +79,7 @@ def figure_11(
     tau_beta: ArrayLike = TAU_BETA,
     along: ArrayLike = 4.0,
     engine: str | None = None,
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw the report's figure 11: the boundary of configuration II, theoretical and flown.
 
     Parameters
@@ -94,7 +96,7 @@ def _figure(
     dead_bands: Sequence[float],
     durations: tuple[ArrayLike, ArrayLike],
     engine: str | None,
-) -> "ControlPlot":
+) -> ControlPlot:
     flies = chosen_engine(engine)
     frozen, along = (positive("tau_beta", np.atleast_1d(b)) for b in durations)
     x = np.unique(np.concatenate([_CURVES, frozen, along]))

@@ -1,5 +1,7 @@
 """The root locus of a loop: where the closed-loop poles go with the loop gain."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +36,7 @@ _STEP, _ROUNDS, _PARTS = 0.015, 4, 4
 
 def root_locus_chart(
     autopilot: Autopilot, plant: Plant, gains: ArrayLike | None = None
-) -> "ControlPlot":
+) -> ControlPlot:
     """Draw where the closed-loop poles go when a factor multiplies the loop gain.
 
     Parameters
@@ -95,7 +97,7 @@ def _given(gains: ArrayLike) -> FloatArray:
 
 
 def _default_factors(
-    loop: "control.TransferFunction", samples: LoopSamples, radii: list[float]
+    loop: control.TransferFunction, samples: LoopSamples, radii: list[float]
 ) -> FloatArray:
     """Factors from zero to beyond where the loop becomes unstable; if it is so, stable and back."""
     known = samples.margins.crossings.gain_factors
@@ -107,9 +109,7 @@ def _default_factors(
     return _refined(loop, steps, radii)
 
 
-def _refined(
-    loop: "control.TransferFunction", factors: FloatArray, radii: list[float]
-) -> FloatArray:
+def _refined(loop: control.TransferFunction, factors: FloatArray, radii: list[float]) -> FloatArray:
     """Put factors between those from which a pole would go too far in one step."""
     above, below = loop.num[0][0], loop.den[0][0]
     above = np.pad(above, (below.size - above.size, 0))
@@ -160,7 +160,7 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
     return found
 
 
-def _draw_locus(axes: "Axes", found: Any, radius: float) -> list[Any]:
+def _draw_locus(axes: Axes, found: Any, radius: float) -> list[Any]:
     rightmost = np.max(found.poles.real[np.abs(found.poles) < radius], initial=0.0)
     frame = (-1.2 * radius, max(0.6 * radius, 1.2 * float(rightmost)))
     drawn = found.plot(ax=axes, interactive=False, show_legend=False, color=INK)

@@ -1,5 +1,7 @@
 """A vehicle over its flight: the numbers of Table I at many times, and what lies between them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -147,7 +149,7 @@ class FlightSchedule:
         start: float,
         stop: float,
         step: float = 0.5,
-    ) -> "FlightSchedule":
+    ) -> FlightSchedule:
         """Return the schedule of the nominal flight through a vehicle's state.
 
         Parameters

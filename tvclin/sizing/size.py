@@ -1,5 +1,7 @@
 """Flight times by winds: the deflection that each asks for."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,5 +1,7 @@
 """The wind over height, and what a flight through it meets."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from typing import Self
 

@@ -1,5 +1,7 @@
 """Winds made by rule: a gust added to a profile, and a profile built up by shear."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,5 +1,7 @@
 """What every wind with a peak is asked at the door."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,5 +1,7 @@
 """Pulses of straight lines: rectangle, triangles and trapezoid, all from t = 0 on."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
 

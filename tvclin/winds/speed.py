@@ -1,5 +1,7 @@
 """From wind speeds to wind angles."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

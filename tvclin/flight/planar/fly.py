@@ -1,5 +1,7 @@
 """The door to planar flights."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,7 +32,7 @@ def fly_planar(
     condition: FlightCondition | None = None,
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
-) -> "TimeResponseData":
+) -> TimeResponseData:
     """Return a flight of the equations (B1) in a wind.
 
     Parameters

@@ -1,5 +1,7 @@
 """The door to flights with six degrees of freedom."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,7 +37,7 @@ def fly_sixdof(
     condition: FlightCondition | None = None,
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
-) -> "TimeResponseData":
+) -> TimeResponseData:
     """Return a flight with six degrees of freedom in a wind, flown by JSBSim.
 
     The parameters of the vehicle are frozen as in the linear theory, or follow its trajectory:
@@ -112,7 +114,7 @@ def fly_sixdof(
     return _response(times, air, rows, f"{vehicle.name or 'vehicle'}, {plane}")
 
 
-def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> "TimeResponseData":
+def _response(times: FloatArray, air: Air, rows: FloatArray, title: str) -> TimeResponseData:
     flown = air.times[: len(rows)]
     if abs(rows[-1, 0]) > FARTHEST:
         warn_of_the_end(float(flown[-1]))
