@@ -6,6 +6,8 @@ mu_alpha = beta^2 is the report's N l_a/I, and mu_delta = beta^2/B its T l_c/I. 
 deflection pitches the nose down.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self

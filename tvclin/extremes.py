@@ -1,5 +1,7 @@
 """What stands out in an attitude response: its extremes, and when it is back at zero."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -12,6 +12,8 @@ survive when the wind stops for good at any instant needs
 and a law that leans into the felt wind as far as it can still return from reaches it.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,5 +1,7 @@
 """What a wind and a control do to the structure: angle of attack and the bending indicator."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

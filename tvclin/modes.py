@@ -1,5 +1,7 @@
 """The modes of a plant: its poles, and the residues of its attitude there."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

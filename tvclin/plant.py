@@ -11,6 +11,8 @@ flight path angle (where the model has one) and the angle of attack. Everything 
 from the nominal flight. `Plant.tf` and `Plant.ss` are the doors to python-control.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
@@ -137,7 +139,7 @@ class Plant:
             rows.append(rows[0])
         return System(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
 
-    def tf(self, output: str = "attitude", input: str = "deflection") -> "control.TransferFunction":
+    def tf(self, output: str = "attitude", input: str = "deflection") -> control.TransferFunction:
         """Return one transfer function as `control.TransferFunction`.
 
         Raises
@@ -164,7 +166,7 @@ class Plant:
             outputs=[output],
         )
 
-    def ss(self) -> "control.StateSpace":
+    def ss(self) -> control.StateSpace:
         """Return the whole plant as `control.StateSpace` with named signals.
 
         Inputs deflection and wind [rad]; outputs as `outputs` [rad, rad/s]. The states are the
@@ -279,7 +281,7 @@ class Plant:
         )
 
     @property
-    def _path(self) -> "_PathCoefficients":
+    def _path(self) -> _PathCoefficients:
         c = self.coefficients
         if self.model == "drift":
             return _PathCoefficients(0.0, 0.0, c.b1 / c.B, -c.b2)

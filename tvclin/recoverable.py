@@ -9,6 +9,8 @@ s being the pole and k the strength of the wind in it. Without wind one mode is 
 rest with one switch of the full deflection. Outside, nothing helps any more.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

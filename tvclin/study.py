@@ -1,5 +1,7 @@
 """One vehicle, one wind: the whole answer as one value."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass

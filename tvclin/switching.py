@@ -7,6 +7,8 @@ is the demand, the discounted mean of the trim deflection still to come. On the 
     driver(t) = K demand(t),    t being the first time at which the driver is so high.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

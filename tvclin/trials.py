@@ -3,6 +3,8 @@
 Every wind has the same peak and is measured by the duration of the triangle it belongs to.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

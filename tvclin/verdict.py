@@ -4,6 +4,8 @@ It leaves none exactly when the residue of the attitude vanishes at every unstab
 come from the exact transforms; no verdict ever comes from watching a simulation.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -41,7 +43,7 @@ class Verdict:
     stable: Any
     residues: NDArray[Any]
     tolerance: FloatArray
-    left_over: "LeftOver"
+    left_over: LeftOver
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,7 @@
 """What lies between a deflection command and the deflection: the actuator and the delay."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -65,7 +67,7 @@ class Actuator:
         rows = np.broadcast_arrays(1.0, 2.0 * np.asarray(self.damping) * w, w**2)
         return np.stack(rows, axis=-1)
 
-    def tf(self) -> "control.TransferFunction":
+    def tf(self) -> control.TransferFunction:
         """Return the actuator as `control.TransferFunction`, deflection per command.
 
         Raises

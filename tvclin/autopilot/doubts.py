@@ -1,5 +1,7 @@
 """What is legal in an autopilot and hardly ever meant."""
 
+from __future__ import annotations
+
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +19,7 @@ _OUTSIDE = 3
 """The warning points at the caller of the method that asks."""
 
 
-def warn_of_doubts(autopilot: "Autopilot", plant: Plant) -> None:
+def warn_of_doubts(autopilot: Autopilot, plant: Plant) -> None:
     """Warn of zero gains, positive feedback, and an actuator slower than the plant."""
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
@@ -57,7 +59,7 @@ def warn_of_doubts(autopilot: "Autopilot", plant: Plant) -> None:
         )
 
 
-def pade_misleads(autopilot: "Autopilot", plant: Plant, A: NDArray[np.float64]) -> bool:
+def pade_misleads(autopilot: Autopilot, plant: Plant, A: NDArray[np.float64]) -> bool:
     """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
     if not autopilot.delay:
         return False

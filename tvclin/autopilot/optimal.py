@@ -1,5 +1,7 @@
 """Gains of least quadratic cost."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """One autopilot around one plant in python-control's own systems and responses."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +21,7 @@ FloatArray = NDArray[np.float64]
 _DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 
 
-def open_loop(autopilot: "Autopilot", plant: Plant) -> "control.StateSpace":
+def open_loop(autopilot: Autopilot, plant: Plant) -> control.StateSpace:
     """Return the loop from the deflection command to minus what returns, for 1 + L = 0."""
     import control
 
@@ -38,7 +40,7 @@ def open_loop(autopilot: "Autopilot", plant: Plant) -> "control.StateSpace":
     )
 
 
-def closed_loop(autopilot: "Autopilot", plant: Plant) -> "control.StateSpace":
+def closed_loop(autopilot: Autopilot, plant: Plant) -> control.StateSpace:
     """Return the closed loop from the three disturbances to the plant's outputs and deflection."""
     import control
 
@@ -64,7 +66,7 @@ def wind_response(
     *,
     name: str,
     title: str,
-) -> "control.TimeResponseData":
+) -> control.TimeResponseData:
     """Return a response to a wind alone as `control.TimeResponseData`.
 
     Parameters

@@ -1,5 +1,7 @@
 """The deflection per wind angle in the worst sinusoidal wind, with the exact delay."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +28,7 @@ _TURN, _MOST = np.pi / 8.0, 20_000
 """Steps of the delay's phase [rad], and the most there may be."""
 
 
-def wind_gain(plant: Plant, autopilot: "Autopilot") -> float:
+def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
     """Return the H-infinity norm from wind to deflection; infinite if the loop is not stable.
 
     Parameters

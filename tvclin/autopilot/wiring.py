@@ -3,6 +3,8 @@
 Both say the same blocks, those of `diagram`; tests hold them to each other.
 """
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +21,7 @@ FloatArray = NDArray[np.float64]
 
 
 def wired(
-    autopilot: "Autopilot", plant: Plant
+    autopilot: Autopilot, plant: Plant
 ) -> tuple[list[str], FloatArray, FloatArray, FloatArray]:
     """Return all signals of the broken loop of one plant, and the names of its states.
 
@@ -64,7 +66,7 @@ def wired(
 
 
 def closed(
-    autopilot: "Autopilot", plant: Plant
+    autopilot: Autopilot, plant: Plant
 ) -> tuple[list[str], FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return the names of the states, and A, B, C, D of the closed loop of one plant."""
     states, motion, outputs, returned = wired(autopilot, plant)
@@ -75,7 +77,7 @@ def closed(
     return states, motion[:, :n], motion[:, n:], outputs[:, :n], outputs[:, n:]
 
 
-def loop_polynomials(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, FloatArray]:
+def loop_polynomials(autopilot: Autopilot, plant: Plant) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator ``(..., n)`` of the loop without its delay."""
     asked, integrators = _feedback(autopilot, plant, "deflection")
     above, below = _engine(autopilot)
@@ -83,7 +85,7 @@ def loop_polynomials(autopilot: "Autopilot", plant: Plant) -> tuple[FloatArray, 
     return polynomials.multiply(-asked, above), polynomials.multiply(denominator, below)
 
 
-def wind_numerator(autopilot: "Autopilot", plant: Plant) -> FloatArray:
+def wind_numerator(autopilot: Autopilot, plant: Plant) -> FloatArray:
     """Return the numerator ``(..., n)`` from wind to deflection with the loop left open.
 
     It stands over the denominator of `loop_polynomials`, and has the same delay.
@@ -91,7 +93,7 @@ def wind_numerator(autopilot: "Autopilot", plant: Plant) -> FloatArray:
     return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _engine(autopilot)[0])
 
 
-def _feedback(autopilot: "Autopilot", plant: Plant, source: str) -> tuple[FloatArray, int]:
+def _feedback(autopilot: Autopilot, plant: Plant, source: str) -> tuple[FloatArray, int]:
     """The numerator from a source to the command, and how many integrators there are.
 
     It stands over the denominator of the plant times s, if there is an integrator.
@@ -105,7 +107,7 @@ def _feedback(autopilot: "Autopilot", plant: Plant, source: str) -> tuple[FloatA
     return polynomials.add(attitude, angle), integrators
 
 
-def _engine(autopilot: "Autopilot") -> tuple[FloatArray, FloatArray]:
+def _engine(autopilot: Autopilot) -> tuple[FloatArray, FloatArray]:
     if autopilot.actuator is None:
         return np.ones(1), np.ones(1)
     below = autopilot.actuator.denominator

@@ -1,5 +1,7 @@
 """The plant and the nozzle of a flight, stepped exactly."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,6 +6,8 @@ limit that does not survive. To survive is to be brought back from the wind (see
 slow mode which the law then lets creep away is told apart from it.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

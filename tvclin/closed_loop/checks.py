@@ -1,5 +1,7 @@
 """What a flight is refused for."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -6,6 +6,8 @@ limit which is touched for a moment is hit as well. Corners that leave everythin
 rate limit and the stop of an actuator, the ends of a lean) are left to its error control.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

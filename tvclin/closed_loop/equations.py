@@ -1,5 +1,7 @@
 """The equations of what flies, as a flight without pause asks for them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol

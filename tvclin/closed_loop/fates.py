@@ -1,5 +1,7 @@
 """When a flight is lost or saved, for a batch of plants: the recoverable set of each."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

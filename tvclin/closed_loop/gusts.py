@@ -1,5 +1,7 @@
 """Winds as polynomials between knots, for kernels that fly many cases at once."""
 
+from __future__ import annotations
+
 from math import factorial
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Laws as rows of numbers, for kernels that fly many cases at once."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

@@ -4,6 +4,8 @@ Between samples everything is linear and stepped exactly, the wind with all its 
 sees the state at each sample. So a late gust is never missed and nothing depends on a solver.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -42,7 +44,7 @@ class Flights:
     mode: FloatArray
     limit: FloatArray
 
-    def take(self, index: NDArray[np.bool_]) -> "Flights":
+    def take(self, index: NDArray[np.bool_]) -> Flights:
         """Return some of the flights."""
         return Flights(
             self.airframe[:, index],

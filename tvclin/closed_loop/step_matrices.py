@@ -1,5 +1,7 @@
 """What takes plant, nozzle and law of each of many flights over one step, exactly."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,6 +5,8 @@ saved when it has settled well inside. In the wind it is lost when even the whol
 strongest wind together could not turn it any more.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """The wind of a family that asks the largest deflection of an autopilot."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 

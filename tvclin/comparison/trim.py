@@ -5,6 +5,8 @@ done for an autopilot: its largest deflection and the loads it leaves, beside tr
 limits and the minimum of appendix C. All peaks are those of exact histories, without limits.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

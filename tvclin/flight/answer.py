@@ -1,5 +1,7 @@
 """What every flight gives back, whichever engine flew it."""
 
+from __future__ import annotations
+
 import warnings
 from math import radians
 from typing import TYPE_CHECKING
@@ -22,7 +24,7 @@ OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", 
 
 def flight_response(
     times: FloatArray, outputs: FloatArray, wind: History, *, engine: str, title: str
-) -> "TimeResponseData":
+) -> TimeResponseData:
     """Return the `OUTPUTS` of a flight ``(5, n)`` as `control.TimeResponseData`."""
     return wind_response(times, outputs, wind, OUTPUTS, name=engine, title=title)
 

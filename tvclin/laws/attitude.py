@@ -1,5 +1,7 @@
 """Attitude and rate feedback under a deflection limit."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,5 +1,7 @@
 """The wind from attitude, rate and measured deflection: a disturbance observer."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

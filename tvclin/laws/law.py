@@ -4,6 +4,8 @@ A law may have states of its own, which are linear in what is seen (an integral,
 holds no memory itself: states are handed to it, so that one law flies a thousand flights at once.
 """
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Lean into the felt wind as far as one can still return from, and no further."""
 
+from __future__ import annotations
+
 import warnings
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,5 +1,7 @@
 """Ideal trim as a feedback, alone and with the report's dead band."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

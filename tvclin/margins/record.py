@@ -1,5 +1,7 @@
 """The margins of a loop, under names that cannot be misread."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 from typing import Any
 

@@ -8,6 +8,8 @@ A real pole p gives e = e^(-p u); a complex pair sigma +- j omega gives e^(-sigm
 and e^(-sigma u) sin(omega u).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

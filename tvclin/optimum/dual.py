@@ -10,6 +10,8 @@ A small linear program on a grid finds where the sign changes, Newton's iteratio
 whose gradient and Hessian follow from the zeros of the sum, takes it to rounding.
 """
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np

@@ -3,6 +3,8 @@
 The dual of the minimum-peak problem asks for nothing else.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -88,7 +90,7 @@ class Window:
         crossed = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
         return _refined(multipliers, c.basis, times, crossed) if crossed.size else np.zeros(0)
 
-    def signed(self, multipliers: FloatArray) -> "SignedSum":
+    def signed(self, multipliers: FloatArray) -> SignedSum:
         """Return the sum with its changes of sign and the moments of its sign."""
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])

@@ -1,5 +1,7 @@
 """The deflection with the smallest peak that survives a known wind, and the proof that it is it."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

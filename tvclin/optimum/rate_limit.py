@@ -4,6 +4,8 @@ A linear program over deflections that are straight between nodes, with the exac
 each straight piece. The nodes are refined where the rate or the peak begins or ceases to bind.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

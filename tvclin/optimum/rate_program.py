@@ -1,5 +1,7 @@
 """The linear program of the rate-limited minimum-peak problem on one set of nodes."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

@@ -1,5 +1,7 @@
 """What one vehicle, frozen at its time, needs in one wind."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

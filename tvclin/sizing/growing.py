@@ -11,6 +11,8 @@ backwards, every solution turns into the one of the growing direction. It is kep
 p = m(t) (s, 1, ...) with m' = -s m, so that nothing overflows: s is the pole of the moment.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property

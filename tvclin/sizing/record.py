@@ -1,5 +1,7 @@
 """What a sizing found: one value, with the worst, a table, a CSV and a Dataset."""
 
+from __future__ import annotations
+
 import csv
 import io
 from dataclasses import dataclass
@@ -190,7 +192,7 @@ class Sizing:
             write_text(path, text.getvalue())
         return text.getvalue()
 
-    def to_xarray(self) -> "xarray.Dataset":
+    def to_xarray(self) -> xarray.Dataset:
         """Return all numbers as an `xarray.Dataset` over time and wind, dead bands apart.
 
         Deflections are in radians; units are in the attributes of each variable.

@@ -8,6 +8,8 @@ with the state x that trim has left, the wind still to come in units of the grow
 reach of a unit deflection. With constant parameters it is the demand behind `boundary_limit`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -81,7 +83,7 @@ def varying_need(
 
 
 def _boundary(
-    course: "_Course", times: FloatArray, driver: FloatArray, side: float, K: float
+    course: _Course, times: FloatArray, driver: FloatArray, side: float, K: float
 ) -> float:
     """The limit at which the dead band is left just when the limit, held from then on, is enough.
 
@@ -122,7 +124,7 @@ class _Course:
     literal: bool
 
     @classmethod
-    def of(cls, mode: GrowingMode, wind: History, literal: bool) -> "_Course":
+    def of(cls, mode: GrowingMode, wind: History, literal: bool) -> _Course:
         knots = np.unique(wind.knots)
         knots = knots[(knots >= wind.onset) & (knots <= wind.end)]
         size = mode.matrices(float(knots[0]))[0].shape[-1] - 2

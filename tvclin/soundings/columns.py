@@ -1,5 +1,7 @@
 """Tables with a header whose names carry their units, such as height_m,speed_kt,direction_deg."""
 
+from __future__ import annotations
+
 import re
 from dataclasses import dataclass
 

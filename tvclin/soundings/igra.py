@@ -4,6 +4,8 @@ Columns as in igra2-data-format.txt, counted there from 1: level type 1, geopote
 (m), wind direction 41-45 (degrees), wind speed 47-51 (tenths of m/s).
 """
 
+from __future__ import annotations
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The levels of one sounding as a file gives them, and the profile that they make."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

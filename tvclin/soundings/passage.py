@@ -1,5 +1,7 @@
 """Through heights in time: when a flight meets a level, and at which wind angle."""
 
+from __future__ import annotations
+
 from typing import Any, Protocol
 
 import numpy as np

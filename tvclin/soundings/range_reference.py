@@ -5,6 +5,8 @@ mean and standard deviation of the eastward and northward wind with their correl
 standard deviation and skewness of the wind speed.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

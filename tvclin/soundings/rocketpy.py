@@ -1,5 +1,7 @@
 """The wind lists of RocketPy's custom atmosphere, in Python or JSON: nothing is executed."""
 
+from __future__ import annotations
+
 import ast
 import json
 import warnings

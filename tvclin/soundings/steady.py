@@ -1,5 +1,7 @@
 """The climb of a vehicle whose state is frozen."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

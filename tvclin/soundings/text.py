@@ -1,5 +1,7 @@
 """Text files of winds: their lines, the numbers in them, and errors that name the line."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """The text lists of the University of Wyoming, as plain text or as the page that was saved."""
 
+from __future__ import annotations
+
 import re
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The triangle that stands for a real wind."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Gusts with the shape of one minus a cosine, which start and end without a kink."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
 

@@ -1,5 +1,7 @@
 """Winds given by samples, and the straight lines between points of which most winds are made."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -4,6 +4,8 @@ The bridge between the linear theory and an engine: the same equations as the th
 its small angles, with parameters frozen as in the theory or varying along the nominal flight.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

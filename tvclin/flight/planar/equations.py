@@ -11,6 +11,8 @@ W sin(Theta_n) sin(sigma), and Theta, gamma are the yaw angle and the heading of
 deviation is what the equations give beyond the nominal flight, so rest is a solution.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -104,7 +106,7 @@ class PlanarMotion:
         """Return the angle of attack [rad] at times and states of one shape, ``(states, ...)``."""
         return self._air(self._now(t), x, gust)[0]
 
-    def _air(self, now: "_Now", x: Any, gust: Any) -> tuple[Any, Any]:
+    def _air(self, now: _Now, x: Any, gust: Any) -> tuple[Any, Any]:
         """The angle of attack [rad], and the air speed [m/s]."""
         if self.nominal is None:
             return x[0] - x[2] - gust, now.speed
@@ -126,7 +128,7 @@ class PlanarMotion:
         return 0.0 if self.nominal is None else 1.0
 
     def _path(
-        self, now: "_Now", theta: Any, gamma: Any, speed: Any, alpha: Any, ratio: Any, delta: Any
+        self, now: _Now, theta: Any, gamma: Any, speed: Any, alpha: Any, ratio: Any, delta: Any
     ) -> tuple[Any, Any]:
         """The rates of the path and of the speed, nominal ones included."""
         v, lean = self.vehicle, theta - gamma
@@ -148,7 +150,7 @@ class PlanarMotion:
         """The dynamic pressure over that of the vehicle."""
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
-    def _now(self, t: Any) -> "_Now":
+    def _now(self, t: Any) -> _Now:
         v = self.vehicle
         if self.nominal is None:
             return _Now(v.mass, v.velocity, v.attitude, 0.0)

@@ -1,5 +1,7 @@
 """One vehicle in the engine: stepped, steered, and measured against its nominal flight."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import repeat

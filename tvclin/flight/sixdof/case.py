@@ -1,5 +1,7 @@
 """What is flown, checked: one vehicle in its plane, and a wind at its steps."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

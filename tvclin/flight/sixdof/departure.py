@@ -1,5 +1,7 @@
 """Where a flight along its trajectory begins, and the way that its nominal flight is held to."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,6 +4,8 @@ The engine takes a second-order step of what acts at its samples, so each sample
 step around it, and a deflection that jumps or bends inside that step is shown as its mean there.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from math import copysign
 
