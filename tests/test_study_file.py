@@ -13,6 +13,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.campaign.file import parse_campaign
+from tvclin.campaign.keys import QUANTITIES
 from tvclin.cli.app import app
 from tvclin.study_file import SoundingAsked
 from tvclin.study_file.read import example, parse_study
@@ -264,7 +265,9 @@ def test_gains_and_criteria_of_ones_own() -> None:
             {"wind": {"time_s": [0, 1], "angle_rad": [[0.1, 0]]}},
             "a study needs a wind of one shape",
         ),
-        ({"question": {"limt_deg": 0.4}}, "'limt_deg'; did you mean limit"),
+        ({"question": {"limt_deg": 0.4}}, r"'limt_deg'; did you mean limit_deg or limit_rad\?"),
+        ({"question": {"limit": 0.4}}, r"'limit'; did you mean limit_rad or limit_deg\?"),
+        ({"study": {"vehicle": {"weight": 1.0}}}, "weight has no known unit; write weight_N or"),
         ({"question": {"limit_deg": -0.4}}, "limit must be positive"),
         ({"laws": {"names": ["trimm"]}}, "names of the laws must be one of .*'trim'"),
         ({"laws": {"names": "trim"}}, r"names in \[laws\] must be a list"),
@@ -278,6 +281,10 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"criteria": {"name": "clasic"}}, "name in .criteria. must be one of .*'classic'"),
         ({"criteria": {}}, "criteria need a limit"),
         ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
+        (
+            {"dispersion": [{"parameter": "wind_peak", "spread": 1.0}]},
+            "spread of wind_peak has no unit; write spread_rad or spread_deg",
+        ),
         ({"laws": 3}, r"\[laws\] must be a table"),
         ({"wind": 3}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
         ({"wind": [WIND, 3]}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
@@ -338,6 +345,15 @@ def test_a_campaign_finds_misspelled_keys_of_a_study(heading: str, wrong: str, r
     for parse in (parse_campaign, parse_study):
         with pytest.raises(tv.InputError, match=rf"\[{heading}\]: '{wrong}'; did you mean {right}"):
             parse(tables)
+
+
+def test_no_number_that_has_a_unit_goes_without_it() -> None:
+    """Its bare name is refused, and what is offered in its place has the unit."""
+    for heading, names in QUANTITIES.items():
+        for name in (name for name, units in names.items() if "" not in units):
+            table = {"study": HEAD, "wind": WIND, heading: {name: 1.0}}
+            with pytest.raises(tv.InputError, match=f"'{name}'; did you mean {name}_"):
+                parse_study(table)
 
 
 def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:

@@ -84,6 +84,9 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         if not isinstance(document[name], dict):
             raise InputError(f"[{name}] must be a table")
     check_keys(document)
+    recorded = _recorded(document)
+    if not recorded:
+        _units_of_spreads(document.get("dispersion"))
     study, campaign = document.get("study", {}), document.get("campaign", {})
     for key in SUBJECT:
         if key in study and key in campaign:
@@ -92,19 +95,35 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     where = "study" if "study" in document else "campaign"
     if "vehicle" not in found:
         raise InputError(f"a key is missing in [{where}]: vehicle")
-    return found | {"vehicle": _vehicle(found["vehicle"], folder, where)}
+    return found | {"vehicle": _vehicle(found["vehicle"], folder, where, recorded)}
+
+
+def _recorded(document: Mapping[str, Any]) -> bool:
+    """Whether it is the document of a manifest: only there numbers in SI units have bare names."""
+    vehicle = document.get("campaign", {}).get("vehicle")
+    return "study" not in document and isinstance(vehicle, dict) and "weight" in vehicle
+
+
+def _units_of_spreads(rows: Any) -> None:
+    """Raise `InputError` for a spread that has a unit and does not say which."""
+    for row in rows if isinstance(rows, list) else ():
+        parameter = row.get("parameter") if isinstance(row, dict) else None
+        if isinstance(parameter, str) and parameter in _SPREADS and "spread" in row:
+            keys = spellings({"spread": UNITS[_SPREADS[parameter]]})
+            raise InputError(f"spread of {parameter} has no unit; write {' or '.join(keys)}")
 
 
 def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the limit [rad], and probability and confidence where they are given."""
     asked = dict(document.get("question", {}))
+    keys = spellings({"limit": _ANGLE})
+    known("key in [question]", asked, (*keys, "probability", "confidence"))
     limit = quantity("[question]", asked, "limit", _ANGLE, required=False)
-    known("key in [question]", asked, ("limit", "probability", "confidence"))
     return asked | {"limit": limit}
 
 
-def _vehicle(source: Any, folder: Path, where: str) -> Vehicle:
-    if isinstance(source, dict) and "weight" not in source:
+def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
+    if isinstance(source, dict) and not recorded:
         return build_vehicle(dict(source), f"{where}.vehicle")
     if isinstance(source, dict):
         known(f"key in [{where}.vehicle]", source, [f.name for f in fields(Vehicle)])
@@ -205,7 +224,9 @@ def _dispersion(row: dict[str, Any]) -> Dispersion:
     shape = rest.pop("shape", "normal")
     keys = dict(zip(spellings({"spread": units}), units.values(), strict=True))
     spreads = {"part": 1.0, "percent": 1.0 / PERCENT, "spread": 1.0} | keys
-    known(f"key in [[dispersion]] of {parameter}", rest, spreads)
+    offered = ("part", "percent", *keys)
+    named = {key: value for key, value in rest.items() if key != "spread"}
+    known(f"key in [[dispersion]] of {parameter}", named, offered)
     if len(rest) != 1:
         raise InputError(
             f"the spread of {parameter} must be given once, as percent or as {', '.join(keys)}"
