@@ -385,6 +385,24 @@ def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("# vehicle\n", r"neither a vehicle file \(it has no \[vehicle\]\) nor a study"),
+        ("[wind]\npeak_deg = 5\nduration_s = 7.5\n", r"\[study\] is missing: it names the vehicle"),
+        ('[campaign]\nvehicle = "configuration-i"\ncases = 3\n', r"\[wind\] is missing"),
+    ],
+)
+@pytest.mark.parametrize("load", [tv.load_study, tv.load_sizing, tv.load_campaign])
+def test_a_table_that_is_missing_is_named(
+    tmp_path: Path, load: Callable[[Path], object], text: str, message: str
+) -> None:
+    file = tmp_path / "part.toml"
+    file.write_text(text)
+    with pytest.raises(tv.InputError, match=rf"part\.toml: .*{message}"):
+        load(file)
+
+
 @pytest.mark.parametrize("load", [tv.load_study, tv.load_sizing])
 def test_a_file_that_is_no_toml_is_refused(tmp_path: Path, load: Callable[[Path], object]) -> None:
     file = tmp_path / "half.toml"

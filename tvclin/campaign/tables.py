@@ -77,13 +77,19 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     ------
     InputError
         For an unknown table, one that is none, an unknown key in a table that only studies read, a
-        vehicle that is missing, and what is given twice.
+        vehicle or its table that is missing, and what is given twice.
     """
+    if not document:
+        raise InputError(
+            "the file is neither a vehicle file (it has no [vehicle]) nor a study (no [study])"
+        )
     known("table", document, TABLES)
     for name in document.keys() - {*LISTS, "wind"}:
         if not isinstance(document[name], dict):
             raise InputError(f"[{name}] must be a table")
     check_keys(document)
+    if not {"study", "campaign"} & document.keys():
+        raise InputError("[study] is missing: it names the vehicle")
     recorded = _recorded(document)
     if not recorded:
         _units_of_spreads(document.get("dispersion"))
@@ -145,6 +151,8 @@ def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | Win
     InputError
         For what is no table, and where there is no such wind.
     """
+    if "wind" not in document:
+        raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
     tables = [table for table in wind_tables(document) if SOUNDING not in table]
     if not tables:
         raise InputError("beside soundings a wind of one shape is needed: give one more [[wind]]")

@@ -85,13 +85,15 @@ def load_sizing(source: str | PathLike[str]) -> SizingAsked:
 
 
 def _is_study(source: str | PathLike[str]) -> bool:
+    """Whether a file is a study, or neither that nor anything that has a flight."""
     if str(source).lower().endswith(".csv"):
         return False
     text, _ = vehicle_text(source)
     try:
-        return bool({"study", "campaign"} & tomllib.loads(text).keys())
+        headings = tomllib.loads(text).keys()
     except (tomllib.TOMLDecodeError, RecursionError):
         return False
+    return bool({"study", "campaign"} & headings) or not {"vehicle", "schedule"} & headings
 
 
 def example() -> str:
