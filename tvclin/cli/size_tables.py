@@ -59,9 +59,12 @@ def _print_total(total: "DeflectionTotal") -> None:
         pairs.append((f"limit that keeps {100 * total.reserve:g} % in reserve", said))
     print_pairs(f"\nThe worst flight time, {total.time:g} s", pairs, columns=1)
     if total.limit is not None and total.left is not None:
-        word = "SUFFICIENT" if total.sufficient else "NOT SUFFICIENT"
-        left = np.degrees(total.left)
-        typer.echo(f"Limit {np.degrees(total.limit):.4f} deg: {word}, by {left:+.4f} deg")
+        left, short = np.degrees(abs(total.left)), np.degrees(total.required - total.limit)
+        kept = " beside the reserve" if total.reserve else ""
+        said = f"SUFFICIENT, {left:.4f} deg left{kept}"
+        if not total.sufficient:
+            said = f"NOT SUFFICIENT, short by {short:.4f} deg"
+        typer.echo(f"Limit {np.degrees(total.limit):.4f} deg: {said}")
 
 
 def _doubts(found: "Sizing", i: int) -> str:
