@@ -19,6 +19,7 @@ from tvclin.report.findings import find
 from tvclin.report.page import _template
 from tvclin.study_file.read import example, parse_study
 from tvclin.trials import law_trials
+from tvclin.vehicle_file import template
 
 pytest.importorskip("jinja2")
 
@@ -277,7 +278,8 @@ def expected_flight(plan: tv.StudyPlan) -> dict[str, float]:
         "verdict.flight_deg": worst["total"] / 0.9,
         "verdict.flight_short_deg": worst["total"] / 0.9 - 0.4,
         "total.limit_deg": 0.4,
-        "total.left_deg": worst["total"] - 0.9 * 0.4,
+        "total.short_deg": worst["total"] / 0.9 - 0.4,
+        "facts.flight_deg": worst["total"] / 0.9,
     }
 
 
@@ -449,6 +451,52 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyP
     assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-4)
     assert found.comparison.peak_deflection == flown.peak_deflection
     assert any("with a gust of 1 deg and 2 s" in str(one) for one in verdict.basis(found))
+
+
+def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
+    plan: tv.StudyPlan,
+) -> None:
+    once = replace(plan.sizing, start=60.0, stop=60.0)
+    short = find(tv.StudyPlan(vehicle=plan.vehicle, limit=plan.limit, sizing=once))
+    wide = np.radians(0.9)
+    enough = find(tv.StudyPlan(vehicle=plan.vehicle, limit=wide, sizing=replace(once, limit=wide)))
+    heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
+    headline = {one.name: one.text for one in heading}
+    section = {
+        one.name: one.text for one in cells(flight.over_flight(short)) if isinstance(one, Number)
+    }
+    tiles = {
+        label: "".join(getattr(one, "text", one) for one in line)
+        for label, line in verdict.facts(short)
+    }
+
+    assert headline["verdict.flight_short_deg"] == section["total.short_deg"]
+    assert tiles["the whole flight needs"] == f"{headline['verdict.flight_deg']} deg"
+    assert tiles["this wind needs"] == "0.3681 deg"
+    assert verdict.sentence(short)[0] == "Not enough: the whole flight of configuration-i needs "
+    total = enough.flight[1]
+    left = np.degrees(0.9 * total.limit - total.total)
+    assert numbers(flight.over_flight(enough))["total.left_deg"] == pytest.approx(left, rel=1e-12)
+    assert any("it leaves beside the reserve" in one for one in words(flight.over_flight(enough)))
+
+
+def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) -> None:
+    text = '[study]\nvehicle = "my.toml"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+    text += "[question]\nlimit_deg = 0.4\n[size]\nstart_s = 60\nstop_s = 60\n"
+    (tmp_path / "my.toml").write_text(template())
+    study, output = tmp_path / "s.toml", tmp_path / "r.html"
+    study.write_text(f'{text}[schedule]\nsource = "configuration-i"\n')
+    said = (
+        "the flight is that of configuration-i, not of the study's vehicle, my.toml; give its own"
+    )
+    asked = tv.load_sizing(study)
+    result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
+    sized = CliRunner().invoke(app, ["size", str(study)])
+
+    assert (asked.source, asked.another) == ("configuration-i", "my.toml")
+    assert output.read_text().count(said.replace("'", "&#39;")) == 2
+    assert f"\nNote: {said}" in result.output
+    assert f"\nNote: {said}" in sized.output
 
 
 def test_a_flight_without_an_answer_says_why(plan: tv.StudyPlan) -> None:

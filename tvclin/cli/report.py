@@ -29,7 +29,7 @@ def report(
     from tvclin.study_file import example_plan, load_study
 
     plan = example_plan() if source is None else load_study(source)
-    sufficient = None
+    sufficient, doubts = None, plan.sizing.doubts if plan.sizing is not None else []
 
     # The page is made within, so that a place that cannot be written is told before the work.
     def write(target: str) -> None:
@@ -41,5 +41,7 @@ def report(
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
     typer.echo(f"Wrote {output}: {said[sufficient]}.")
+    for doubt in doubts:
+        typer.echo(f"Note: {doubt}.")
     if sufficient is False:
         raise typer.Exit(1)

@@ -151,9 +151,9 @@ def size(
 
         save_figure(sizing_chart(found, asked.limit), plot)
     if as_json:
-        print_json(sizing_document(found, total, asked.notes))
+        print_json(sizing_document(found, total, [*asked.doubts, *asked.notes]))
     else:
-        print_sizing(found, total, source, asked.notes)
+        print_sizing(found, total, source, [*asked.doubts, *asked.notes])
     if total.sufficient is False:
         raise typer.Exit(1)
 

@@ -30,7 +30,7 @@ def over_flight(found: Findings) -> Section | None:
     if found.flight is None or found.plan.sizing is None:
         return None
     sizing, total = found.flight
-    blocks: list[Block] = [Paragraph((_words(sizing),))]
+    blocks: list[Block] = [Paragraph((_words(sizing, whose(found)),))]
     if sizing.times.size > 1:
         label = "Required deflection over flight time, in the worst wind of each"
         blocks.append(
@@ -48,16 +48,22 @@ def over_flight(found: Findings) -> Section | None:
         if varying:
             blocks.append(_varying(sizing, j, wind, varying))
     blocks += [_total(total, found.plan.sizing.counted), *_verdict(total)]
-    notes = [Check("doubt", (f"{note}.",)) for note in sizing.notes]
+    notes = [Check("doubt", (f"{note}.",)) for note in (*found.plan.sizing.doubts, *sizing.notes)]
     notes += [Check("reader", (f"{note}.",)) for note in found.plan.sizing.notes]
     return Section("flight", _TITLE, (*blocks, *([Checks(tuple(notes))] if notes else [])))
 
 
-def _words(s: Sizing) -> str:
+def whose(found: Findings) -> str:
+    """Return of what the flight is; nothing where it has no name."""
+    asked = found.plan.sizing
+    return f" of {asked.source}" if asked is not None and asked.source else ""
+
+
+def _words(s: Sizing, of: str) -> str:
     law = "the bound of all such laws" if s.law == "bound" else "the recoverable-attitude law"
     return (
-        f"The vehicle at each flight time, on the {s.model} model in the {s.plane} plane. The peak"
-        " of a pulse meets each flight time. No forecast:"
+        f"The flight{of}: the vehicle at each of its times, on the {s.model} model in the"
+        f" {s.plane} plane. The peak of a pulse meets each flight time. No forecast:"
         f" {law}; minimum: the wind known. One pole says whether the single-pole theory holds for"
         " the wind; change, by how much beta or B changes while it blows: above"
         f" {100 * STEADY:g} % frozen parameters are doubtful."
@@ -113,13 +119,17 @@ def _total(total: DeflectionTotal, counted: str) -> Table:
 
 
 def _verdict(total: DeflectionTotal) -> list[Paragraph]:
-    left = total.left
-    if left is None or total.limit is None:
+    if total.left is None or total.limit is None:
         return []
+    line: Line
+    if total.sufficient:
+        beside = " beside the reserve" if total.reserve else ""
+        left = degrees("total.left", abs(total.left), unit="deg")
+        line = (f" is enough: it leaves{beside} ", *left)
+    else:
+        of = " of the limit that keeps the reserve" if total.reserve else ""
+        short = degrees("total.short", total.required - total.limit, unit="deg")
+        line = (" is not enough: it is ", *short, f" short{of}")
     limit = degrees("total.limit", total.limit, unit="deg")
-    by = degrees("total.left", abs(left), unit="deg")
-    beside = " beside the reserve" if total.reserve else ""
-    word = f"enough: it leaves{beside} " if total.sufficient else f"not enough{beside}: it lacks "
     rest = ". Systematic lines add, random ones in squares."
-    line: Line = ("Over the whole flight the limit of ", *limit, f" is {word}", *by, rest)
-    return [Paragraph(line)]
+    return [Paragraph(("Over the whole flight the limit of ", *limit, *line, rest))]

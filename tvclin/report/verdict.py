@@ -4,6 +4,7 @@ import numpy as np
 
 from tvclin.report.blocks import Line, degrees, number, significant
 from tvclin.report.findings import Findings
+from tvclin.report.flight import whose
 from tvclin.report.sections import gust_words
 from tvclin.sizing import DeflectionTotal
 from tvclin.study import outlasts_one_pole
@@ -26,7 +27,7 @@ def sentence(found: Findings) -> Line:
         return ("This wind needs ", *needed, " of deflection.")
     surplus = abs(limit - need)
     if study.sufficient and found.flight is not None and not found.sufficient:
-        return _short_over_flight(found.flight[1], limit)
+        return _short_over_flight(found.flight[1], limit, whose(found))
     by = degrees("verdict.surplus", surplus, unit="deg")
     percent = 100.0 * surplus / need
     part: Line = (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
@@ -40,11 +41,11 @@ def sentence(found: Findings) -> Line:
     return ("Not enough: the limit of ", *have, " is ", *tail)
 
 
-def _short_over_flight(total: DeflectionTotal, limit: float) -> Line:
+def _short_over_flight(total: DeflectionTotal, limit: float, of: str) -> Line:
     needed = degrees("verdict.flight", total.required, unit="deg")
     by = degrees("verdict.flight_short", total.required - limit, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
-    words = ("Not enough: the whole flight needs ", *needed, ", ", *by)
+    words = (f"Not enough: the whole flight{of} needs ", *needed, ", ", *by)
     return (*words, " more than the limit of ", *have, ".")
 
 
@@ -68,7 +69,10 @@ def basis(found: Findings) -> Line:
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
-        line += (" The flight counts all else that the nozzle has to do, and a reserve.",)
+        kept = ", and a reserve" if found.flight[1].reserve else ""
+        line += (f" The flight counts all else that the nozzle has to do{kept}.",)
+    if found.flight is not None and found.plan.sizing is not None:
+        line += tuple(f" Beware: {doubt}." for doubt in found.plan.sizing.doubts)
     if found.dispersed is None or found.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")
@@ -84,8 +88,11 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers beside the verdict, each with what it is."""
     s = found.study
     rows: list[tuple[str, Line]] = [
-        ("needed", degrees("facts.required", s.required_deflection, unit="deg"))
+        ("this wind needs", degrees("facts.required", s.required_deflection, unit="deg"))
     ]
+    if found.flight is not None:
+        needed = degrees("facts.flight", found.flight[1].required, unit="deg")
+        rows.append(("the whole flight needs", needed))
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.survivable_peak is not None:

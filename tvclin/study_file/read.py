@@ -81,7 +81,7 @@ def load_sizing(source: str | PathLike[str]) -> SizingAsked:
         if asked is None:
             raise InputError(f"{source} has no flight; add [schedule], see tvclin init --study")
         return asked
-    return SizingAsked(schedule=load_schedule(source), pulses=(DEFAULT_WIND,))
+    return SizingAsked(schedule=load_schedule(source), source=str(source), pulses=(DEFAULT_WIND,))
 
 
 def _is_study(source: str | PathLike[str]) -> bool:

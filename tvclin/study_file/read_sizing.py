@@ -1,5 +1,6 @@
 """The tables [schedule], [size] and [[wind]] with soundings: what is asked of a whole flight."""
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +11,12 @@ from tvclin.campaign.keys import known, quantities_of, quantity, spellings
 from tvclin.campaign.tables import SOUNDING, wind_tables, winds_of
 from tvclin.errors import InputError
 from tvclin.histories import History
-from tvclin.sizing import FlightSchedule, load_schedule
+from tvclin.sizing import load_schedule
 from tvclin.sizing.schedule_file import schedule_of
 from tvclin.soundings import read_sounding
 from tvclin.study_file.sizing import SizingAsked, SoundingAsked
 from tvclin.units import UNITS
+from tvclin.vehicle_file import vehicle_text
 from tvclin.winds import OneMinusCosineGust
 
 _TIME, _ANGLE = UNITS["time"], UNITS["angle"]
@@ -61,7 +63,7 @@ def sizing_of(
         given["dead_bands"] = tuple(given["dead_bands"])
     pulses = tuple(one for one in winds_of(document, folder) if isinstance(one, ShapedWind))
     return SizingAsked(
-        schedule=_schedule(document, folder),
+        **_flight(document, folder),
         pulses=pulses,
         soundings=soundings,
         gust=gust,
@@ -82,23 +84,35 @@ def gust_of(document: Mapping[str, Any], duration: float) -> History | None:
     return gust.shift((0.5 * duration if at is None else at) - 0.5 * float(gust.duration))
 
 
-def _schedule(document: Mapping[str, Any], folder: Path) -> FlightSchedule:
-    """The flight of [schedule]; the nominal flight of the study's vehicle without it."""
+def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The flight of [schedule] and whose it is; that of the study's vehicle without it."""
     table = document.get("schedule", {})
     lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
     if lists and "source" in table:
         raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
     if lists:
-        return schedule_of(table, "[schedule]")
+        return {"schedule": schedule_of(table, "[schedule]"), "source": "the lists in [schedule]"}
     known("key in [schedule]", table, ("source",))
     study, campaign = document.get("study", {}), document.get("campaign", {})
-    source = table.get("source", study.get("vehicle", campaign.get("vehicle")))
+    own = study.get("vehicle", campaign.get("vehicle"))
+    source = table.get("source", own)
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(
             "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
             f" {source!r}"
         )
-    return load_schedule(_beside(folder, source))
+    found = {"schedule": load_schedule(_beside(folder, source)), "source": source}
+    named = isinstance(own, str)
+    same = named and Path(_beside(folder, source)) == Path(_beside(folder, own))
+    if same or not _is_vehicle(_beside(folder, source)):
+        return found
+    return found | {"another": own if named else own.get("name") or "given by its numbers"}
+
+
+def _is_vehicle(source: str | Path) -> bool:
+    """Whether the source of a flight is a vehicle, not a table of its times."""
+    text, name = vehicle_text(source)
+    return not name.lower().endswith(".csv") and "vehicle" in tomllib.loads(text)
 
 
 def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:

@@ -64,6 +64,10 @@ class SizingAsked:
     ----------
     schedule : FlightSchedule
         The flight.
+    source : str
+        The vehicle or file whose flight it is, as messages call it; empty where it has no name.
+    another : str
+        The study's vehicle, as messages call it, where the flight is that of another vehicle.
     pulses : tuple of ShapedWind
         Winds whose peak meets each flight time.
     peak_speed : float, optional
@@ -95,6 +99,8 @@ class SizingAsked:
     """
 
     schedule: FlightSchedule
+    source: str = ""
+    another: str = ""
     pulses: tuple[ShapedWind, ...] = ()
     peak_speed: float | None = None
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
@@ -201,6 +207,16 @@ class SizingAsked:
             reserve=self.reserve,
             limit=self.limit,
         )
+
+    @property
+    def doubts(self) -> list[str]:
+        """Why the flight may not be what was meant; nothing where it is the study's own."""
+        if not self.another:
+            return []
+        return [
+            f"the flight is that of {self.source}, not of the study's vehicle, {self.another}; give"
+            " its own in [schedule], or leave out [schedule] and [size]"
+        ]
 
     @property
     def notes(self) -> list[str]:
