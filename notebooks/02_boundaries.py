@@ -26,6 +26,7 @@ from tvclin.plots import boundary_chart
 vehicle = tv.load_vehicle("configuration-i")
 plant = tv.Plant.from_vehicle(vehicle, model="drift")
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+K = 0.5
 trim = abs(np.degrees(plant.coefficients.B * wind.peak))
 print(f"full trim takes {trim:.3f} deg")
 
@@ -44,9 +45,9 @@ for dead_band in (1.0, 0.75, 0.5, 0.25, 0.0):
 # puts out what the wind has lit, eq (4b) of the report. On the boundary nothing is left:
 
 # %%
-boundary = tv.boundary_limit(plant, wind, dead_band=0.5)
-on_it = tv.trim_then_hold(plant, wind, boundary.deflection, dead_band=0.5)
-below = tv.trim_then_hold(plant, wind, 0.9 * boundary.deflection, dead_band=0.5)
+boundary = tv.boundary_limit(plant, wind, dead_band=K)
+on_it = tv.trim_then_hold(plant, wind, boundary.deflection, dead_band=K)
+below = tv.trim_then_hold(plant, wind, 0.9 * boundary.deflection, dead_band=K)
 tv.judge(plant, on_it, wind).stable, tv.judge(plant, below, wind).stable
 
 # %% [markdown]
@@ -62,8 +63,8 @@ boundary_chart(coefficients=plant.coefficients)
 
 # %%
 durations = np.linspace(1.0, 20.0, 1000)
-winds = tv.TriangularWind(peak=np.radians(5.0), duration=durations)
-limits = tv.boundary_limit(plant, winds, dead_band=0.5).limit
+winds = type(wind)(peak=wind.peak, duration=durations)
+limits = tv.boundary_limit(plant, winds, dead_band=K).limit
 worst = int(np.argmax(limits))
 print(f"worst of the durations: {durations[worst]:.1f} s, with {limits[worst]:.3f} of trim")
 
@@ -74,17 +75,18 @@ print(f"worst of the durations: {durations[worst]:.1f} s, with {limits[worst]:.3
 measured = tv.SampledWind(
     time=[0.0, 2.0, 3.0, 5.0, 9.0], angle=np.radians([0.0, 3.0, 5.0, 2.0, 0.0])
 )
-own = tv.boundary_limit(plant, measured, dead_band=0.5)
+own = tv.boundary_limit(plant, measured, dead_band=K)
 print(f"{abs(np.degrees(own.deflection)):.3f} deg")
 
 # %% [markdown]
-# **Try:** a `tv.RectangularWind`, a head wind (a negative peak), another K. Which K needs least
-# at 20 s, and would you dare to fly it? Notebook 6 says what it costs.
+# **Try:** a `tv.RectangularWind`, a head wind (a negative peak), another `K`. Which K needs
+# least at 20 s, and would you dare to fly it? Notebook 6 says what it costs.
 
 # %%
 full = abs(np.degrees(tv.boundary_limit(plant, wind, dead_band=1.0).deflection))
 answer = (
-    f"In {wind.duration:g} s of triangular wind of 5 deg {vehicle.name} needs {full:.3f} deg, and "
-    f"a dead band of one half brings that to {abs(np.degrees(boundary.deflection)):.3f} deg."
+    f"In a {type(wind).__name__} of {np.degrees(wind.peak):g} deg and {wind.duration:g} s "
+    f"{vehicle.name} needs {full:.3f} deg with trim (K = 1), and "
+    f"{abs(np.degrees(boundary.deflection)):.3f} deg with K = {K:g}."
 )
-answer
+print(answer)

@@ -25,7 +25,8 @@ import tvclin as tv
 vehicle = tv.load_vehicle("configuration-i")
 plant = tv.Plant.from_vehicle(vehicle, model="drift-exact")
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
-best = tv.optimum_deflection(plant, wind)
+start = 0.0
+best = tv.optimum_deflection(plant, wind, start=start)
 best
 
 # %% [markdown]
@@ -77,8 +78,9 @@ print(f"{edge:.1f} s")
 # A nozzle cannot jump. With a limit on its rate the least peak is a little larger.
 
 # %%
-limited = tv.optimum_with_rate_limit(plant, wind, rate_limit=np.radians(0.5))
-print(f"{limited.peak / best.peak:.3f} times as much with 0.5 deg/s")
+rate = np.radians(0.5)
+limited = tv.optimum_with_rate_limit(plant, wind, rate_limit=rate, start=start)
+print(f"{limited.peak / best.peak:.3f} times as much with {np.degrees(rate):g} deg/s")
 
 # %% [markdown]
 # **Try:** `start=-2.0`, a control that acts two seconds before the wind comes; or a start after
@@ -86,7 +88,8 @@ print(f"{limited.peak / best.peak:.3f} times as much with 0.5 deg/s")
 
 # %%
 answer = (
-    f"{np.degrees(best.peak):.3f} deg: no control whatever can survive this wind with less, and "
-    f"trim takes {np.degrees(rows['trim, then hold, K = 1']):.3f} deg."
+    f"{np.degrees(best.peak):.3f} deg: no control whatever that acts from {start:g} s on can "
+    f"survive this wind with less, and trim takes "
+    f"{np.degrees(rows['trim, then hold, K = 1']):.3f} deg."
 )
-answer
+print(answer)

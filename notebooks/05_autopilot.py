@@ -71,8 +71,8 @@ beside = tv.compare_with_trim(plant, autopilot, wind)
 comparison_chart(beside)
 
 # %% [markdown]
-# **Try:** half the attitude gain: less deflection, and an aero margin that is gone. Where is the
-# edge?
+# **Try:** half the attitude gain, `0.5 * gains.attitude_gain`: a third of the aero margin is gone,
+# and the nozzle is asked for no less. Where is the edge? Beyond it there is nothing to compare.
 
 # %%
 answer = (
@@ -80,4 +80,4 @@ answer = (
     f"{margins.phase_margin_deg:.0f} deg; in this wind it asks for {beside.relative:.2f} times "
     f"the deflection of trim, where {beside.minimum / beside.trim_deflection:.2f} is the least."
 )
-answer
+print(answer)

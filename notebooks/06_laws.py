@@ -69,21 +69,25 @@ flown.plot().figure.set_size_inches(7.0, 9.0)
 
 # %%
 winds = tv.standard_winds(peak, float(wind.duration))
-for kind in ("sawtooth, jumps first", "full reversal"):
-    row = [
-        tv.closed_loop_boundary(plant, laws[law], winds[kind], sample_rate=25).limit
-        for law in ("trim", "recoverable attitude")
+hard = {
+    kind: [
+        float(tv.closed_loop_boundary(plant, laws[law], winds[kind], sample_rate=25).limit)
+        for law in ("trim", name)
     ]
-    print(f"{kind:22s} trim {row[0]:.2f}, recoverable attitude {row[1]:.2f}")
+    for kind in ("sawtooth, jumps first", "full reversal")
+}
+for kind, (by_trim, by_leaning) in hard.items():
+    print(f"{kind:22s} trim {by_trim:.2f}, {name} {by_leaning:.2f}")
 
 # %% [markdown]
 # **Try:** `trust=1.0`, which gives up the reserve against a wrong B; or a
 # `tv.WindEstimator(bandwidth=2)` in place of a measured angle of attack.
 
 # %%
+by_trim, by_leaning = hard["full reversal"]
 answer = (
     f"In a triangular wind it needs {needs[name]:.2f} of full trim without a forecast, where "
-    f"{blind:.2f} is the least possible and trim {needs['trim']:.2f}; in a wind that reverses "
-    f"trim is better."
+    f"{blind:.2f} is the least possible and trim needs {needs['trim']:.2f}; in a wind that "
+    f"reverses it needs {by_leaning:.2f}, and trim {by_trim:.2f}."
 )
-answer
+print(answer)

@@ -95,6 +95,7 @@ worst.response().plot().figure.set_size_inches(7.0, 9.0)
 driver = next(iter(found.drivers()))
 answer = (
     f"{np.degrees(required.upper):.3f} deg cover 99.865 percent of the flights with 90 percent "
-    f"confidence, by {campaign.cases} cases; {driver.replace('_', ' ')} drives it most."
+    f"confidence, by {campaign.cases} cases from seed {campaign.seed}; {driver.replace('_', ' ')} "
+    f"drives it most."
 )
-answer
+print(answer)

@@ -108,12 +108,14 @@ for note in both.notes:
 # %% [markdown]
 # **Try:** a launch to the north, `azimuth = 0`, which leaves little of this wind in the pitch
 # plane; or a gust on top, `gust=tv.OneMinusCosineGust(peak=np.radians(1), duration=2)` in
-# `fly_through`. In a shell: `tvclin size configuration-i --winds sounding.csv --azimuth-deg 90`.
+# `fly_through`, which meets the frozen vehicle at each time. In a shell:
+# `tvclin size configuration-i --winds sounding.csv --azimuth-deg 90`.
 
 # %%
 triangular = float(beside[times == peak_time][0])
 answer = (
-    f"{true:.2f} deg with trim, flown through; the equivalent triangle says {triangular:.2f} deg, "
-    f"and freezing the vehicle at the peak of the wind is {abs(error):.0f} percent off."
+    f"{true:.2f} deg with trim, flown through towards {np.degrees(azimuth):g} deg, and up to "
+    f"{np.max(need):.2f} deg frozen at one time after the other; the equivalent triangle says "
+    f"{triangular:.2f} deg, and freezing at the peak of the wind is {abs(error):.0f} percent off."
 )
-answer
+print(answer)

@@ -47,18 +47,18 @@ vehicle
 
 # %% [markdown]
 # The whole answer in one value: boundaries without and with drift, the minimum, what a law
-# without a forecast needs, and whether the part of the nozzle's limit that is left for the wind,
-# here 0.2 deg, is enough. The wind is 30 m/s of tail
-# wind that comes and goes within six seconds; its angle follows from the speed and the flight
-# path.
+# without a forecast needs, and whether the part of the nozzle's limit that is left for the wind
+# is enough. The wind is a tail wind that comes and goes within a few seconds; its angle follows
+# from its speed and the flight path.
 
 # %%
-angle = tv.angle_from_speed(30.0, vehicle.velocity, vehicle.attitude)
+speed, duration, limit = 30.0, 6.0, np.radians(0.2)
+angle = tv.angle_from_speed(speed, vehicle.velocity, vehicle.attitude)
 print(f"{np.degrees(float(angle)):.2f} deg")
 
 # %%
 study = tv.Study.from_vehicle(
-    vehicle, duration=6.0, peak=float(angle), limit=np.radians(0.2), model="drift"
+    vehicle, duration=duration, peak=float(angle), limit=limit, model="drift"
 )
 study.sufficient, study.notes
 
@@ -71,7 +71,7 @@ for model, boundary in study.boundaries.items():
 
 # %%
 peak = np.degrees(study.survivable_peak)
-print(f"0.2 deg survive a wind of up to {peak:.1f} deg of this duration")
+print(f"{np.degrees(limit):g} deg survive a wind of up to {peak:.1f} deg of this duration")
 
 # %% [markdown]
 # A slip is told in one sentence, with its mend.
@@ -93,7 +93,7 @@ with_drift = study.boundaries[study.model]
 full = float(np.abs(with_drift.deflection)[study.dead_bands == 1.0][0])
 enough = "enough" if study.sufficient else "not enough"
 answer = (
-    f"{vehicle.name} needs {np.degrees(full):.2f} deg with trim in 30 m/s of wind "
-    f"({full / B:.2f} of full trim), so 0.2 deg are {enough}."
+    f"{vehicle.name} needs {np.degrees(full):.2f} deg with trim in {speed:g} m/s of wind within "
+    f"{duration:g} s ({full / B:.2f} of full trim), so {np.degrees(limit):g} deg are {enough}."
 )
-answer
+print(answer)

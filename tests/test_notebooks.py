@@ -27,4 +27,4 @@ def test_a_notebook_opens_with_its_question_and_ends_with_its_answer(notebook: P
 
     assert cells[0].startswith(" [markdown]\n# # ")
     assert "?" in cells[0].split("\n# # ")[1].splitlines()[0]
-    assert cells[-1].rstrip().endswith("\nanswer")
+    assert cells[-1].rstrip().endswith("\nprint(answer)")
