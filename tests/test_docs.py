@@ -1,9 +1,11 @@
 """The pages keep their promises: the map is the house, and links lead somewhere."""
 
 import ast
+import inspect
 import re
 import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -127,6 +129,29 @@ def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
                 imported |= {one.partition(".")[0].replace("-", "_") for one in named}
 
     assert imported - set(sys.stdlib_module_names) <= known | own | {"tvclin"}
+
+
+def test_the_table_of_models_names_every_default() -> None:
+    """Each command and function stands in the row of the model that it takes by itself."""
+    study_file = import_module("tvclin.study_file")
+    taken = {
+        "`Plant`": tvclin.Plant,
+        "`Study.from_vehicle`": tvclin.Study.from_vehicle,
+        "`Campaign`": tvclin.Campaign,
+        "`[study]`": study_file.StudyPlan,
+        "`size`": tvclin.size,
+        "`[laws]`": study_file.LawsAsked,
+        "`[autopilot]`": study_file.GainsAsked,
+        "`[size]`": study_file.SizingAsked,
+    }
+    for name in ("respond", "margins", "autopilot", "optimum", "laws"):
+        taken[f"`{name}`"] = getattr(import_module(f"tvclin.cli.{name}"), name)
+    page = (ROOT / "docs" / "conventions.md").read_text()
+    rows = dict(re.findall(r"^\| `([\w-]+)` \|(.*)\|.*\|$", page, flags=re.MULTILINE))
+
+    for name, function in taken.items():
+        model = inspect.signature(function).parameters["model"].default
+        assert name in rows[model], (name, model)
 
 
 def test_every_public_name_is_documented_with_its_errors_and_units() -> None:
