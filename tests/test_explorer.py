@@ -170,7 +170,8 @@ def pixels(png: bytes) -> Any:
 
 def answers() -> list[Answer]:
     few = asked(limit=0.004, law=GAINS)
-    return [answer(c) for c in (asked(), asked(duration=9.0), few, replace(few, law=REPORT))]
+    long = asked(duration=17.0)
+    return [answer(c) for c in (asked(), asked(duration=9.0), few, replace(few, law=REPORT), long)]
 
 
 def test_a_picture_that_is_moved_is_the_picture_drawn_anew() -> None:

@@ -23,6 +23,13 @@ _LARGEST = 90.0
 _TITLE, _LABEL = 0.012, 0.06
 """From a panel to its title and to its label, in heights of the figure."""
 
+_SLOTS = {
+    "boundary": (0.0, 0.0, 0.5, 1.0),
+    "attitude": (0.5, 0.546, 0.5, 0.454),
+    "deflection": (0.5, 0.0, 0.5, 0.546),
+}
+"""What belongs to each panel, labels and all: left, bottom, width and height in the figure's."""
+
 Ends = tuple[float, float]
 
 
@@ -69,9 +76,23 @@ class Picture:
         return made.getvalue()
 
     def _frame(self, frames: dict[str, tuple[Ends, Ends]]) -> None:
+        """Draw the panels whose frames have changed; the others stay as they are."""
+        from matplotlib.patches import Rectangle
+
+        if not self.frames:
+            self.canvas.draw()
+            self._empty = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
+        self.canvas.restore_region(self._empty)
+        renderer, whole = self.canvas.get_renderer(), self.canvas.figure.transFigure
         for name, (across, up) in frames.items():
-            self.axes[name].set(xlim=across, ylim=up)
-        self.canvas.draw()
+            if (across, up) != self.frames.get(name):
+                left, bottom, width, height = _SLOTS[name]
+                blank = Rectangle(
+                    (left, bottom), width, height, color="white", lw=0, transform=whole
+                )
+                blank.draw(renderer)
+                self.axes[name].set(xlim=across, ylim=up)
+                self.axes[name].draw(renderer)
         self._empty = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
         self.frames = frames
 
