@@ -181,7 +181,7 @@ class Study:
             dead_bands=dead_bands,
             dead_band=dead_band,
             limit=limit,
-            notes=(*_doubts(vehicle, plane, peak), *_notes(plant, history, dead_band, switch)),
+            notes=(*_notes(plant, history, dead_band, switch), *_doubts(vehicle, plane, peak)),
             gust=gust,
             **_needed(shown, history, dead_bands, switch),
             **_judged(plant, history, limit, dead_band, switch),
