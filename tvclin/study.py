@@ -25,6 +25,8 @@ from tvclin.winds import RectangularWind, TriangularWind
 
 _MARKEDLY = 1.01
 """A requirement above this many times another is worth a note."""
+_FEEBLE = 0.5
+"""A booster's thrust over its weight is rather a slip of the pen below this."""
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
@@ -275,9 +277,9 @@ def outlasts_one_pole(study: Study) -> bool:
 
 
 def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
-    if vehicle.thrust < vehicle.weight:
+    if vehicle.thrust < _FEEBLE * vehicle.weight:
         ratio = float(vehicle.thrust / vehicle.weight)
-        yield f"thrust is below weight (T/W {ratio:.2g}): is a power of ten missing?"
+        yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
     if plane == "pitch" and abs(peak) > _STRONG:
         yield (
             "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"

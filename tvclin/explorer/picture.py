@@ -88,7 +88,12 @@ class Picture:
             if (across, up) != self.frames.get(name):
                 left, bottom, width, height = _SLOTS[name]
                 blank = Rectangle(
-                    (left, bottom), width, height, color="white", lw=0, transform=whole
+                    (left, bottom),
+                    width,
+                    height,
+                    color=self.canvas.figure.get_facecolor(),
+                    lw=0,
+                    transform=whole,
                 )
                 blank.draw(renderer)
                 self.axes[name].set(xlim=across, ylim=up)

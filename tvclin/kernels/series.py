@@ -170,7 +170,8 @@ def _root(c: FloatArray, low: FloatArray, high: FloatArray, target: Any, turn: b
         under = (off < 0.0) == (below < 0.0)
         low, high = np.where(under, t, low), np.where(under, high, t)
         new = t - off / np.where(rise == 0.0, 1.0, rise)
-        good = (rise != 0.0) & (low < new) & (new < high)
+        near = np.abs(off) <= fine * np.abs(rise)  # there `t` is an end, and `new` may be beyond
+        good = near | ((rise != 0.0) & (low < new) & (new < high))
         new = np.where(good, new, 0.5 * (low + high))
         new = np.where(found, t, new)
         found |= np.abs(new - t) <= fine

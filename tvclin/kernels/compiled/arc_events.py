@@ -43,6 +43,10 @@ def _root(s, start, low, high, below, above, target):  # type: ignore[no-untyped
             low = t
         else:
             high = t
+        if miss == 0.0:
+            return t
+        if abs(miss) <= fine * abs(slope):  # near the root `t` is an end, and `new` may be beyond
+            return min(max(t - miss / slope, low), high)
         new = t - miss * slope / (slope * slope - miss * bend)
         if not low < new < high:
             new = 0.5 * (low + high)
@@ -62,8 +66,12 @@ def _turn(s, start, high, below, above):  # type: ignore[no-untyped-def]
             low = t
         else:
             high = t
+        if slope == 0.0:
+            return t, value
         new = t - 0.5 * slope / bend
-        if not low < new < high:
+        if abs(slope) <= 2.0 * fine * abs(bend):
+            new = min(max(new, low), high)
+        elif not low < new < high:
             new = 0.5 * (low + high)
         far = new - t
         if abs(far) <= fine:
