@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.polynomials import (
     add_on_axis,
     add_product,
@@ -55,7 +55,7 @@ class Room(NamedTuple):
     table: FloatArray
 
 
-@compiled
+@lean
 def vanishes(p: FloatArray, degree: int, omega: float) -> bool:
     """Return whether p(j omega) is zero to rounding."""
     size = 0.0
@@ -64,7 +64,7 @@ def vanishes(p: FloatArray, degree: int, omega: float) -> bool:
     return abs(value(p, degree, 1j * omega)) <= _VANISHED * size
 
 
-@compiled
+@lean
 def without_delay(
     above: FloatArray, m: int, below: FloatArray, n: int, room: Room, count: int, found: FloatArray
 ) -> int:
@@ -82,7 +82,7 @@ def without_delay(
     return total
 
 
-@compiled
+@lean
 def _exact(
     above: FloatArray, m: int, below: FloatArray, n: int, delay: float, omega: float
 ) -> float:
@@ -107,7 +107,7 @@ def _exact(
     return omega
 
 
-@compiled
+@lean
 def turning_back(
     above: FloatArray, m: int, below: FloatArray, n: int, delay: float, room: Room
 ) -> None:
@@ -122,7 +122,7 @@ def turning_back(
     add_product(room.above_squared, m, room.below_squared, n, -delay, total)
 
 
-@compiled
+@lean
 def _add_rise(
     p: FloatArray, degree: int, squared: FloatArray, order: int, sign: float, room: Room
 ) -> None:
@@ -137,7 +137,7 @@ def _add_rise(
     add_product(even, degree - 1, squared, order, sign, room.sum)
 
 
-@compiled
+@lean
 def with_delay(
     above: FloatArray,
     m: int,
@@ -180,7 +180,7 @@ def with_delay(
     return total
 
 
-@compiled
+@lean
 def _alone(
     room: Room,
     order: int,
@@ -214,7 +214,7 @@ def _alone(
     return omega, slope
 
 
-@compiled
+@lean
 def _turned(room: Room, order: int, delay: float, side: float, omega: float) -> Any:
     """Return the phase of -L [rad] on one side of the real axis, turned back by the delay."""
     x = omega * omega
@@ -225,7 +225,7 @@ def _turned(room: Room, order: int, delay: float, side: float, omega: float) -> 
     return phase - omega * delay, rise / (real * real + x * part * part) - delay
 
 
-@compiled
+@lean
 def end_of_turns(below: FloatArray, n: int, delay: float, room: Room) -> float:
     """Return how far [rad/s] the turns of a delay are followed, as the numpy twin."""
     furthest = 0.0
@@ -240,7 +240,7 @@ def end_of_turns(below: FloatArray, n: int, delay: float, room: Room) -> float:
     return min(end + MORE * STEP / delay, MOST * STEP / delay)
 
 
-@compiled
+@lean
 def merged(first: FloatArray, m: int, second: FloatArray, n: int, both: FloatArray) -> int:
     """Write two rising rows as one and return its length."""
     i, k = 0, 0

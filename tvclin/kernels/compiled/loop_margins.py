@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.loop_crossings import (
     Room,
     end_of_turns,
@@ -114,7 +114,7 @@ def _room() -> Room:
     )
 
 
-@compiled
+@lean
 def _square(above: FloatArray, m: int, below: FloatArray, n: int, room: Room) -> None:
     """Write |N|^2, |D|^2 and N conj(D) on the axis."""
     room.above_squared[:], room.below_squared[:] = 0.0, 0.0
@@ -139,7 +139,7 @@ def _crossings(
             _phase_crossings(a, m, b, n, late, room, found, case)
 
 
-@compiled
+@lean
 def _gain_crossings(
     above: FloatArray,
     m: int,
@@ -179,7 +179,7 @@ def _gain_crossings(
     return poles
 
 
-@compiled
+@lean
 def _phase_crossings(
     above: FloatArray,
     m: int,

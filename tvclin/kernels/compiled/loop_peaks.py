@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.polynomials import degree_of, rough_roots, value_and_slope
 from tvclin.kernels.loop_peaks import AT_INFINITY
 
@@ -35,7 +35,7 @@ _HIGHER = 1.0 + 1e-14
 """By what a square must be larger to count as such."""
 
 
-@compiled
+@lean
 def peaks_of_one(
     above: FloatArray,
     below: FloatArray,
@@ -90,13 +90,13 @@ def peaks_of_one(
             tops[kind, 1] = math.inf
 
 
-@compiled
+@lean
 def _note(tops: FloatArray, kind: int, square: float, omega: float) -> None:
     if square > _HIGHER * tops[kind, 0]:
         tops[kind, 0], tops[kind, 1] = square, omega
 
 
-@compiled
+@lean
 def _promising(
     here: FloatArray, there: FloatArray, kind: int, width: float, highest: float
 ) -> bool:
@@ -105,7 +105,7 @@ def _promising(
     return steepest > _FLAT or max(here[kind], there[kind]) * math.exp(4.0 * steepest) > highest
 
 
-@compiled
+@lean
 def _settled(here: FloatArray, tops: FloatArray) -> bool:
     """Return whether no size rises above the highest while |L| stays below what it is here."""
     if here[0] == 0.0:
@@ -119,7 +119,7 @@ def _settled(here: FloatArray, tops: FloatArray) -> bool:
     return (0.5 * (1.0 + size) * most) ** 2 <= tops[2, 0]
 
 
-@compiled
+@lean
 def _parts(above: FloatArray, m: int, below: FloatArray, n: int, delay: float, omega: float) -> Any:
     """Return numerator, with the delay, and denominator at j omega, each with its slope in s."""
     s = 1j * omega
@@ -132,19 +132,19 @@ def _parts(above: FloatArray, m: int, below: FloatArray, n: int, delay: float, o
     return a, a_slope, b, b_slope
 
 
-@compiled
+@lean
 def _square(z: complex) -> float:
     return z.real * z.real + z.imag * z.imag
 
 
-@compiled
+@lean
 def _growth(z: complex, z_slope: complex) -> float:
     """Return d ln|z(j omega)|/d omega from z and dz/ds; zero where z is."""
     square = _square(z)
     return -(z_slope * z.conjugate()).imag / square if square > 0.0 else 0.0
 
 
-@compiled
+@lean
 def _top(a: complex, b: complex, kind: int) -> complex:
     """Return what stands over N + D: in S, in T and in (S - T)/2."""
     if kind == 0:
@@ -152,12 +152,12 @@ def _top(a: complex, b: complex, kind: int) -> complex:
     return a if kind == 1 else 0.5 * (b - a)
 
 
-@compiled
+@lean
 def _size(a: complex, b: complex, kind: int) -> float:
     return _square(_top(a, b, kind)) / _square(a + b)
 
 
-@compiled
+@lean
 def _look(
     above: FloatArray,
     m: int,
@@ -175,7 +175,7 @@ def _look(
         seen[3 + kind] = _growth(_top(a, b, kind), _top(a_slope, b_slope, kind)) - closed
 
 
-@compiled
+@lean
 def _summit(
     above: FloatArray,
     m: int,
@@ -213,7 +213,7 @@ def _summit(
     return x1
 
 
-@compiled
+@lean
 def _all_roots(
     above: FloatArray, m: int, below: FloatArray, n: int, scratch: FloatArray, roots: ComplexArray
 ) -> Any:
@@ -240,7 +240,7 @@ def _all_roots(
     return kept, largest
 
 
-@compiled
+@lean
 def _step(omega: float, roots: ComplexArray, count: int, delay: float) -> float:
     """Return how far away the next frequency may be [rad/s]."""
     nearest = math.inf

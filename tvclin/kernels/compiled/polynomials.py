@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 
 FloatArray = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ CHOOSE = np.array([[float(math.comb(n, k)) for k in range(32)] for n in range(32
 """Binomial coefficients, for derivatives."""
 
 
-@compiled
+@lean
 def degree_of(p: FloatArray) -> int:
     """Return the degree, zeros at the end left out."""
     last = p.size - 1
@@ -29,7 +29,7 @@ def degree_of(p: FloatArray) -> int:
     return last
 
 
-@compiled
+@lean
 def value(p: FloatArray, degree: int, s: Any) -> Any:
     """Return the value at s, real or complex."""
     result = p[degree] + 0.0 * s
@@ -38,7 +38,7 @@ def value(p: FloatArray, degree: int, s: Any) -> Any:
     return result
 
 
-@compiled
+@lean
 def value_and_slope(p: FloatArray, degree: int, s: Any) -> Any:
     """Return the value and the derivative at s, real or complex."""
     result = p[degree] + 0.0 * s
@@ -49,7 +49,7 @@ def value_and_slope(p: FloatArray, degree: int, s: Any) -> Any:
     return result, slope
 
 
-@compiled
+@lean
 def add_product(
     p: FloatArray, m: int, q: FloatArray, n: int, factor: float, total: FloatArray
 ) -> None:
@@ -60,7 +60,7 @@ def add_product(
             total[i + k] += scaled * q[k]
 
 
-@compiled
+@lean
 def add_on_axis(
     p: FloatArray, m: int, q: FloatArray, n: int, even: FloatArray, odd: FloatArray
 ) -> None:
@@ -75,7 +75,7 @@ def add_on_axis(
                 even[(i + k) // 2] += product
 
 
-@compiled
+@lean
 def positive_roots(p: FloatArray, work: FloatArray, edges: FloatArray, roots: FloatArray) -> int:
     """Write the positive roots at which p changes its sign, rising, and return their number.
 
@@ -107,7 +107,7 @@ def positive_roots(p: FloatArray, work: FloatArray, edges: FloatArray, roots: Fl
     return count
 
 
-@compiled
+@lean
 def _between(p: FloatArray, degree: int, edges: FloatArray, count: int, roots: FloatArray) -> int:
     """Write the positive roots between the edges, of which each part has one at most."""
     lowest = 0
@@ -132,7 +132,7 @@ def _between(p: FloatArray, degree: int, edges: FloatArray, count: int, roots: F
     return found
 
 
-@compiled
+@lean
 def _beyond(p: FloatArray, degree: int, low: float, guess: float, positive: bool) -> Any:
     """Return a bracket above `low`, beyond which p has the sign it has at infinity."""
     high = guess if guess > low else 2.0 * low
@@ -143,7 +143,7 @@ def _beyond(p: FloatArray, degree: int, low: float, guess: float, positive: bool
     return low, high
 
 
-@compiled
+@lean
 def _below(p: FloatArray, degree: int, high: float, positive: bool) -> Any:
     """Return a bracket below `high`, below which p has the sign it has at zero."""
     low = 0.25 * high
@@ -154,7 +154,7 @@ def _below(p: FloatArray, degree: int, high: float, positive: bool) -> Any:
     return low, high
 
 
-@compiled
+@lean
 def _root(p: FloatArray, degree: int, low: float, high: float, rising: bool) -> float:
     """Return the one root in between, by Newton's steps; bisection where they lead out."""
     x = math.sqrt(low * high)
@@ -177,7 +177,7 @@ def _root(p: FloatArray, degree: int, low: float, high: float, rising: bool) -> 
     return x
 
 
-@compiled
+@lean
 def rough_roots(p: FloatArray, work: FloatArray, roots: NDArray[np.complex128]) -> int:
     """Write one root of each pair, and all real roots, to a few digits; return how many.
 
@@ -214,7 +214,7 @@ def rough_roots(p: FloatArray, work: FloatArray, roots: NDArray[np.complex128]) 
     return count
 
 
-@compiled
+@lean
 def _laguerre(p: FloatArray, degree: int) -> complex:
     """Return the root to which Laguerre's steps lead from zero."""
     s = 0.0j

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.polynomials import value_and_slope
 from tvclin.kernels.stability import CLOSE, STEPS
 
@@ -24,7 +24,7 @@ _NEARLY = 1e-9
 """After such a step of Newton, over the frequency, the next would be rounding."""
 
 
-@compiled
+@lean
 def unstable_roots(p: FloatArray, degree: int, table: FloatArray) -> int:
     """Return the number of roots in the right half plane; `UNSURE` near the edge.
 
@@ -61,7 +61,7 @@ def unstable_roots(p: FloatArray, degree: int, table: FloatArray) -> int:
     return count
 
 
-@compiled
+@lean
 def _has_slow_root(p: FloatArray, degree: int) -> bool:
     """Return whether a root may be slow beside the others; no stable one exceeds `fastest`."""
     fastest = abs(p[degree - 1] / p[degree])
@@ -73,7 +73,7 @@ def _has_slow_root(p: FloatArray, degree: int) -> bool:
     return abs(p[0]) <= rest
 
 
-@compiled
+@lean
 def polished(above: FloatArray, m: int, below: FloatArray, n: int, omega: float) -> float:
     """Return a gain crossover after Newton's steps on ln |L| itself, as the numpy twin."""
     for _ in range(STEPS):
@@ -91,7 +91,7 @@ def polished(above: FloatArray, m: int, below: FloatArray, n: int, omega: float)
     return omega
 
 
-@compiled
+@lean
 def moved_by_delay(due: float, turned: float, rising: bool) -> int:
     """Return how many poles a delay brings to the right half plane at one gain crossover.
 
