@@ -166,19 +166,22 @@ def test_crossovers_beside_an_undamped_mode_are_exact(compiled):
             assert omega == pytest.approx(float(exact), rel=1e-14)
 
 
-def test_positive_roots_are_those_the_polynomial_was_made_of():
-    polynomials = pytest.importorskip("numba") and import_module(
-        "tvclin.kernels.compiled.polynomials"
+def test_positive_roots_are_those_the_polynomials_were_made_of():
+    kernel = pytest.importorskip("numba") and import_module(
+        "tvclin.kernels.compiled.positive_roots"
     )
-    rng, room = np.random.default_rng(0), np.zeros((3, 32))
-    for _ in range(500):
+    rng, p, expected = np.random.default_rng(0), np.zeros((500, kernel.SIZE)), []
+    for row in p:
         real = rng.choice([-1, 1], rng.integers(1, 6)) * 10.0 ** rng.uniform(-4, 3)
         real = real * rng.uniform(0.5, 2.0, real.size)
         pair = 10.0 ** rng.uniform(-2, 2) * np.exp(1j * rng.uniform(0, np.pi))
-        p = rng.choice([-1, 1]) * np.real(np.poly([*real, pair, np.conj(pair)]))
-        count = polynomials.positive_roots(np.array(p[::-1]), *room)
-        expected = np.sort(real[real > 0.0])
-        np.testing.assert_allclose(room[2, :count], expected, rtol=1e-6)
+        terms = rng.choice([-1, 1]) * np.real(np.poly([*real, pair, np.conj(pair)]))
+        row[: terms.size] = terms[::-1]
+        expected.append(np.sort(real[real > 0.0]))
+    roots, counts = np.zeros_like(p), np.zeros(len(p), dtype=np.intp)
+    kernel.positive_roots(p, len(p), kernel.searches(len(p)), roots, counts)
+    for found, count, true in zip(roots, counts, expected, strict=True):
+        np.testing.assert_allclose(found[:count], true, rtol=1e-6)
 
 
 def test_routh_counts_what_the_roots_say_or_is_unsure():

@@ -14,7 +14,8 @@ from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.polynomials import (
     add_on_axis,
     add_product,
-    positive_roots,
+    add_square,
+    on_axis,
     value,
     value_and_slope,
 )
@@ -35,69 +36,79 @@ _FIRST = 1e-6
 """The first frequency, over the lowest at which anything happens."""
 
 
-class Room(NamedTuple):
-    """Where one loop is worked on; each an array ``(32,)``, and a table ``(4, 32)``.
+class Loop(NamedTuple):
+    """One loop: numerator and denominator with their degrees, the delay, and what they make.
 
-    The first four hold |N|^2, |D|^2 and N conj(D), as ``real + j omega imaginary``, in powers of
+    The last four are |N|^2, |D|^2 and N conj(D), as ``real + j omega imaginary``, in powers of
     omega^2.
     """
 
+    above: FloatArray
+    m: int
+    below: FloatArray
+    n: int
+    delay: float
     above_squared: FloatArray
     below_squared: FloatArray
     real: FloatArray
     imaginary: FloatArray
-    sum: FloatArray
-    work: FloatArray
-    edges: FloatArray
-    roots: FloatArray
-    squares: FloatArray
-    both: FloatArray
-    table: FloatArray
 
 
 @lean
-def vanishes(p: FloatArray, degree: int, omega: float) -> bool:
+def square(loop: Loop) -> None:
+    """Write |N|^2, |D|^2 and N conj(D) on the axis."""
+    above, m, below, n = loop.above, loop.m, loop.below, loop.n
+    loop.above_squared[:], loop.below_squared[:] = 0.0, 0.0
+    loop.real[:], loop.imaginary[:] = 0.0, 0.0
+    add_square(above, m, loop.above_squared)
+    add_square(below, n, loop.below_squared)
+    add_on_axis(above, m, below, n, loop.real, loop.imaginary)
+
+
+@lean
+def _vanishes(p: FloatArray, degree: int, omega: float) -> bool:
     """Return whether p(j omega) is zero to rounding."""
     size = 0.0
     for k in range(degree, -1, -1):
         size = size * omega + abs(p[k])
-    return abs(value(p, degree, 1j * omega)) <= _VANISHED * size
+    height, _ = on_axis(p, degree, omega)
+    return height.real**2 + height.imag**2 <= (_VANISHED * size) ** 2
 
 
 @lean
-def without_delay(
-    above: FloatArray, m: int, below: FloatArray, n: int, room: Room, count: int, found: FloatArray
-) -> int:
-    """Write the crossings; L is real at the frequencies whose squares are in `room.squares`."""
+def _jumps(loop: Loop, omega: float) -> bool:
+    """Return whether the phase of L jumps, at a pole or zero on the axis."""
+    return _vanishes(loop.above, loop.m, omega) or _vanishes(loop.below, loop.n, omega)
+
+
+@lean
+def without_delay(loop: Loop, squares: FloatArray, count: int, found: FloatArray) -> int:
+    """Write the crossings; L is real at the frequencies with these squares."""
     total = 0
     for i in range(count):
-        omega = math.sqrt(room.squares[i])
-        if value(room.real, (m + n) // 2, room.squares[i]) >= 0.0:
-            continue
-        if vanishes(above, m, omega) or vanishes(below, n, omega):
+        omega = math.sqrt(squares[i])
+        if value(loop.real, (loop.m + loop.n) // 2, squares[i]) >= 0.0 or _jumps(loop, omega):
             continue
         if total < found.size:
-            found[total] = _exact(above, m, below, n, 0.0, omega)
+            found[total] = _exact(loop, omega)
         total += 1
     return total
 
 
 @lean
-def _exact(
-    above: FloatArray, m: int, below: FloatArray, n: int, delay: float, omega: float
-) -> float:
+def _exact(loop: Loop, omega: float) -> float:
     """Return a crossing that is nearly known, by Newton's steps on L itself.
 
     The squared polynomials lose digits where |L| is far from what its terms are.
     """
     for _ in range(_POLISH):
-        a, a_slope = value_and_slope(above, m, 1j * omega)
-        b, b_slope = value_and_slope(below, n, 1j * omega)
+        a, a_slope = on_axis(loop.above, loop.m, omega)
+        b, b_slope = on_axis(loop.below, loop.n, omega)
         a_square, b_square = a.real**2 + a.imag**2, b.real**2 + b.imag**2
-        slope = (a_slope * a.conjugate()).real / a_square - delay
+        slope = (a_slope * a.conjugate()).real / a_square - loop.delay
         slope -= (b_slope * b.conjugate()).real / b_square
         point = -a * b.conjugate()
-        phase = math.atan2(point.imag, point.real) - omega * delay
+        phase = math.atan2(point.imag, point.real) - omega * loop.delay
         step = (phase - _TURN * np.round(phase / _TURN)) / slope
         if abs(step) > _CLOSE * omega:
             break
@@ -108,83 +119,77 @@ def _exact(
 
 
 @lean
-def turning_back(
-    above: FloatArray, m: int, below: FloatArray, n: int, delay: float, room: Room
-) -> None:
-    """Write to `room.sum` the polynomial in omega^2 that is zero where the phase of L turns back.
+def turning_back(loop: Loop, total: FloatArray, table: FloatArray) -> None:
+    """Write the polynomial in omega^2 that is zero where the phase of L turns back.
 
     The phase of p(j w) rises by Re(p' conj p)/|p|^2.
     """
-    total = room.sum
+    m, n = loop.m, loop.n
     total[:] = 0.0
-    _add_rise(above, m, room.below_squared, n, 1.0, room)
-    _add_rise(below, n, room.above_squared, m, -1.0, room)
-    add_product(room.above_squared, m, room.below_squared, n, -delay, total)
+    _add_rise(loop.above, m, loop.below_squared, n, 1.0, total, table)
+    _add_rise(loop.below, n, loop.above_squared, m, -1.0, total, table)
+    add_product(loop.above_squared, m, loop.below_squared, n, -loop.delay, total)
 
 
 @lean
 def _add_rise(
-    p: FloatArray, degree: int, squared: FloatArray, order: int, sign: float, room: Room
+    p: FloatArray,
+    degree: int,
+    squared: FloatArray,
+    order: int,
+    sign: float,
+    total: FloatArray,
+    table: FloatArray,
 ) -> None:
-    """Add sign Re(p' conj p) times a squared size to `room.sum`."""
+    """Add sign Re(p' conj p) times a squared size to the total."""
     if degree == 0:
         return
-    slope, even, odd = room.table[0], room.table[1], room.table[2]
+    slope, even, odd = table[0], table[1], table[2]
     even[:] = 0.0
     for j in range(degree):
         slope[j] = (j + 1) * p[j + 1]
     add_on_axis(slope, degree - 1, p, degree, even, odd)
-    add_product(even, degree - 1, squared, order, sign, room.sum)
+    add_product(even, degree - 1, squared, order, sign, total)
 
 
 @lean
-def with_delay(
-    above: FloatArray,
-    m: int,
-    below: FloatArray,
-    n: int,
-    delay: float,
-    room: Room,
-    count: int,
-    end: float,
-    found: FloatArray,
-) -> int:
+def with_delay(loop: Loop, both: FloatArray, count: int, end: float, found: FloatArray) -> int:
     """Write the crossings up to `end` and return how many there are.
 
-    The phase is monotone between the frequencies whose squares are in `room.both`.
+    The phase is monotone between the frequencies with these squares.
     """
     total = 0
-    left = _FIRST * (math.sqrt(room.both[0]) if count > 0 else end)
+    left = _FIRST * (math.sqrt(both[0]) if count > 0 else end)
     beside = left
     for i in range(count + 1):
-        right = min(math.sqrt(room.both[i]), end) if i < count else end
+        right = min(math.sqrt(both[i]), end) if i < count else end
         if right <= left:
             continue
-        low, high, left, beside = beside, right, right, right
-        if vanishes(above, m, right) or vanishes(below, n, right):
+        low, high, left, beside = beside, right, right, max(beside, right)
+        if _jumps(loop, right):
             high, beside = right * (1.0 - _BESIDE), right * (1.0 + _BESIDE)
-        side = -1.0 if value(room.imaginary, (m + n) // 2, low * high) > 0.0 else 1.0
-        begin, _ = _turned(room, m + n, delay, side, low)
-        stop, _ = _turned(room, m + n, delay, side, high)
+        if high <= low:  # a double root of what is zero at a jump
+            continue
+        side = -1.0 if value(loop.imaginary, (loop.m + loop.n) // 2, low * high) > 0.0 else 1.0
+        begin, _ = _turned(loop, side, low)
+        stop, _ = _turned(loop, side, high)
         slope = (stop - begin) / (high - low)
         falling = slope < 0.0
         least = math.floor(min(begin, stop) / _TURN) + 1
         most = math.floor(max(begin, stop) / _TURN)
         for j in range(most - least + 1):
             target = _TURN * (most - j if falling else least + j)
-            low, slope = _alone(room, m + n, delay, side, target, begin, slope, low, high)
+            low, slope = _alone(loop, side, target, begin, slope, low, high)
             begin = target
             if total < found.size:
-                found[total] = _exact(above, m, below, n, delay, low)
+                found[total] = _exact(loop, low)
             total += 1
     return total
 
 
 @lean
 def _alone(
-    room: Room,
-    order: int,
-    delay: float,
+    loop: Loop,
     side: float,
     target: float,
     begin: float,
@@ -198,7 +203,7 @@ def _alone(
     if not low < omega < high:
         omega = 0.5 * (low + high)
     for _ in range(_STEPS):
-        phase, slope = _turned(room, order, delay, side, omega)
+        phase, slope = _turned(loop, side, omega)
         if (phase > target) == falling:
             low = omega
         else:
@@ -215,33 +220,38 @@ def _alone(
 
 
 @lean
-def _turned(room: Room, order: int, delay: float, side: float, omega: float) -> Any:
+def _turned(loop: Loop, side: float, omega: float) -> Any:
     """Return the phase of -L [rad] on one side of the real axis, turned back by the delay."""
-    x = omega * omega
-    real, real_slope = value_and_slope(room.real, order // 2, x)
-    part, part_slope = value_and_slope(room.imaginary, order // 2, x)
+    x, degree = omega * omega, (loop.m + loop.n) // 2
+    real, real_slope = value_and_slope(loop.real, degree, x)
+    part, part_slope = value_and_slope(loop.imaginary, degree, x)
     phase = side * math.atan2(omega * abs(part), -real)
     rise = real * (part + 2.0 * x * part_slope) - 2.0 * x * part * real_slope
-    return phase - omega * delay, rise / (real * real + x * part * part) - delay
+    return phase - omega * loop.delay, rise / (real * real + x * part * part) - loop.delay
 
 
 @lean
-def end_of_turns(below: FloatArray, n: int, delay: float, room: Room) -> float:
-    """Return how far [rad/s] the turns of a delay are followed, as the numpy twin."""
-    furthest = 0.0
+def growing_quiet(loop: Loop, total: FloatArray) -> None:
+    """Write the polynomial in omega^2 that is positive where |L| is below `QUIET`."""
+    for k in range(total.size):
+        total[k] = QUIET * QUIET * loop.below_squared[k] - loop.above_squared[k]
+
+
+@lean
+def end_of_turns(loop: Loop, last: float) -> float:
+    """Return how far [rad/s] the turns of a delay are followed, as the numpy twin.
+
+    Beyond `last` [rad/s] the loop is quiet.
+    """
+    below, n, furthest = loop.below, loop.n, 0.0
     for k in range(n):
         furthest = max(furthest, abs(below[k] / below[n]) ** (1.0 / (n - k)))
-    quiet = room.sum
-    for k in range(quiet.size):
-        quiet[k] = QUIET * QUIET * room.below_squared[k] - room.above_squared[k]
-    count = positive_roots(quiet, room.work, room.edges, room.roots)
-    last = math.sqrt(room.roots[count - 1]) if count > 0 else 0.0
     end = max(last, 2.0 * PAST * furthest)
-    return min(end + MORE * STEP / delay, MOST * STEP / delay)
+    return min(end + MORE * STEP / loop.delay, MOST * STEP / loop.delay)
 
 
 @lean
-def merged(first: FloatArray, m: int, second: FloatArray, n: int, both: FloatArray) -> int:
+def merge(first: FloatArray, m: int, second: FloatArray, n: int, both: FloatArray) -> int:
     """Write two rising rows as one and return its length."""
     i, k = 0, 0
     while i < m or k < n:

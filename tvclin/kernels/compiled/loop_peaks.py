@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels.compiled.compiler import lean
-from tvclin.kernels.compiled.polynomials import degree_of, rough_roots, value_and_slope
+from tvclin.kernels.compiled.polynomials import degree_of, on_axis, rough_roots
 from tvclin.kernels.loop_peaks import AT_INFINITY
 
 FloatArray = NDArray[np.float64]
@@ -122,9 +122,8 @@ def _settled(here: FloatArray, tops: FloatArray) -> bool:
 @lean
 def _parts(above: FloatArray, m: int, below: FloatArray, n: int, delay: float, omega: float) -> Any:
     """Return numerator, with the delay, and denominator at j omega, each with its slope in s."""
-    s = 1j * omega
-    a, a_slope = value_and_slope(above, m, s)
-    b, b_slope = value_and_slope(below, n, s)
+    a, a_slope = on_axis(above, m, omega)
+    b, b_slope = on_axis(below, n, omega)
     if delay > 0.0:
         late = complex(math.cos(omega * delay), -math.sin(omega * delay))
         a_slope = (a_slope - delay * a) * late

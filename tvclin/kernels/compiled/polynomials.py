@@ -1,7 +1,6 @@
 """Polynomials with real coefficients, the constant first, one at a time and without memory."""
 
 import cmath
-import math
 from typing import Any
 
 import numpy as np
@@ -11,13 +10,8 @@ from tvclin.kernels.compiled.compiler import lean
 
 FloatArray = NDArray[np.float64]
 
-_STEPS = 200
-_LAST = 1e-11
-"""After so small a step of Newton, over the root, it is exact: Newton squares what is left."""
 _ROUGH = 1e-8
 """A step of so small a part of a root ends the search for a rough one."""
-CHOOSE = np.array([[float(math.comb(n, k)) for k in range(32)] for n in range(32)])
-"""Binomial coefficients, for derivatives."""
 
 
 @lean
@@ -30,23 +24,37 @@ def degree_of(p: FloatArray) -> int:
 
 
 @lean
-def value(p: FloatArray, degree: int, s: Any) -> Any:
-    """Return the value at s, real or complex."""
-    result = p[degree] + 0.0 * s
+def value(p: FloatArray, degree: int, x: float) -> float:
+    """Return the value at x."""
+    result = p[degree]
     for k in range(degree - 1, -1, -1):
-        result = result * s + p[k]
+        result = result * x + p[k]
     return result
 
 
 @lean
-def value_and_slope(p: FloatArray, degree: int, s: Any) -> Any:
-    """Return the value and the derivative at s, real or complex."""
-    result = p[degree] + 0.0 * s
-    slope = 0.0 * s
+def value_and_slope(p: FloatArray, degree: int, x: float) -> Any:
+    """Return the value and the derivative at x."""
+    result, slope = p[degree], 0.0
     for k in range(degree - 1, -1, -1):
-        slope = slope * s + result
-        result = result * s + p[k]
+        slope = slope * x + result
+        result = result * x + p[k]
     return result, slope
+
+
+@lean
+def on_axis(p: FloatArray, degree: int, omega: float) -> Any:
+    """Return the value and the derivative at j omega, from the even and the odd powers."""
+    x, even_degree = -omega * omega, degree - degree % 2
+    even, even_slope = p[even_degree], 0.0
+    odd, odd_slope = p[degree] if degree % 2 else 0.0, 0.0
+    for k in range(even_degree - 2, -1, -2):
+        even_slope = even_slope * x + even
+        even = even * x + p[k]
+        odd_slope = odd_slope * x + odd
+        odd = odd * x + p[k + 1]
+    slope = complex(odd + 2.0 * x * odd_slope, 2.0 * omega * even_slope)
+    return complex(even, omega * odd), slope
 
 
 @lean
@@ -76,105 +84,14 @@ def add_on_axis(
 
 
 @lean
-def positive_roots(p: FloatArray, work: FloatArray, edges: FloatArray, roots: FloatArray) -> int:
-    """Write the positive roots at which p changes its sign, rising, and return their number.
-
-    Between two roots of a derivative there is at most one of the polynomial. So the roots of
-    all derivatives are found in turn, from the highest that has one root at most by the rule of
-    Descartes; nothing can be missed or found twice.
-    """
-    last = degree_of(p)
-    first = 0
-    while first < last and p[first] == 0.0:
-        first += 1
-    level, changes, positive = last - first, 0, p[last] > 0.0
-    for j in range(last - 1, first - 1, -1):
-        if p[j] != 0.0 and (p[j] > 0.0) != positive:
-            if changes == 1:
-                break
-            changes, positive = 1, not positive
-        level = j - first
-    if changes == 0:
-        return 0
-    count = 0
-    for k in range(level, -1, -1):
-        degree = last - first - k
-        for j in range(degree + 1):
-            work[j] = p[first + k + j] * CHOOSE[k + j, k]
-        for j in range(count):
-            edges[j] = roots[j]
-        count = _between(work, degree, edges, count, roots)
-    return count
-
-
-@lean
-def _between(p: FloatArray, degree: int, edges: FloatArray, count: int, roots: FloatArray) -> int:
-    """Write the positive roots between the edges, of which each part has one at most."""
-    lowest = 0
-    while lowest < degree and p[lowest] == 0.0:
-        lowest += 1
-    found, left, left_positive = 0, 0.0, p[lowest] > 0.0
-    for i in range(count + 1):
-        right, right_positive = math.inf, p[degree] > 0.0
-        if i < count:
-            right = edges[i]
-            height = value(p, degree, right)
-            right_positive = left_positive if height == 0.0 else height > 0.0
-        if right_positive != left_positive:
-            if right == math.inf:
-                guess = abs(p[lowest] / p[degree]) ** (1.0 / (degree - lowest))
-                left, right = _beyond(p, degree, left, max(guess, left), right_positive)
-            if left == 0.0:
-                left, right = _below(p, degree, right, left_positive)
-            roots[found] = _root(p, degree, left, right, right_positive)
-            found += 1
-        left, left_positive = right, right_positive
-    return found
-
-
-@lean
-def _beyond(p: FloatArray, degree: int, low: float, guess: float, positive: bool) -> Any:
-    """Return a bracket above `low`, beyond which p has the sign it has at infinity."""
-    high = guess if guess > low else 2.0 * low
-    for _ in range(_STEPS):
-        if (value(p, degree, high) > 0.0) == positive:
-            break
-        low, high = high, 4.0 * high
-    return low, high
-
-
-@lean
-def _below(p: FloatArray, degree: int, high: float, positive: bool) -> Any:
-    """Return a bracket below `high`, below which p has the sign it has at zero."""
-    low = 0.25 * high
-    for _ in range(_STEPS):
-        if (value(p, degree, low) > 0.0) == positive:
-            break
-        low, high = 0.25 * low, low
-    return low, high
-
-
-@lean
-def _root(p: FloatArray, degree: int, low: float, high: float, rising: bool) -> float:
-    """Return the one root in between, by Newton's steps; bisection where they lead out."""
-    x = math.sqrt(low * high)
-    for _ in range(_STEPS):
-        height, slope = value_and_slope(p, degree, x)
-        if height == 0.0:
-            return x
-        if (height > 0.0) == rising:
-            high = x
-        else:
-            low = x
-        new = x - height / slope
-        if abs(new - x) <= _LAST * x:
-            return new
-        if not low < new < high:
-            new = math.sqrt(low * high)
-            if new in (low, high):
-                return new
-        x = new
-    return x
+def add_square(p: FloatArray, degree: int, square: FloatArray) -> None:
+    """Add |p(j w)|^2 in powers of w^2."""
+    for i in range(degree + 1):
+        square[i] += p[i] * p[i]
+        sign = -2.0
+        for j in range(1, min(i, degree - i) + 1):
+            square[i] += sign * p[i - j] * p[i + j]
+            sign = -sign
 
 
 @lean

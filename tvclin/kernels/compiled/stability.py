@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels.compiled.compiler import lean
-from tvclin.kernels.compiled.polynomials import value_and_slope
+from tvclin.kernels.compiled.polynomials import on_axis
 from tvclin.kernels.stability import CLOSE, STEPS
 
 FloatArray = NDArray[np.float64]
@@ -77,8 +77,8 @@ def _has_slow_root(p: FloatArray, degree: int) -> bool:
 def polished(above: FloatArray, m: int, below: FloatArray, n: int, omega: float) -> float:
     """Return a gain crossover after Newton's steps on ln |L| itself, as the numpy twin."""
     for _ in range(STEPS):
-        a, a_slope = value_and_slope(above, m, 1j * omega)
-        b, b_slope = value_and_slope(below, n, 1j * omega)
+        a, a_slope = on_axis(above, m, omega)
+        b, b_slope = on_axis(below, n, omega)
         a_square, b_square = a.real**2 + a.imag**2, b.real**2 + b.imag**2
         growth = (b_slope * b.conjugate()).imag / b_square
         growth -= (a_slope * a.conjugate()).imag / a_square
