@@ -7,6 +7,7 @@ import numba
 
 _OPTIONS: Any = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 """Other threads run beside; a division by zero is numpy's; a product and a sum round once."""
+_LEAN: Any = {**_OPTIONS, "_nrt": False}
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -15,10 +16,19 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     The machine code is kept beside the source, or in the user's cache; where neither can be
     written it is compiled anew in each process.
     """
+    return _kept(function, _OPTIONS)
+
+
+def compiled_lean(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile like `compiled` what makes no arrays, as `lean`: Python brings all of them."""
+    return _kept(function, _LEAN)
+
+
+def _kept(function: Callable[..., Any], options: Any) -> Callable[..., Any]:
     try:
-        return numba.njit(cache=True, **_OPTIONS)(function)
+        return numba.njit(cache=True, **options)(function)
     except RuntimeError:  # no place for a cache
-        return numba.njit(**_OPTIONS)(function)
+        return numba.njit(**options)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -32,17 +42,15 @@ def lean(function: Callable[..., Any]) -> Callable[..., Any]:
     Nobody counts the views it takes of arrays, which would take longer than what is done with
     them; and its machine code is kept with that of its callers.
     """
-    options: Any = {**_OPTIONS, "_nrt": False}
-    return numba.njit(**options)(function)
+    return numba.njit(**_LEAN)(function)
 
 
 def merged(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile like `lean`, and into the caller: for what takes many arrays, and is called once."""
-    options: Any = {**_OPTIONS, "_nrt": False, "forceinline": True}
-    return numba.njit(**options)(function)
+    return numba.njit(forceinline=True, **_LEAN)(function)
 
 
 def unfused(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile like `lean`, but let products and sums round as in numpy."""
-    options: Any = {**_OPTIONS, "fastmath": False, "_nrt": False}
+    options: Any = {**_LEAN, "fastmath": False}
     return numba.njit(**options)(function)

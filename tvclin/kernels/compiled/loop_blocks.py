@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled, lean
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.loop_crossings import (
     Loop,
     end_of_turns,
@@ -20,7 +20,6 @@ from tvclin.kernels.compiled.loop_crossings import (
     with_delay,
     without_delay,
 )
-from tvclin.kernels.compiled.loop_peaks import peaks_of_one
 from tvclin.kernels.compiled.polynomials import degree_of, on_axis
 from tvclin.kernels.compiled.positive_roots import SIZE, Searches, positive_roots, searches
 from tvclin.kernels.compiled.stability import UNSURE, moved_by_delay, polished, unstable_roots
@@ -65,32 +64,35 @@ class Room(NamedTuple):
     ends: FloatArray
     both: FloatArray
     table: FloatArray
+    poles: NDArray[np.complex128]
     work: Searches
 
 
-@compiled
-def block_room() -> Room:
+def new_room() -> Room:
     """Return room for a block."""
     rows, counts = np.zeros((7, BLOCK, SIZE)), np.zeros((2, BLOCK), dtype=np.intp)
+    above, below, real, imaginary, total, roots, squares = rows
+    both, table, poles = np.zeros(2 * SIZE), np.zeros((4, SIZE)), np.zeros(3 * SIZE, complex)
     return Room(
-        rows[0],
-        rows[1],
-        rows[2],
-        rows[3],
-        rows[4],
-        rows[5],
-        counts[0],
-        rows[6],
-        counts[1],
-        np.zeros(BLOCK),
-        np.zeros(2 * SIZE),
-        np.zeros((4, SIZE)),
-        searches(BLOCK),
+        above_squared=above,
+        below_squared=below,
+        real=real,
+        imaginary=imaginary,
+        sum=total,
+        roots=roots,
+        counts=counts[0],
+        squares=squares,
+        real_counts=counts[1],
+        ends=np.zeros(BLOCK),
+        both=both,
+        table=table,
+        poles=poles,
+        work=searches(BLOCK),
     )
 
 
 @lean
-def _loop(parts: Parts, case: int, room: Room, i: int) -> Loop:
+def loop_of(parts: Parts, case: int, room: Room, i: int) -> Loop:
     """Return a loop, the i-th of its block."""
     above, below = parts[0][case], parts[1][case]
     return Loop(
@@ -107,22 +109,7 @@ def _loop(parts: Parts, case: int, room: Room, i: int) -> Loop:
 
 
 @lean
-def block_crossings(parts: Parts, start: int, count: int, room: Room, found: Found) -> None:
-    """Write the results of a block of loops."""
-    for i in range(count):
-        found.poles[start + i] = _begun(_loop(parts, start + i, room, i), room, i)
-    positive_roots(room.sum, count, room.work, room.roots, room.counts)
-    for i in range(count):
-        loop = _loop(parts, start + i, room, i)
-        found.poles[start + i] = _gain_crossings(loop, room, i, found, start + i)
-    positive_roots(room.imaginary, count, room.work, room.squares, room.real_counts)
-    _turns(parts, start, count, room)
-    for i in range(count):
-        _phase_crossings(_loop(parts, start + i, room, i), room, i, found, start + i)
-
-
-@lean
-def _begun(loop: Loop, room: Room, i: int) -> int:
+def begun(loop: Loop, room: Room, i: int) -> int:
     """Write the polynomials of a loop and return the unstable poles that it has without delay."""
     square(loop)
     total, n = room.sum[i], loop.n
@@ -143,7 +130,7 @@ def _begun(loop: Loop, room: Room, i: int) -> int:
 
 
 @lean
-def _gain_crossings(loop: Loop, room: Room, i: int, found: Found, case: int) -> int:
+def gain_crossings(loop: Loop, room: Room, i: int, found: Found, case: int) -> int:
     """Write where |L| = 1 and the phase left there; return the number of unstable poles."""
     poles, count = found.poles[case], room.counts[i]
     found.crossed[case] = count
@@ -166,16 +153,12 @@ def _gain_crossings(loop: Loop, room: Room, i: int, found: Found, case: int) -> 
 
 
 @lean
-def _turns(parts: Parts, start: int, count: int, room: Room) -> None:
+def turns(parts: Parts, start: int, count: int, room: Room) -> None:
     """Write how far the turns of delays are followed, and where the phase of loops turns back."""
-    latest = 0.0
-    for i in range(count):
-        latest = max(latest, parts[2][start + i])
-    if latest == 0.0:
+    if not ends(parts, start, count, room):
         return
-    _ends(parts, start, count, room)
     for i in range(count):
-        loop = _loop(parts, start + i, room, i)
+        loop = loop_of(parts, start + i, room, i)
         if loop.delay > 0.0:
             turning_back(loop, room.sum[i], room.table)
         else:
@@ -184,19 +167,27 @@ def _turns(parts: Parts, start: int, count: int, room: Room) -> None:
 
 
 @lean
-def _ends(parts: Parts, start: int, count: int, room: Room) -> None:
-    """Write how far [rad/s] the turns of delays are followed; infinite without a delay."""
+def ends(parts: Parts, start: int, count: int, room: Room) -> bool:
+    """Write how far [rad/s] the turns of delays are followed; return whether there are any."""
+    late = False
     for i in range(count):
-        growing_quiet(_loop(parts, start + i, room, i), room.sum[i])
-    positive_roots(room.sum, count, room.work, room.roots, room.counts)
+        room.ends[i], room.sum[i, :] = math.inf, 0.0
+        loop = loop_of(parts, start + i, room, i)
+        if loop.delay > 0.0:
+            late = True
+            growing_quiet(loop, room.sum[i])
+    if late:
+        positive_roots(room.sum, count, room.work, room.roots, room.counts)
     for i in range(count):
-        loop, roots = _loop(parts, start + i, room, i), room.counts[i]
-        last = math.sqrt(room.roots[i, roots - 1]) if roots > 0 else 0.0
-        room.ends[i] = end_of_turns(loop, last) if loop.delay > 0.0 else math.inf
+        loop, roots = loop_of(parts, start + i, room, i), room.counts[i]
+        if loop.delay > 0.0:
+            last = math.sqrt(room.roots[i, roots - 1]) if roots > 0 else 0.0
+            room.ends[i] = end_of_turns(loop, last)
+    return late
 
 
 @lean
-def _phase_crossings(loop: Loop, room: Room, i: int, found: Found, case: int) -> None:
+def phase_crossings(loop: Loop, room: Room, i: int, found: Found, case: int) -> None:
     """Write where L is real and negative, and the factor that makes it -1."""
     if found.poles[case] == UNSURE:
         return
@@ -217,22 +208,3 @@ def _phase_crossings(loop: Loop, room: Room, i: int, found: Found, case: int) ->
         b, _ = on_axis(loop.below, loop.n, places[j])
         squared = (b.real**2 + b.imag**2) / (a.real**2 + a.imag**2)
         factors[j] = math.sqrt(squared)
-
-
-@lean
-def block_peaks(
-    parts: Parts,
-    start: int,
-    count: int,
-    room: Room,
-    roots: NDArray[np.complex128],
-    tops: FloatArray,
-) -> None:
-    """Write the peaks of a block of loops."""
-    for i in range(count):
-        square(_loop(parts, start + i, room, i))
-    _ends(parts, start, count, room)
-    for i in range(count):
-        loop = _loop(parts, start + i, room, i)
-        end, top = room.ends[i], tops[start + i]
-        peaks_of_one(loop.above, loop.below, loop.delay, end, room.table, roots, top)

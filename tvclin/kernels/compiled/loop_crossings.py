@@ -145,7 +145,7 @@ def _add_rise(
     if degree == 0:
         return
     slope, even, odd = table[0], table[1], table[2]
-    even[:] = 0.0
+    even[:], odd[:] = 0.0, 0.0
     for j in range(degree):
         slope[j] = (j + 1) * p[j + 1]
     add_on_axis(slope, degree - 1, p, degree, even, odd)

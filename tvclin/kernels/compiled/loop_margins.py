@@ -1,30 +1,40 @@
 """Compiled twin of `kernels.loop_margins`: block by block, the cases in slices over threads."""
 
+from threading import local
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled
+from tvclin.kernels.compiled.compiler import compiled_lean
 from tvclin.kernels.compiled.loop_blocks import (
     BLOCK,
     Found,
     Parts,
-    block_crossings,
-    block_peaks,
-    block_room,
+    Room,
+    begun,
+    ends,
+    gain_crossings,
+    loop_of,
+    new_room,
+    phase_crossings,
+    turns,
 )
-from tvclin.kernels.compiled.positive_roots import SIZE
+from tvclin.kernels.compiled.loop_crossings import square
+from tvclin.kernels.compiled.loop_peaks import peaks_of_one
+from tvclin.kernels.compiled.positive_roots import positive_roots
 from tvclin.kernels.compiled.stability import UNSURE
 from tvclin.kernels.rational import Rational
 from tvclin.kernels.threads import in_slices
 
 FloatArray = NDArray[np.float64]
 
-_CROSSINGS, _PEAKS = 3e-6, 1e-5
+_CROSSINGS, _PEAKS = 1e-6, 7e-6
 """About what one loop takes [s]."""
 _WIDTH = 16
 """Phase crossings for which there is room at first."""
+_rooms = local()
+"""Each thread makes its room once."""
 
 
 def loop_crossings(loop: Rational) -> tuple[list[NDArray[Any]], NDArray[np.bool_]]:
@@ -56,7 +66,7 @@ def _found(parts: Parts, width: int) -> Found:
     places, factors = np.full((2, cases, width), np.nan)
     found = Found(poles, gains, phases, places, factors, crossed, needed)
     in_slices(
-        lambda first, last: _crossings(first, last, parts, found),
+        lambda first, last: _crossings(first, last, parts, _room(), found),
         cases,
         _CROSSINGS * cases,
     )
@@ -68,11 +78,19 @@ def loop_peaks(loop: Rational) -> FloatArray:
     parts = _ascending(loop)
     tops = np.empty((len(loop.delay), 3, 2))
     in_slices(
-        lambda first, last: _peaks(first, last, parts, tops),
+        lambda first, last: _peaks(first, last, parts, _room(), tops),
         len(loop.delay),
         _PEAKS * len(loop.delay),
     )
     return np.moveaxis(tops, 0, -1)
+
+
+def _room() -> Room:
+    """Return where this thread works."""
+    if not hasattr(_rooms, "room"):
+        _rooms.room = new_room()
+    room: Room = _rooms.room
+    return room
 
 
 def _ascending(loop: Rational) -> Parts:
@@ -82,16 +100,31 @@ def _ascending(loop: Rational) -> Parts:
     return above, below, delay
 
 
-@compiled
-def _crossings(first: int, last: int, parts: Parts, found: Found) -> None:
-    room = block_room()
+@compiled_lean
+def _crossings(first: int, last: int, parts: Parts, room: Room, found: Found) -> None:
     for start in range(first, last, BLOCK):
-        block_crossings(parts, start, min(BLOCK, last - start), room, found)
+        count = min(BLOCK, last - start)
+        for i in range(count):
+            found.poles[start + i] = begun(loop_of(parts, start + i, room, i), room, i)
+        positive_roots(room.sum, count, room.work, room.roots, room.counts)
+        for i in range(count):
+            loop = loop_of(parts, start + i, room, i)
+            found.poles[start + i] = gain_crossings(loop, room, i, found, start + i)
+        positive_roots(room.imaginary, count, room.work, room.squares, room.real_counts)
+        turns(parts, start, count, room)
+        for i in range(count):
+            phase_crossings(loop_of(parts, start + i, room, i), room, i, found, start + i)
 
 
-@compiled
-def _peaks(first: int, last: int, parts: Parts, tops: FloatArray) -> None:
-    room = block_room()
-    roots = np.zeros(3 * SIZE, dtype=np.complex128)
+@compiled_lean
+def _peaks(first: int, last: int, parts: Parts, room: Room, tops: FloatArray) -> None:
     for start in range(first, last, BLOCK):
-        block_peaks(parts, start, min(BLOCK, last - start), room, roots, tops)
+        count = min(BLOCK, last - start)
+        for i in range(count):
+            if parts[2][start + i] > 0.0:
+                square(loop_of(parts, start + i, room, i))
+        ends(parts, start, count, room)
+        for i in range(count):
+            loop, end = loop_of(parts, start + i, room, i), room.ends[i]
+            above, below, delay, top = loop.above, loop.below, loop.delay, tops[start + i]
+            peaks_of_one(above, below, delay, end, room.table, room.poles, top)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.compiled.compiler import compiled, lean
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.polynomials import degree_of, value
 
 FloatArray = NDArray[np.float64]
@@ -51,7 +51,6 @@ class Searches(NamedTuple):
     changes: IntArray
 
 
-@compiled
 def searches(cases: int) -> Searches:
     """Return room for searches for roots of so many polynomials."""
     terms, rows = np.zeros(SIZE * LANES), np.zeros(9 * LANES)

@@ -38,16 +38,18 @@ def unstable_roots(p: FloatArray, degree: int, table: FloatArray) -> int:
         table[k & 1, k // 2] = p[degree - k]
         table[2 + (k & 1), k // 2] = _DOUBT * abs(p[degree - k])
     count, upper, lower = 0, 0, 1
-    for _ in range(degree):
+    for row in range(degree):
         a, b = table[upper, 0], table[lower, 0]
         loose = table[2 + lower, 0]
         if abs(b) <= loose:
             return UNSURE
         if (a > 0.0) != (b > 0.0):
             count += 1
-        ratio = a / b
+        inverse = 1.0 / b
+        ratio = a * inverse
         size = abs(ratio)
-        blur = size * (table[2 + upper, 0] / abs(a) + loose / abs(b))
+        blur = (table[2 + upper, 0] + size * loose) * abs(inverse)
+        width = (degree - row) // 2
         for j in range(width):
             x, y = table[upper, j + 1], table[lower, j + 1]
             table[upper, j] = x - ratio * y
@@ -57,6 +59,7 @@ def unstable_roots(p: FloatArray, degree: int, table: FloatArray) -> int:
                 + abs(y) * blur
                 + _DOUBT * (abs(x) + size * abs(y))
             )
+        table[upper, width], table[2 + upper, width] = 0.0, 0.0
         upper, lower = lower, upper
     return count
 
