@@ -85,6 +85,21 @@ def test_twins_agree_on_loops_of_the_first_order_and_without_crossings():
     assert_same(*both(Loop([0.1], [1.0, 3.0, 2.0], [0.0, 0.01, 100.0])))
 
 
+def test_a_pole_or_zero_on_the_axis_is_no_crossing_of_a_delayed_loop():
+    """Beside it the phase turns back twice, within rounding."""
+    above = [[2.5, 0, 168.0], [1.2, 0, 88.56], [3.0, 0, 146.4], [2.4, 0, 65.52]]
+    below = [
+        [1, 5.3, 88.7, 470.11, 113.62, 602.186],
+        [1, 7.8, 103.7, 754.82, 748.02, 652.12],
+        [1, 6.1, 63.9, 389.79, 31.7, 193.37],
+        [1, 9.6, 45.1, 349.4, 340.8, 305.3],
+    ]
+    loop = Loop(np.pad(above, [(0, 0), (3, 0)]), below, [0.2, 0.5, 0.2, 0.2])
+    for found in both(loop):
+        factors = found.crossings.gain_factors
+        assert np.all((factors > 1e-6) & (factors < 1e7) | np.isnan(factors))
+
+
 def test_what_is_marginal_is_so_for_both():
     edge = Loop([[0, 1.0], [0.5, 0.0]], [[1.0, 0.0, 1.0], [1.0, -0.5, 4.0]], 0.0)
     for found in both(edge):
