@@ -5,7 +5,7 @@ before. So sixteen searches go side by side, of whatever polynomials have one to
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ IntArray = NDArray[np.intp]
 SIZE = 32
 """Room for the coefficients of the longest polynomial: of order 23, for a loop of order 12."""
 LANES = 16
+"""Searches side by side."""
 _ALL = np.uint64(LANES)
 _TOGETHER = 4
 """Coefficients that are added in one loop over the lanes; they divide `SIZE`."""
@@ -252,7 +253,7 @@ def _step(rows: FloatArray) -> int:
         stuck = (half == low) | (half == high)
         new = new if near | inside else half
         new = x if height == 0.0 else new
-        ended = near | (height == 0.0) | (stuck & ~inside)
+        ended = near | (height == 0.0) | (stuck & (not inside))
         sought = rows[_SOUGHT + i]
         rows[_PLACE + i] = new if sought > 0.0 else x
         rows[_LOW + i], rows[_HIGH + i] = low, high
@@ -263,7 +264,7 @@ def _step(rows: FloatArray) -> int:
 
 
 @lean
-def _half(low: float, high: float) -> Any:
+def _half(low: float, high: float) -> float:
     """Return a place between two bounds, zero and infinity included."""
     middle = math.sqrt(low * high)
     middle = 4.0 * low if high == math.inf else middle
