@@ -8,7 +8,9 @@ from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.closed_loop.fates import judging_rows
 from tvclin.closed_loop.gusts import polynomial_pieces
 from tvclin.closed_loop.step_matrices import exponentials
+from tvclin.kernels import flight_table as table
 from tvclin.kernels.choice import available, pinned
+from tvclin.kernels.series import exits
 from tvclin.recoverable import unstable_coordinates
 
 VEHICLE = tv.load_vehicle("configuration-i")
@@ -94,6 +96,30 @@ def test_a_case_does_not_depend_on_its_batch(name, options, compiled):
         few = flown(part(every, np.array([66, 2, 30])), until=until, **options)
     np.testing.assert_array_equal(fields(mixed), fields(whole)[:, order])
     np.testing.assert_array_equal(fields(few), fields(whole)[:, [66, 2, 30]])
+
+
+@EACH_TWIN
+@pytest.mark.parametrize("off", [0.0, 1e-16, -1e-16])
+def test_a_flight_that_turns_away_from_its_limit_leaves_when_it_comes_back(off, compiled):
+    """Rounding puts the start on either side of the limit; left at once, it would stay for ever."""
+    powers, step = np.array([1.0 + off, -1.0, 3.0]), 1.0
+    if compiled:
+        from tvclin.kernels.compiled import arc_events, lanes
+
+        s, w = np.zeros(lanes.SERIES_SIZE), np.zeros(lanes.SIZE)
+        for k, c in enumerate(powers):
+            s[lanes.at(lanes.DEMAND, k)] = c
+        w[lanes.row(lanes.STEP)] = step
+        w[lanes.row(lanes.VALUE + lanes.DEMAND)] = powers.sum()
+        w[lanes.row(lanes.SLOPE + lanes.DEMAND)] = powers[1] + 2.0 * powers[2]
+        when, side = arc_events._exit(s, w, lanes.DEMAND, np.uint64(0), -1.0, 1.0)
+    else:
+        c = np.zeros((table.ORDER + 1, 1))
+        c[:3, 0] = powers
+        one = np.ones(1)
+        (when,), (side,) = exits(c, step * one, -one, one)
+    assert side == 1.0
+    assert when == pytest.approx(1.0 / 3.0, rel=1e-9)
 
 
 def test_threads_change_nothing(monkeypatch):

@@ -16,6 +16,7 @@ from tvclin.kernels import flight_table as table
 from tvclin.kernels.choice import compiled_twin
 from tvclin.kernels.flight_table import FlightTable, FloatArray
 from tvclin.kernels.law_demand import judged, switched
+from tvclin.kernels.ringing import RINGING, ringing, settled
 from tvclin.kernels.series import Series, exits, jet, lengths, summits, taylor
 from tvclin.kernels.threads import in_slices
 
@@ -47,18 +48,21 @@ def linear_flights(flights: FlightTable) -> FloatArray:
 class _State:
     """Where flights are, the case last.
 
-    States of plant, nozzle and law ``(7, m)``, coefficients of the wind, the regions of command,
-    stop and rate limit (one side, the other, or zero), times, sizes and fate.
+    The ringing of the nozzles, states of plant, nozzle and law ``(7, m)``, coefficients of the
+    wind, the regions of command, stop and rate limit (one side, the other, or zero), times (now,
+    left to the next stop, of the next look), sizes and fate.
     """
 
     case: NDArray[np.intp]
     rows: FloatArray
     which: NDArray[np.int64]
+    own: NDArray[np.complex128]
     y: FloatArray
     wind: FloatArray
     regions: FloatArray
     now: FloatArray
     left: FloatArray
+    look: FloatArray
     trial: FloatArray
     quiet: FloatArray
     full: FloatArray
@@ -81,12 +85,8 @@ def _fly(flights: FlightTable, out: FloatArray) -> None:
         if not state.case.size:
             return
         state = _stepped(flights, state)
-        fate, quiet = judged(state.rows, state.y[:4], state.now, state.fate, state.quiet)
-        state = replace(state, fate=fate, quiet=quiet)
-        known = (state.fate != table.UNDECIDED) | (
-            state.now >= state.rows[table.END] + state.rows[table.PATIENCE]
-        )
-        ended = (state.now >= state.rows[table.UNTIL]) | (known & np.isinf(state.rows[table.UNTIL]))
+        ended = np.isinf(state.look) & np.isinf(state.rows[table.UNTIL])
+        ended |= state.now >= state.rows[table.UNTIL]
         if np.any(ended):
             _write(out, state.take(ended), begin)
             state = state.take(~ended)
@@ -95,11 +95,15 @@ def _fly(flights: FlightTable, out: FloatArray) -> None:
 
 def _begun(flights: FlightTable) -> _State:
     m = flights.which.size
-    zero = np.zeros(m)
+    zero, own = np.zeros(m), np.zeros((RINGING, m), complex)
+    if flights.servo == 2:
+        own = np.array(ringing(flights.rows))
+    end = flights.rows[table.END]
+    look = np.where(np.isnan(flights.rows[table.REACH]), np.inf, end)
     state = _State(
-        np.arange(m), flights.rows, flights.which,
+        np.arange(m), flights.rows, flights.which, own,
         np.zeros((7, m)), np.zeros((flights.wind.shape[2], m)), np.zeros((3, m)),
-        zero, zero.copy(), np.full(m, table.BEGIN), flights.rows[table.END].copy(), zero.copy(),
+        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), zero.copy(),
         np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
     )  # fmt: skip
     return _arrived(flights, state)
@@ -108,7 +112,10 @@ def _begun(flights: FlightTable) -> _State:
 def _stepped(flights: FlightTable, state: _State) -> _State:
     """Step all flights: to the tolerance, to a knot, or to the first limit that is met."""
     rows, regions, servo = state.rows, state.regions, flights.servo
-    series = taylor(rows, flights.order, servo, state.y, state.wind, regions)
+    start = state.y
+    if servo == 2:
+        start = settled(rows, state.own, start, state.wind, regions)
+    series = taylor(rows, flights.order, servo, start, state.wind, regions)
     trial = lengths(rows, series, state.trial)
     h = np.minimum(trial, state.left)
     met = np.full(h.size, -1)
@@ -204,25 +211,48 @@ def _held(state: _State, servo: int) -> FloatArray:
 
 
 def _arrived(flights: FlightTable, state: _State) -> _State:
-    """Put flights that have come to a knot, or to their end, upon the next piece of wind."""
-    until, last = state.rows[table.UNTIL], flights.knots.shape[1] - 1
+    """Put flights that have come to a knot upon the next piece of wind; look at those due."""
+    last = flights.knots.shape[1] - 1
 
     def following(cursor: NDArray[np.intp]) -> FloatArray:
         knot = flights.knots[state.which, np.minimum(cursor + 1, last)]
         return np.where(cursor < last, knot, np.inf)
 
-    now, cursor = np.minimum(following(state.cursor), until), state.cursor
+    now, cursor = np.minimum(following(state.cursor), _stop(state)), state.cursor
     while np.any(passed := following(cursor) <= now):
         cursor = cursor + passed
-    left = np.minimum(following(cursor), until) - now
-    wind = flights.wind[state.which, np.maximum(cursor, 0)].T.copy()
-    state = replace(state, now=now, left=left, cursor=cursor, wind=wind)
+    new = cursor > state.cursor
+    wind = flights.wind[state.which, np.maximum(cursor, 0)].T
+    wind = np.where(new, wind, state.wind)
+    state = replace(state, now=now, cursor=cursor, wind=wind)
     regions = state.regions.copy()
-    regions[0] = switched(state.rows, _asked(state), regions[0])
+    regions[0] = np.where(new, switched(state.rows, _asked(state), regions[0]), regions[0])
     state = replace(state, regions=regions)
     if flights.servo:
-        regions[2] = _held(state, flights.servo)
-    return state
+        regions[2] = np.where(new, _held(state, flights.servo), regions[2])
+    state = _looked_at(state)
+    return replace(state, left=np.minimum(following(cursor), _stop(state)) - now)
+
+
+def _stop(state: _State) -> FloatArray:
+    """When flights are stopped next, wherever the knots are: to be looked at, or for good."""
+    return np.minimum(state.look, state.rows[table.UNTIL])
+
+
+def _looked_at(state: _State) -> _State:
+    """Judge flights that are due, or end, after their winds; look again until all is known."""
+    rows, now = state.rows, state.now
+    due = now >= np.minimum(state.look, np.maximum(rows[table.END], rows[table.UNTIL]))
+    due &= np.isfinite(state.look)
+    fate, quiet = judged(rows, state.y[:4], now, state.fate, state.quiet)
+    open_ = (fate == table.UNDECIDED) & (now < rows[table.END] + rows[table.PATIENCE])
+    again = np.where(open_, now + rows[table.CALM] / table.LOOKS, np.inf)
+    return replace(
+        state,
+        fate=np.where(due, fate, state.fate),
+        quiet=np.where(due, quiet, state.quiet),
+        look=np.where(due, again, state.look),
+    )
 
 
 def _write(out: FloatArray, state: _State, begin: FloatArray) -> None:

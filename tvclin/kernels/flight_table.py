@@ -86,6 +86,8 @@ SETTLED = 0.3
 """Saved: every unstable coordinate is below this part of the reach for a while."""
 LOOK = 8
 """Samples between two looks at a sampled flight."""
+LOOKS = 8
+"""Looks at a flight without pause, after its wind, in the time for which it must be calm."""
 ORDER = 11
 """Of the Taylor series of flights without pause."""
 TOLERANCE = 1e-8
@@ -95,10 +97,18 @@ SERVO_SHARE = 0.1
 SLACK = 1e-7
 """The nozzle is at its stop when it is beyond by this part: it swings in without end."""
 GRAZE = 1e-13
-"""A summit that is beyond a bound by less than this part of it only touches it."""
-FINE, FINE_TURN = 1e-9, 1e-6
-"""Of the step: the next round would double the digits, and a summit's value has them double."""
+"""A summit that is beyond a bound by less than this part of it only touches it; and a flight
+that turns away from a bound, from this near, is beyond it already.
+"""
+FINE, NEAR = 1e-9, 1e-4
+"""Of the step: the next round of Newton would double the digits, and one of Halley treble them;
+a summit's value has them double.
+"""
 ROUNDS = 60
+ONE = 0x3FF0000000000000
+"""The bits of the number one."""
+SAFE, GROWTH = 0.95, 4.0
+"""A step is so much shorter than it might be, and at most so many times as long as the last."""
 BEGIN = 0.01
 """Length of the first step that is tried [s]."""
 MOST = 200_000

@@ -4,7 +4,7 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.compiler import lean, merged
+from tvclin.kernels.compiled.compiler import lean
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
 _WATCHED = (
@@ -13,29 +13,49 @@ _WATCHED = (
     (lanes.WATCH, lanes.WATCH_LOW),
 )
 """The series that have bounds, and where their lower bound stands; the upper one follows."""
-TWO, THREE = np.uint64(2 * lanes.LANES), np.uint64(3 * lanes.LANES)
 
 
 @lean
 def _jet(s, start, t):  # type: ignore[no-untyped-def]
-    """Value, slope and half the curvature of a lane's series."""
-    value, slope, bend = 0.0, 0.0, 0.0
-    for k in range(ORDER, -1, -1):
-        bend = bend * t + slope
-        slope = slope * t + value
-        value = value * t + s[start + np.uint64(k * lanes.LANES)]
+    """Value, slope and half the curvature of a lane's series.
+
+    Its even and its odd terms are summed side by side, in powers of the square.
+    """
+    x = t * t
+    even, even_slope, even_bend, odd, odd_slope, odd_bend = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(ORDER - 1, -1, -2):
+        even_bend = even_bend * x + even_slope
+        odd_bend = odd_bend * x + odd_slope
+        even_slope = even_slope * x + even
+        odd_slope = odd_slope * x + odd
+        even = even * x + s[start + np.uint64(k * lanes.LANES)]
+        odd = odd * x + s[start + np.uint64((k + 1) * lanes.LANES)]
+    value, slope = even + t * odd, 2.0 * (t * even_slope + x * odd_slope) + odd
+    bend = even_slope + 3.0 * t * odd_slope + 4.0 * x * (even_bend + t * odd_bend)
     return value, slope, bend
 
 
 @lean
-def _root(s, start, low, high, below, above, target):  # type: ignore[no-untyped-def]
+def _cubic(below, above, rise, fall):  # type: ignore[no-untyped-def]
+    """The powers one to three of the cubic between 0 and 1 with these ends, and slopes there."""
+    far = above - below
+    return rise, 3.0 * far - 2.0 * rise - fall, rise + fall - 2.0 * far
+
+
+@lean
+def _root(s, start, low, high, below, above, slopes, target):  # type: ignore[no-untyped-def]
     """Where a series passes the target between two times, at which it misses it by so much.
 
-    Halley's method from the chord, bisection where it leaves the bracket.
+    Halley's method from the root of a cubic, bisection where it leaves the bracket.
     """
-    fine, t = table.FINE * (high - low), 0.5 * (low + high)
+    width, t = high - low, 0.5 * (low + high)
     if below * above < 0.0:
-        t = low + (high - low) * (below / (below - above))
+        a, b, c = _cubic(below, above, width * slopes[0], width * slopes[1])
+        u = below / (below - above)
+        miss, slope, bend = below + u * (a + u * (b + u * c)), a + u * (2.0 * b + 3.0 * c * u), b
+        bend += 3.0 * c * u
+        new = u - miss * slope / (slope * slope - miss * bend)
+        t = low + width * (new if 0.0 < new < 1.0 else u)
     for _ in range(table.ROUNDS):
         value, slope, bend = _jet(s, start, t)
         miss = value - target
@@ -45,21 +65,27 @@ def _root(s, start, low, high, below, above, target):  # type: ignore[no-untyped
             high = t
         if miss == 0.0:
             return t
-        if abs(miss) <= fine * abs(slope):  # near the root `t` is an end, and `new` may be beyond
-            return min(max(t - miss / slope, low), high)
         new = t - miss * slope / (slope * slope - miss * bend)
+        if abs(miss) <= table.NEAR * width * abs(slope):
+            return min(max(new, low), high)  # near the root `t` is an end, and `new` may be beyond
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - t) <= fine:
+        if abs(new - t) <= table.FINE * width:
             return new
         t = new
     return t
 
 
 @lean
-def _turn(s, start, high, below, above):  # type: ignore[no-untyped-def]
+def _turn(s, start, high, end, below, above):  # type: ignore[no-untyped-def]
     """Where a series turns before a time, of its slopes at both ends, and its value there."""
-    low, fine, t = 0.0, table.FINE_TURN * high, high * (below / (below - above))
+    a, b, c = _cubic(s[start], end, high * below, high * above)
+    root = np.sqrt(max(b * b - 3.0 * a * c, 0.0))
+    t = high * (a / ((root if a > 0.0 else -root) - b))
+    low = 0.0
+    if not low < t < high:
+        t = 0.5 * high
+    fine = table.NEAR * high
     value, slope, bend = _jet(s, start, t)
     for _ in range(table.ROUNDS):
         if (slope < 0.0) == (below < 0.0):
@@ -89,23 +115,26 @@ def _exit(s, w, number, i, low, high):  # type: ignore[no-untyped-def]
     begun, rise = s[start], s[start + ALL]
     end, fall = w[row(lanes.VALUE + number) + i], w[row(lanes.SLOPE + number) + i]
     inside, turns = low <= end <= high, rise * fall < 0.0
-    last, top = h, end
+    last, top, steep = h, end, fall
     if inside and not turns:
         return np.inf, 0.0
     if inside:
-        last, top = _turn(s, start, h, rise, fall)
+        last, top = _turn(s, start, h, end, rise, fall)
+        steep = 0.0
         if not (top > high + table.GRAZE * abs(high) or top < low - table.GRAZE * abs(low)):
             return np.inf, 0.0
     side = 1.0 if top > high else -1.0
     edge = high if side > 0.0 else low
-    if side * (begun - edge) < 0.0:
-        return _root(s, start, 0.0, last, begun - edge, top - edge, edge), side
-    if side * rise >= 0.0 or side * fall <= 0.0:
+    dips = side * rise < 0.0 < side * fall
+    graze = table.GRAZE * max(abs(edge), abs(end)) if dips else 0.0
+    if side * (begun - edge) < -graze:
+        return _root(s, start, 0.0, last, begun - edge, top - edge, (rise, steep), edge), side
+    if not dips:
         return 0.0, side
-    inner, bottom = _turn(s, start, h, rise, fall)
+    inner, bottom = _turn(s, start, h, end, rise, fall)
     if side * (bottom - edge) >= 0.0:
         return 0.0, side
-    return _root(s, start, inner, h, bottom - edge, end - edge, edge), side
+    return _root(s, start, inner, h, bottom - edge, end - edge, (0.0, fall), edge), side
 
 
 @lean
@@ -136,7 +165,7 @@ def summit(s, w, number, i, top, share):  # type: ignore[no-untyped-def]
     inside = max(one, other) if rise < 0.0 else min(one, other)
     known = w[row(top) + i]
     if rise * fall < 0.0 and abs(inside) > known and w[row(share) + i] != 0.0:
-        _, value = _turn(s, start, h, rise, fall)
+        _, value = _turn(s, start, h, w[row(lanes.VALUE + number) + i], rise, fall)
         w[row(top) + i] = max(known, abs(value))
 
 
@@ -223,53 +252,44 @@ def _between(w, i, low, region, enters, lets_go):  # type: ignore[no-untyped-def
 @lean
 def arrive(s, w, i, cursor, knots, wind, servo):  # type: ignore[no-untyped-def]
     """Put a lane that has come to a knot upon the next piece of its wind; return the piece."""
-    now = knots[cursor + 1] if cursor + 1 < knots.size else w[row(table.UNTIL) + i]
-    if cursor + 1 < knots.size and now <= w[row(table.UNTIL) + i]:
-        cursor += 1
-    else:
-        now = w[row(table.UNTIL) + i]
+    now, before = min(w[row(lanes.KNOT) + i], _stop(w, i)), cursor
     while cursor + 1 < knots.size and knots[cursor + 1] <= now:
         cursor += 1
     w[row(lanes.NOW) + i] = now
-    following = knots[cursor + 1] if cursor + 1 < knots.size else np.inf
-    w[row(lanes.LEFT) + i] = min(following, w[row(table.UNTIL) + i]) - now
-    for k in range(wind.shape[1]):
-        s[at(lanes.WIND, k) + i] = wind[cursor, k]
-    _engage(s, w, i)
-    _hold(s, w, i, servo)
-    _bound(w, i, servo)
+    w[row(lanes.KNOT) + i] = knots[cursor + 1] if cursor + 1 < knots.size else np.inf
+    if cursor > before:
+        for k in range(wind.shape[1]):
+            s[at(lanes.WIND, k) + i] = wind[cursor, k]
+        _engage(s, w, i)
+        _hold(s, w, i, servo)
+        _bound(w, i, servo)
+    _look(s, w, i)
+    w[row(lanes.LEFT) + i] = min(w[row(lanes.KNOT) + i], _stop(w, i)) - now
     return cursor
 
 
-@merged
-def due(s, w):  # type: ignore[no-untyped-def]
-    """Flag the lanes at a knot or at their time, and those whose fate may have become known."""
-    now_, left, until = row(lanes.NOW), row(lanes.LEFT), row(table.UNTIL)
-    end, patience, fate = row(table.END), row(table.PATIENCE), row(lanes.FATE)
-    reach_, ratio, calm = row(table.REACH), row(table.RATIO), row(table.CALM)
-    quiet, flag = row(lanes.QUIET), row(lanes.FLAG)
-    fast_, slow_ = row(table.FAST), row(table.SLOW)
-    theta, rate = at(lanes.THETA, 0), at(lanes.RATE, 0)
-    path, speed = at(lanes.PATH, 0), at(lanes.SPEED, 0)
-    for i in range(ALL):
-        now, reach = w[now_ + i], w[reach_ + i]
-        fast = w[fast_ + i] * s[theta + i] + w[fast_ + ALL + i] * s[rate + i]
-        fast += w[fast_ + TWO + i] * s[path + i] + w[fast_ + THREE + i] * s[speed + i]
-        slow = w[slow_ + i] * s[theta + i] + w[slow_ + ALL + i] * s[rate + i]
-        slow += w[slow_ + TWO + i] * s[path + i] + w[slow_ + THREE + i] * s[speed + i]
-        after = (now >= w[end + i]) & (w[fate + i] == 0.0)
-        large = (abs(fast) >= table.SETTLED * reach) | (abs(slow) >= table.SETTLED * reach)
-        since = w[quiet + i]
-        since = now if after & large else since
-        known = (abs(fast) >= reach) | (w[ratio + i] > 0.0) | (now - since >= w[calm + i])
-        passed = (w[left + i] <= 0.0) | (now >= w[until + i])
-        passed |= (after & known) | (now >= w[end + i] + w[patience + i])
-        w[quiet + i] = since
-        w[flag + i] = 1.0 if passed else 0.0
+@lean
+def _stop(w, i):  # type: ignore[no-untyped-def]
+    """When a lane is stopped next, wherever the knots are: to be looked at, or for good."""
+    return min(w[row(lanes.LOOK) + i], w[row(table.UNTIL) + i])
 
 
 @lean
-def judged(s, w, i):  # type: ignore[no-untyped-def]
+def _look(s, w, i):  # type: ignore[no-untyped-def]
+    """Judge a lane that is due, or ends, after its wind; look again until all is known."""
+    now, look, end = w[row(lanes.NOW) + i], row(lanes.LOOK) + i, w[row(table.END) + i]
+    ends = now >= max(end, w[row(table.UNTIL) + i])
+    if w[look] == np.inf or not (ends or now >= w[look]):
+        return
+    fate = _judged(s, w, i)
+    late = now >= end + w[row(table.PATIENCE) + i]
+    known = late or fate != table.UNDECIDED
+    w[row(lanes.FATE) + i] = fate
+    w[look] = np.inf if known else now + w[row(table.CALM) + i] / table.LOOKS
+
+
+@lean
+def _judged(s, w, i):  # type: ignore[no-untyped-def]
     """Return what is known of a lane's fate after its wind."""
     fast, slow = 0.0, 0.0
     for k in range(4):
@@ -277,8 +297,6 @@ def judged(s, w, i):  # type: ignore[no-untyped-def]
         fast += w[row(table.FAST + k) + i] * x
         slow += w[row(table.SLOW + k) + i] * x
     now, reach, ratio = w[row(lanes.NOW) + i], w[row(table.REACH) + i], w[row(table.RATIO) + i]
-    if np.isnan(reach):
-        return table.UNDECIDED
     inside = abs(fast) < reach
     if inside and ratio > 0.0:
         x = fast / reach

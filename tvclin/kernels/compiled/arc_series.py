@@ -1,4 +1,4 @@
-"""Taylor series of 64 flights, each within its regions of limits, where the flight is linear."""
+"""Taylor series of 32 flights, each within its regions of limits, where the flight is linear."""
 
 from typing import Any
 
@@ -119,8 +119,8 @@ def _spin(s):  # type: ignore[no-untyped-def]
 def lengths(s, w):  # type: ignore[no-untyped-def]
     """Choose the steps: the last two terms stay within the tolerance, and no knot is passed.
 
-    A step changes as the 8th root of what there is to spare, or the 16th if it may grow: both on
-    the safe side of the 11th, and square roots are cheap.
+    A step changes about as the 11th root of what there is to spare: the bits of a number are its
+    logarithm, or so, and 1/16 and 1/32 of them are quick to take.
     """
     last, before = ORDER, ORDER - 1
     theta, servo = at(lanes.THETA, last), at(lanes.SERVO, last)
@@ -136,9 +136,9 @@ def lengths(s, w):  # type: ignore[no-untyped-def]
             + table.SERVO_SHARE * (abs(s[servo + i]) * h + abs(s[servo_1 + i])) / w[limit + i]
         )
         spare = table.TOLERANCE / max(error * (h5 * h5), 1e-30)
-        root = np.sqrt(np.sqrt(np.sqrt(spare)))
-        factor = max(root, 1e-3) if spare < 1.0 else min(np.sqrt(root), 2.0)
-        h = min(h * factor, 1e6)
+        bits = np.float64(spare).view(np.int64) - table.ONE
+        factor = np.int64(table.ONE + (bits >> 4) + (bits >> 5)).view(np.float64)
+        h = min(h * min(max(table.SAFE * factor, 1e-3), table.GROWTH), 1e6)
         w[trial + i] = h
         w[step + i] = h if h < w[left + i] else w[left + i]
 

@@ -1,10 +1,11 @@
-"""Compiled twin of `kernels.arcs`: 64 flights side by side, each at its own time."""
+"""Compiled twin of `kernels.arcs`: 32 flights side by side, each at its own time."""
 
 import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.arc_events import arrive, due, judged, meet, summit, switch
+from tvclin.kernels.compiled.arc_events import arrive, meet, summit, switch
+from tvclin.kernels.compiled.arc_ringing import begin_ringing, settle
 from tvclin.kernels.compiled.arc_series import advance, leaving, lengths, series, sums, topping
 from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.lanes import ALL, LANES, at, row
@@ -14,26 +15,35 @@ from tvclin.kernels.compiled.lanes import ALL, LANES, at, row
 def fly(rows, order, servo, knots, wind, which, first, last, out):  # type: ignore[no-untyped-def]
     """Fly the cases from `first` up to `last`, block by block, and write their results."""
     s, w = np.zeros(lanes.SERIES_SIZE), np.zeros(lanes.SIZE)
+    cases, cursor, met = np.zeros((3, LANES), np.int64)
     for start in range(first, last, LANES):
-        cases = np.minimum(np.arange(start, start + LANES), last - 1)
-        cursor, alive = _begun(s, w, rows, servo, knots, wind, which, cases)
-        for _ in range(table.MOST):
-            _step(s, w, order, servo, wind.shape[2] - 1, alive)
-            due(s, w)
-            for i in range(ALL):
-                if alive[i] and w[row(lanes.FLAG) + i] != 0.0:
-                    if w[row(lanes.LEFT) + i] <= 0.0:
-                        gust = which[cases[i]]
-                        cursor[i] = arrive(s, w, i, cursor[i], knots[gust], wind[gust], servo)
-                    alive[i] = _goes_on(s, w, i)
-                    if not alive[i] and np.int64(i) < last - start:
-                        _write(s, w, i, out[:, cases[i]])
-            if not np.any(alive):
-                break
+        for i in range(LANES):
+            cases[i] = min(start + i, last - 1)
+        _fly_block(s, w, rows, order, servo, knots, wind, which, cases, cursor, met, out)
 
 
-@compiled
-def _begun(s, w, rows, servo, knots, wind, which, cases):  # type: ignore[no-untyped-def]
+@lean
+def _fly_block(s, w, rows, order, servo, knots, wind, which, cases, cursor, met, out):  # type: ignore[no-untyped-def]
+    _begin(s, w, rows, servo, knots, wind, which, cases, cursor)
+    for _ in range(table.MOST):
+        _step(s, w, order, servo, wind.shape[2] - 1, met)
+        flying = 0.0
+        for i in range(ALL):
+            if w[row(lanes.LEFT) + i] <= 0.0 and w[row(lanes.ALIVE) + i] != 0.0:
+                gust = which[cases[i]]
+                cursor[i] = arrive(s, w, i, cursor[i], knots[gust], wind[gust], servo)
+                if not _goes_on(w, i):
+                    _write(s, w, i, out[:, cases[i]])
+            flying += w[row(lanes.ALIVE) + i]
+        if flying == 0.0:
+            return
+    for i in range(ALL):
+        if w[row(lanes.ALIVE) + i] != 0.0:
+            _write(s, w, i, out[:, cases[i]])
+
+
+@lean
+def _begin(s, w, rows, servo, knots, wind, which, cases, cursor):  # type: ignore[no-untyped-def]
     """Put all lanes at rest before the first knots of their winds."""
     s[:] = 0.0
     w[:] = 0.0
@@ -41,34 +51,28 @@ def _begun(s, w, rows, servo, knots, wind, which, cases):  # type: ignore[no-unt
         begin = row(number)
         for i in range(ALL):
             w[begin + i] = rows[number, cases[i]]
-    cursor = np.full(LANES, -1)
     for i in range(ALL):
         w[row(lanes.TRIAL) + i] = table.BEGIN
-        w[row(lanes.ONE) + i] = 1.0
-        w[row(lanes.QUIET) + i] = w[row(table.END) + i]
+        w[row(lanes.ONE) + i], w[row(lanes.ALIVE) + i] = 1.0, 1.0
+        end = w[row(table.END) + i]
+        w[row(lanes.QUIET) + i] = end
+        w[row(lanes.LOOK) + i] = np.inf if np.isnan(w[row(table.REACH) + i]) else end
+        if servo == 2:
+            begin_ringing(w, rows[:, cases[i]], i)
         gust = which[cases[i]]
+        w[row(lanes.KNOT) + i] = knots[gust, 0]
         cursor[i] = arrive(s, w, i, -1, knots[gust], wind[gust], servo)
         w[row(table.START) + i] = w[row(lanes.NOW) + i]
-    return cursor, np.ones(LANES, np.bool_)
 
 
-@compiled
-def _step(s, w, order, servo, degree, alive):  # type: ignore[no-untyped-def]
+@lean
+def _step(s, w, order, servo, degree, met):  # type: ignore[no-untyped-def]
     """Step all lanes: to the tolerance, to a knot, or to the first limit that is met."""
+    if servo == 2:
+        settle(s, w, degree)
     series(s, w, order, servo)
     lengths(s, w)
-    flag = row(lanes.FLAG)
-    w[flag : flag + ALL] = 0.0
-    for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
-        sums(s, w, number)
-    leaving(s, w, lanes.DEMAND, lanes.DEMAND_LOW, lanes.DEMAND_HIGH)
-    if servo > 0:
-        leaving(s, w, lanes.SERVO, lanes.SERVO_LOW, lanes.SERVO_HIGH)
-        leaving(s, w, lanes.WATCH, lanes.WATCH_LOW, lanes.WATCH_HIGH)
-    met, sides = np.full(LANES, -1), np.zeros(LANES)
-    for i in range(ALL):
-        if alive[i] and w[flag + i] != 0.0:
-            met[i], sides[i] = meet(s, w, i, servo)
+    changes = _meet_limits(s, w, servo, met)
     for number in (lanes.THETA, lanes.RATE, lanes.MEMORY, lanes.ALPHA):
         sums(s, w, number)
     if order > 2:
@@ -78,9 +82,30 @@ def _step(s, w, order, servo, degree, alive):  # type: ignore[no-untyped-def]
         sums(s, w, lanes.SPIN)
     _peaks(s, w)
     advance(s, w, degree)
+    for j in range(changes):
+        i = np.uint64(met[j])
+        switch(s, w, i, w[row(lanes.MET) + i], w[row(lanes.SIDE) + i], servo)
+
+
+@lean
+def _meet_limits(s, w, servo, met):  # type: ignore[no-untyped-def]
+    """Shorten the steps of lanes that meet a limit, list these, and return how many there are."""
+    flag, count = row(lanes.FLAG), 0
+    w[flag : flag + ALL] = 0.0
+    for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
+        sums(s, w, number)
+    leaving(s, w, lanes.DEMAND, lanes.DEMAND_LOW, lanes.DEMAND_HIGH)
+    if servo > 0:
+        leaving(s, w, lanes.SERVO, lanes.SERVO_LOW, lanes.SERVO_HIGH)
+        leaving(s, w, lanes.WATCH, lanes.WATCH_LOW, lanes.WATCH_HIGH)
     for i in range(ALL):
-        if met[i] >= 0:
-            switch(s, w, i, met[i], sides[i], servo)
+        if w[flag + i] * w[row(lanes.ALIVE) + i] != 0.0:
+            what, side = meet(s, w, i, servo)
+            if what >= 0:
+                met[count] = np.int64(i)
+                w[row(lanes.MET) + i], w[row(lanes.SIDE) + i] = what, side
+                count += 1
+    return count
 
 
 @lean
@@ -102,17 +127,13 @@ def _peaks(s, w):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _goes_on(s, w, i):  # type: ignore[no-untyped-def]
-    """Judge a lane; end it at its time, or when its fate is known and was all that was asked."""
-    now, until = w[row(lanes.NOW) + i], w[row(table.UNTIL) + i]
-    end, patience = w[row(table.END) + i], w[row(table.PATIENCE) + i]
-    fate = row(lanes.FATE) + i
-    if now >= end and w[fate] == table.UNDECIDED:
-        w[fate] = judged(s, w, i)
-    known = w[fate] != table.UNDECIDED or now >= end + patience
-    ended = now >= until or (known and until == np.inf)
+def _goes_on(w, i):  # type: ignore[no-untyped-def]
+    """End a lane at its time, or when its fate is known and was all that was asked."""
+    until = w[row(table.UNTIL) + i]
+    ended = w[row(lanes.NOW) + i] >= until
+    ended |= until == np.inf and w[row(lanes.LOOK) + i] == np.inf
     if ended:
-        w[row(lanes.LEFT) + i] = 0.0
+        w[row(lanes.LEFT) + i], w[row(lanes.ALIVE) + i] = 0.0, 0.0
     return not ended
 
 

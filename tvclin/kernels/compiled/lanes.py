@@ -1,4 +1,4 @@
-"""The memory of a block of flights: 64 lanes of everything in two flat arrays, series and rows.
+"""The memory of a block of flights: 32 lanes of everything in two flat arrays, series and rows.
 
 Lanes are innermost, and within each array the compiler knows how far apart things are, so that
 loops over the lanes become vector instructions with hardly a test for overlap: where a term of a
@@ -10,8 +10,9 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled.compiler import lean
+from tvclin.kernels.ringing import RINGING
 
-LANES = 64
+LANES = 32
 ALL = np.uint64(LANES)
 ORDER = table.ORDER
 TERMS = ORDER + 2
@@ -26,6 +27,8 @@ _FIRST = table.ROWS
 (
     NOW,
     LEFT,
+    KNOT,
+    LOOK,
     TRIAL,
     STEP,
     MODE,
@@ -44,6 +47,9 @@ _FIRST = table.ROWS
     WATCH_LOW,
     WATCH_HIGH,
     FLAG,
+    ALIVE,
+    MET,
+    SIDE,
     TOP_THETA,
     TOP_RATE,
     TOP_SERVO,
@@ -54,10 +60,12 @@ _FIRST = table.ROWS
     ONE,
     FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 30)
+) = range(_FIRST, _FIRST + 35)
 """Rows beside those of the table: time, regions, bounds of what is watched, and peaks."""
 SLOPE = VALUE + SERIES
-SERIES_SIZE, SIZE = SERIES * TERMS * LANES, (SLOPE + SERIES) * LANES
+DRIVEN = SLOPE + SERIES
+OWN = DRIVEN + 2
+SERIES_SIZE, SIZE = SERIES * TERMS * LANES, (OWN + 2 * RINGING) * LANES
 
 
 @lean

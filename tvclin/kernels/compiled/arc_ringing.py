@@ -1,0 +1,73 @@
+"""The ringing of nozzles, taken out of the states of 32 flights once it is too small to count."""
+
+import numpy as np
+
+from tvclin.kernels import flight_table as table
+from tvclin.kernels import ringing as own
+from tvclin.kernels.compiled import lanes
+from tvclin.kernels.compiled.compiler import lean, merged
+from tvclin.kernels.compiled.lanes import ALL, at, row
+
+_STATES = lanes.MEMORY + 1
+_RESTS = table.TOLERANCE / table.SERVO_SHARE
+_of_one = lean(own.ringing)
+
+
+@lean
+def _part(number):  # type: ignore[no-untyped-def]
+    """Return the row of the real parts of one number of `ringing`; the imaginary ones follow."""
+    return row(lanes.OWN + 2 * number)
+
+
+@lean
+def begin_ringing(w, rows, i):  # type: ignore[no-untyped-def]
+    """Write the ringing of a lane, of its column of the table."""
+    parts = _of_one(rows)
+    for k, part in enumerate(parts):
+        w[_part(k) + i], w[_part(k) + ALL + i] = part.real, part.imag
+
+
+@lean
+def settle(s, w, degree):  # type: ignore[no-untyped-def]
+    """Take ringing out that is too small to count; let nozzles rest at commands that stand."""
+    _driven(s, w, degree)
+    real, other = row(lanes.DRIVEN), row(lanes.DRIVEN + 1)
+    felt, left, right = _part(own.FELT), _part(own.LEFT), _part(own.RIGHT)
+    position, spin = at(lanes.SERVO, 0), at(lanes.SPIN, 0)
+    for i in range(ALL):
+        a = w[felt + i] * w[real + i] - w[felt + ALL + i] * w[other + i]
+        b = w[felt + i] * w[other + i] + w[felt + ALL + i] * w[real + i]
+        for k in range(_STATES):
+            y, there = s[at(k, 0) + i], np.uint64(2 * k * lanes.LANES) + i
+            a += w[left + there] * y
+            b += w[left + there + ALL] * y
+        calm = w[_part(own.CALM) + i]
+        free = w[row(lanes.COMMANDED) + i] * w[row(lanes.MOVING) + i] * w[row(lanes.FREE) + i]
+        quiet = (free != 0.0) & (a * a + b * b <= calm * calm)
+        a, b = 2.0 * a if quiet else 0.0, 2.0 * b if quiet else 0.0
+        for k in range(_STATES):
+            there = np.uint64(2 * k * lanes.LANES) + i
+            s[at(k, 0) + i] -= a * w[right + there] - b * w[right + there + ALL]
+        stiff, limit = w[row(table.STIFFNESS) + i], w[row(table.LIMIT) + i]
+        command, rate = w[row(lanes.COMMAND) + i], s[spin + i]
+        off, least = s[position + i] - command, _RESTS * limit
+        rests = (w[row(lanes.COMMANDED) + i] == 0.0) & (w[row(lanes.FREE) + i] != 0.0)
+        rests &= stiff * off * off + rate * rate <= stiff * least * least
+        s[position + i] -= off if rests else 0.0
+        s[spin + i] -= rate if rests else 0.0
+
+
+@merged
+def _driven(s, w, degree):  # type: ignore[no-untyped-def]
+    """Write what the wind and its slopes drive, each slope over one more power of the pole."""
+    real, other, inverse = row(lanes.DRIVEN), row(lanes.DRIVEN + 1), _part(own.INVERSE)
+    last = at(lanes.WIND, degree)
+    for i in range(ALL):
+        w[real + i], w[other + i] = s[last + i], 0.0
+    for j in range(degree - 1, -1, -1):
+        wind, factor = at(lanes.WIND, j), j + 1.0
+        for i in range(ALL):
+            a, b = factor * w[inverse + i], factor * w[inverse + ALL + i]
+            c, d = w[real + i], w[other + i]
+            w[real + i] = s[wind + i] + a * c - b * d
+            w[other + i] = a * d + b * c
