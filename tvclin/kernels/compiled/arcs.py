@@ -47,7 +47,7 @@ def _begin(s, w, rows, servo, knots, wind, which, cases, cursor):  # type: ignor
     """Put all lanes at rest before the first knots of their winds."""
     s[:] = 0.0
     w[:] = 0.0
-    for number in range(table.ROWS):
+    for number in range(table.LEAN):  # the rest is of laws that lean
         begin = row(number)
         for i in range(ALL):
             w[begin + i] = rows[number, cases[i]]
