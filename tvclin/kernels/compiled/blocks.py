@@ -13,13 +13,15 @@ from tvclin.kernels.compiled.exponentials import exponential
 
 BLOCK = 512
 """Times in one block, at most."""
+_STRIDE = 64
+"""A real exponential in a table is a product of two: one for whole strides, one for the rest."""
 _STRIDES = (16, 128, BLOCK)
-"""An exponential in a table is a product of at most three: one for steps up to the first stride,
-one for whole strides up to the next, and so on.
+"""A complex one is a product of at most three: one for steps up to the first stride, one for whole
+strides up to the next, and so on.
 """
-_UNEVEN = 1e-14
+UNEVEN = 1e-14
 """A grid is even where its times, times the fastest exponent, are off by no more than this."""
-_LARGE = 600.0
+LARGE = 600.0
 """No exponential in a table is beyond e^600."""
 
 
@@ -74,14 +76,14 @@ def fill(tables, poles, rates, step, off):  # type: ignore[no-untyped-def]
         exponent = poles[e] if e < poles.size else rates[e - poles.size]
         if exponent == 0.0 and e >= poles.size:
             continue
-        if abs(exponent) * off > _UNEVEN or abs(np.real(exponent)) * step * BLOCK > _LARGE:
+        if abs(exponent) * off > UNEVEN or abs(np.real(exponent)) * step * BLOCK > LARGE:
             return False
         if tables.exponents[e] != exponent:
             tables.exponents[e] = exponent
             if np.iscomplexobj(poles):
                 _powers(exponent * step, tables.even[2 * e], tables.even[2 * e + 1])
             else:
-                _real_powers(np.real(exponent) * step, tables.even[2 * e])
+                real_powers(np.real(exponent) * step, BLOCK, tables.local, tables.even[2 * e])
     return True
 
 
@@ -101,15 +103,20 @@ def _powers(z, real, imaginary):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _real_powers(z, row):  # type: ignore[no-untyped-def]
-    for j in range(_STRIDES[0]):
+def real_powers(z, size, coarse, row):  # type: ignore[no-untyped-def]
+    """Write e^(z j) for all j below `size`, and to the end of a stride; `coarse` is scratch."""
+    for j in range(_STRIDE):
         row[j] = exponential(z * j)
-    for level in range(1, len(_STRIDES)):
-        stride = _STRIDES[level - 1]
-        for i in range(stride, _STRIDES[level], stride):
-            coarse = exponential(z * i)
-            for j in range(stride):
-                row[i + j] = coarse * row[j]
+    for i in range(BLOCK // _STRIDE):
+        coarse[i] = exponential(z * (i * _STRIDE))
+    for i in range(1, (size + _STRIDE - 1) // _STRIDE):
+        _multiply(coarse[i], row[:_STRIDE], row[i * _STRIDE :])
+
+
+@lean
+def _multiply(factor, first, row):  # type: ignore[no-untyped-def]
+    for j in range(_STRIDE):
+        row[j] = factor * first[j]
 
 
 @merged
