@@ -207,6 +207,51 @@ def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch)
     np.testing.assert_allclose(together[77, 13], alone, rtol=1e-12, atol=1e-15)
 
 
+def triangles(plants: tv.Plant, durations: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Responses to a wind for each plant, short to long: modes are slow in some, fast in others."""
+    deflection = tv.BangBang(limit=0.01, switch_times=[0.0], start=-4.0)
+    wind = tv.TriangularWind(peak=0.1, duration=durations)
+    return tv.attitude_responses(plants, deflection, wind, times).outputs
+
+
+@pytest.mark.parametrize("points", [40, 150, 1300])
+def test_slow_and_fast_cases_share_a_batch(points: int) -> None:
+    pytest.importorskip("numba")
+    plants, durations = dispersed("fixed-path", 9, (40,)), np.geomspace(0.1, 25.0, 40)
+    times = np.linspace(-5.0, 14.0, points)
+    with pinned(False):
+        plain = triangles(plants, durations, times)
+    with pinned(True):
+        fast = triangles(plants, durations, times)
+
+    scale = np.max(np.abs(plain), axis=-1, keepdims=True)
+    assert np.max(np.abs(fast - plain) / scale) < AGREE
+
+
+def test_a_case_has_the_same_bits_wherever_it_stands() -> None:
+    pytest.importorskip("numba")
+    plant, durations = dispersed("fixed-path", 9), np.geomspace(0.1, 25.0, 40)
+    times = np.linspace(-5.0, 14.0, 150)
+    with pinned(True):
+        found = triangles(plant, durations, times)
+        for some in (slice(None, None, -1), slice(7, 25), slice(30, 31)):
+            np.testing.assert_array_equal(triangles(plant, durations[some], times), found[some])
+
+
+@pytest.mark.parametrize("K", [1.0, 0.0])
+def test_a_batch_on_the_boundary_keeps_its_digits(K: float, twin: None) -> None:
+    beta, B = np.linspace(0.3, 0.9, 40), np.linspace(0.05, 0.5, 40)
+    plants = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=B))
+    wind = tv.TriangularWind(peak=0.1, duration=20.0)
+    limit = tv.boundary_limit(plants, wind, K).deflection
+    held = tv.trim_then_hold(plants, wind, limit, K)
+    times = np.linspace(0.0, 600.0, 1201)
+    found = tv.attitude_responses(plants, held, wind, times)["attitude"]
+
+    expected = np.broadcast_to((limit / B)[:, np.newaxis], (40, np.sum(times >= 150.0)))
+    np.testing.assert_allclose(found[:, times >= 150.0], expected, rtol=AGREE)
+
+
 def test_inputs_come_to_the_last_bit(twin: None) -> None:
     times = np.random.default_rng(2).uniform(-1.0, 12.0, 200)
     for pair in histories(dispersed("fixed-path", 6)).values():

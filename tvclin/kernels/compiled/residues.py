@@ -56,6 +56,19 @@ def residue(system, mode, forces, count, span, roundings):  # type: ignore[no-un
 
 
 @lean
+def too_near(poles, span, near):  # type: ignore[no-untyped-def]
+    """Whether two poles are too near for the modes to be told apart, as in the other twin."""
+    separate, forward = near
+    gap, size, fastest = np.inf, 0.0, -np.inf
+    for i in range(poles.size):
+        size, fastest = max(size, abs(poles[i])), max(fastest, np.real(poles[i]))
+        for j in range(i):
+            gap = min(gap, abs(poles[i] - poles[j]))
+    close = gap <= separate * size or gap * span <= separate
+    return close and (fastest * span <= forward or gap == 0.0)
+
+
+@lean
 def all_roundings(pole, start, first, second):  # type: ignore[no-untyped-def]
     """Return the roundings of a residue made of two histories with these knots."""
     both = _rounding_steps(pole, start, first) + _rounding_steps(pole, start, second)

@@ -1,7 +1,8 @@
 """Compiled twin of `kernels.responses`: one case after another, time innermost.
 
 Each case is taken apart between its knots (`spans`), and the times of each span are answered in
-blocks (`blocks`). A case needs nothing of its neighbours.
+blocks (`blocks`). A case needs nothing of its neighbours. Plain ones are answered before, several
+side by side (`straight_cases`).
 
 The machine code of `forces`, `residues`, `spans` and `blocks` is kept with this file's, and made
 anew when this file changes: who changes one of those deletes `__pycache__`.
@@ -12,13 +13,14 @@ import numpy as np
 from tvclin.kernels.compiled.blocks import BLOCK, block, fill, grid, room_for_tables
 from tvclin.kernels.compiled.compiler import compiled, lean, merged
 from tvclin.kernels.compiled.forces import merge, put_on_knots, room_for_forces, values
-from tvclin.kernels.compiled.residues import all_roundings, residue
+from tvclin.kernels.compiled.residues import all_roundings, residue, too_near
 from tvclin.kernels.compiled.spans import SLOW, System, lay_out, room_for_span
+from tvclin.kernels.compiled.straight_cases import DONE, respond_straight
 
-__all__ = ["DONE", "NEAR", "OTHER", "respond", "rises", "values"]
+__all__ = ["DONE", "NEAR", "OTHER", "respond", "respond_straight", "rises", "values"]
 
-DONE, NEAR, OTHER = 0, 1, 2
-"""What became of a case: answered; its poles are too near; it needs the other twin."""
+NEAR, OTHER = DONE + 1, DONE + 2
+"""What else becomes of a case: its poles are too near; it needs the other twin."""
 
 
 @compiled
@@ -46,7 +48,7 @@ def respond(times, plants, deflections, winds, which, near, out, status, first, 
     which : ndarray
         The plant, the deflection and the wind of each case, ``(3, cases)``.
     near : tuple of float
-        What `_too_near` takes.
+        What `too_near` takes.
     out, status : ndarray
         Written: ``(cases, R, n)`` and ``(cases,)``.
     """
@@ -64,7 +66,7 @@ def respond(times, plants, deflections, winds, which, near, out, status, first, 
         system = System(plants[0][p], plants[1][p], plants[2][p], plants[3])
         count = merge(deflections[0][d], winds[0][w], forces.knots)
         start = forces.knots[0]
-        if _too_near(system.poles, max(times[-1] - start, 0.0), near):
+        if too_near(system.poles, max(times[-1] - start, 0.0), near):
             status[case] = NEAR
             continue
         put_on_knots(forces, count, 0, deflections[0][d], deflections[1][d], deflections[2][d])
@@ -76,19 +78,6 @@ def respond(times, plants, deflections, winds, which, near, out, status, first, 
             even = fill(tables, system.poles, forces.rates, step, off)
             if _one(times, step, even, system, forces, count, span, tables, out[case]):
                 status[case] = DONE
-
-
-@lean
-def _too_near(poles, span, near):  # type: ignore[no-untyped-def]
-    """Whether two poles are too near for the modes to be told apart, as in the other twin."""
-    separate, forward = near
-    gap, size, fastest = np.inf, 0.0, -np.inf
-    for i in range(poles.size):
-        size, fastest = max(size, abs(poles[i])), max(fastest, np.real(poles[i]))
-        for j in range(i):
-            gap = min(gap, abs(poles[i] - poles[j]))
-    close = gap <= separate * size or gap * span <= separate
-    return close and (fastest * span <= forward or gap == 0.0)
 
 
 @merged
