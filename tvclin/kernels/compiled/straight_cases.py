@@ -123,15 +123,28 @@ def _lay_out(times, step, off, plants, deflections, winds, which, near, room):  
         p, d, w = which[0, lane], which[1, lane], which[2, lane]
         poles, gains = plants[0][p], plants[1][p]
         deflection, wind = (deflections[0][d], deflections[1][d]), (winds[0][w], winds[1][w])
-        least = _put_inputs(times, step, deflection, wind, room.spans, room.edges[lane], lane)
-        slowest, fastest = _put_plant(poles, gains, deflection[0], wind[0], room.modes, count, lane)
-        room.spans[_at(SPAN * (count - 1) + WIDTH, lane)] = FAR / slowest
+        slowest, fastest = _sizes(poles)
         since = max(times[-1] - min(deflection[0][0], wind[0][0]), 0.0)
-        fits = fastest * max(since, step * BLOCK) <= LARGE and fastest * off <= UNEVEN
-        fits = fits and slowest * least >= _SLOW
-        room.plain[lane] = fits and not too_near(poles, since, near)
-        found = found or room.plain[lane]
+        plain = fastest * max(since, step * BLOCK) <= LARGE and fastest * off <= UNEVEN
+        plain = plain and slowest * since >= _SLOW and not too_near(poles, since, near)
+        if plain:
+            _put_plant(poles, gains, deflection[0], wind[0], room.modes, count, lane)
+            least = _put_inputs(times, step, deflection, wind, room.spans, room.edges[lane], lane)
+            room.spans[_at(SPAN * (count - 1) + WIDTH, lane)] = FAR / slowest
+            plain = slowest * least >= _SLOW
+        room.plain[lane] = plain
+        found = found or plain
     return found
+
+
+@lean
+def _sizes(poles):  # type: ignore[no-untyped-def]
+    """Return the sizes of the slowest pole and of the fastest."""
+    slowest, fastest = np.inf, 0.0
+    for mode in range(poles.size):
+        size = abs(poles[mode])
+        slowest, fastest = min(slowest, size), max(fastest, size)
+    return slowest, fastest
 
 
 @lean
@@ -193,17 +206,15 @@ def _first_at(times, step, knot):  # type: ignore[no-untyped-def]
 
 @lean
 def _put_plant(poles, gains, deflection, wind, modes, count, lane):  # type: ignore[no-untyped-def]
-    """Write what a plant is; return the sizes of its slowest pole and of its fastest."""
-    slowest, fastest, start = np.inf, 0.0, min(deflection[0], wind[0])
+    """Write what a plant is."""
+    start = min(deflection[0], wind[0])
     for mode in range(poles.size):
-        first, size = head(mode, count), abs(poles[mode])
-        slowest, fastest = min(slowest, size), max(fastest, size)
+        first = head(mode, count)
         modes[_at(first + POLE, lane)] = poles[mode]
         modes[_at(first + GAINS, lane)] = gains[mode, 0]
         modes[_at(first + GAINS + 1, lane)] = gains[mode, 1]
         roundings = all_roundings(poles[mode], start, deflection, wind)
         modes[_at(first + ROUNDINGS, lane)] = roundings
-    return slowest, fastest
 
 
 @lean
