@@ -76,7 +76,7 @@ def flights(cases: tuple[tv.Plant, tv.History, Any], law: Any, **options: Any) -
         return tv.fly_many(plant, law, wind, deflection_limit=limit, until=STOP, **options)
 
 
-FLOOR = "stable steps of the series, as short as the actuator is fast; roots where limits are met"
+FLOOR = "short steps until the nozzle has ceased to swing; roots where limits are met"
 
 
 def test_all_limits_and_an_actuator_beside_lsoda(benchmark: Any) -> None:

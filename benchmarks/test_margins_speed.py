@@ -55,7 +55,7 @@ def test_classical_margins(benchmark, delays):
         lambda: control.margin(one),
         peer_name="control.margin, without delay",
         per=CASES,
-        floor="real roots of polynomials, one after the other",
+        floor="real roots of polynomials, sixteen searches side by side; then steps on L itself",
     )
 
 
@@ -94,5 +94,5 @@ def test_two_threads_beside_one(benchmark, monkeypatch):
         peer_name="one thread",
         per=MANY,
         peer_per=MANY,
-        floor="what is done before and after the kernels, a fifteenth; one processor's neighbours",
+        floor="what is done before and after the kernels; one processor's neighbours",
     )

@@ -111,5 +111,5 @@ def test_many_responses(
         lambda: control.forced_response(system, times, inputs),
         peer_name="control.forced_response",
         per=CASES,
-        floor="the knots and modes of each case, then 4 kB of fresh memory for each output",
+        floor="4 kB of fresh memory for each output; before it the knots and modes of each case",
     )

@@ -20,7 +20,7 @@ from tvclin.kernels.ringing import RINGING, ringing, settled
 from tvclin.kernels.series import Series, exits, jet, lengths, summits, taylor
 from tvclin.kernels.threads import in_slices
 
-_NUMPY, _COMPILED = 0.5, 2e-5
+_NUMPY, _COMPILED = 0.5, 5e-6
 """Seconds for a batch of a thousand flights, and of one flight compiled, or so."""
 _SIDES = 3
 
