@@ -264,8 +264,10 @@ def _table(
     rows[table.END] = np.broadcast_to(wind.end, shape).ravel()
     rows[table.UNTIL] = stop
     size = np.abs(gust[..., 0]).max(axis=-1)[which]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         rows[table.SCALE] = 1.0 / size
+        held = table.LARGE * np.abs(rows[table.GUST] / rows[table.MOMENT]) * size
+        rows[table.SERVO_SCALE] = 1.0 / np.where(held > 0.0, np.minimum(limit, held), limit)
     good = (limit > 0.0) & (limit < np.inf) & (most > 0.0) & np.isfinite(rows[table.END])
     good &= ~np.isnan(rows[table.REACH]) | (stop < np.inf)
     return FlightTable(rows, order, servo, knots, gust, which, laws.free, laws.driven), good

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.choice import compiled_twin
 from tvclin.kernels.flight_table import FlightTable, FloatArray
-from tvclin.kernels.law_demand import judged, switched
-from tvclin.kernels.ringing import RINGING, ringing, settled
+from tvclin.kernels.law_demand import inside, switched
+from tvclin.kernels.ringing import CALM, RINGING, ringing, settled
 from tvclin.kernels.series import Series, exits, jet, lengths, summits, taylor
 from tvclin.kernels.threads import in_slices
 
@@ -65,6 +65,7 @@ class _State:
     look: FloatArray
     trial: FloatArray
     quiet: FloatArray
+    stirred: NDArray[np.bool_]
     full: FloatArray
     tops: FloatArray
     fate: NDArray[np.int64]
@@ -97,14 +98,16 @@ def _begun(flights: FlightTable) -> _State:
     m = flights.which.size
     zero, own = np.zeros(m), np.zeros((RINGING, m), complex)
     if flights.servo == 2:
-        own = np.array(ringing(flights.rows))
+        with np.errstate(divide="ignore", invalid="ignore"):  # nozzles that do not swing
+            own = np.array(ringing(flights.rows))
+        own = np.where(own[CALM].real > 0.0, own, 0.0)
     end = flights.rows[table.END]
     look = np.where(np.isnan(flights.rows[table.REACH]), np.inf, end)
     state = _State(
         np.arange(m), flights.rows, flights.which, own,
         np.zeros((7, m)), np.zeros((flights.wind.shape[2], m)), np.zeros((3, m)),
-        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), zero.copy(),
-        np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
+        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), np.zeros(m, dtype=bool),
+        zero.copy(), np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
     )  # fmt: skip
     return _arrived(flights, state)
 
@@ -120,14 +123,16 @@ def _stepped(flights: FlightTable, state: _State) -> _State:
     h = np.minimum(trial, state.left)
     met = np.full(h.size, -1)
     side = np.zeros(h.size)
-    for k, c in enumerate((series.demand, series.y[4], series.watch)[: 1 if servo == 0 else 3]):
-        time, which = exits(c, h, *_bounds(rows, regions[k], k, servo))
-        sooner = (which != 0.0) & ((time < h) | ((time == h) & (met < 0)))
-        met, side, h = (
-            np.where(sooner, k, met),
-            np.where(sooner, which, side),
-            np.where(sooner, time, h),
-        )
+    watched = (series.demand, series.y[4], series.watch)[: 1 if servo == 0 else _SIDES]
+    for _ in range(_SIDES):  # a step that one limit makes shorter may end beyond another
+        before = met
+        for k, c in enumerate(watched):
+            time, which = exits(c, h, *_bounds(rows, regions[k], k, servo))
+            sooner = (which != 0.0) & (met != k) & ((time < h) | ((time == h) & (met < 0)))
+            met, side = np.where(sooner, k, met), np.where(sooner, which, side)
+            h = np.where(sooner, time, h)
+        if np.all(met == before):
+            break
     tops = _tops(rows, regions, series, h, servo, state.tops)
     y = jet(series.y, h)[0]
     wind = state.wind.copy()
@@ -140,6 +145,7 @@ def _stepped(flights: FlightTable, state: _State) -> _State:
         state, y=y, wind=wind, now=state.now + h, left=left, trial=trial, full=full, tops=tops,
         regions=regions.copy(),
     )  # fmt: skip
+    state = replace(state, stirred=_stirred(state))
     _switch(state, met, side, servo)
     here = left <= 0.0
     if np.any(here):
@@ -241,18 +247,36 @@ def _stop(state: _State) -> FloatArray:
 
 def _looked_at(state: _State) -> _State:
     """Judge flights that are due, or end, after their winds; look again until all is known."""
-    rows, now = state.rows, state.now
-    due = now >= np.minimum(state.look, np.maximum(rows[table.END], rows[table.UNTIL]))
-    due &= np.isfinite(state.look)
-    fate, quiet = judged(rows, state.y[:4], now, state.fate, state.quiet)
-    open_ = (fate == table.UNDECIDED) & (now < rows[table.END] + rows[table.PATIENCE])
-    again = np.where(open_, now + rows[table.CALM] / table.LOOKS, np.inf)
+    rows, now, end = state.rows, state.now, state.rows[table.END]
+    due = (now >= np.maximum(end, _stop(state))) & np.isfinite(state.look)
+    if not np.any(due):
+        return state
+    recoverable, _ = inside(rows, state.y[:4])
+    quiet = np.where(due & state.stirred, now, state.quiet)
+    calm = now - quiet >= table.NEARLY * rows[table.CALM]
+    fate = np.where(calm, table.SURVIVED, table.UNDECIDED)
+    fate = np.where(recoverable, fate, table.LOST)
+    again = np.where(
+        (fate == table.UNDECIDED) & (now < end + rows[table.PATIENCE]),
+        now + rows[table.CALM] / table.LOOKS,
+        np.inf,
+    )
     return replace(
         state,
+        quiet=quiet,
+        stirred=state.stirred & ~due,
         fate=np.where(due, fate, state.fate),
-        quiet=np.where(due, quiet, state.quiet),
         look=np.where(due, again, state.look),
     )
+
+
+def _stirred(state: _State) -> NDArray[np.bool_]:
+    """Which flights are not calm since the last look; there a swing may just pass zero."""
+    after = state.now >= state.rows[table.END]
+    if not np.any(after):
+        return state.stirred
+    _, size = inside(state.rows, state.y[:4])
+    return state.stirred | (after & (size >= table.SETTLED * state.rows[table.REACH]))
 
 
 def _write(out: FloatArray, state: _State, begin: FloatArray) -> None:

@@ -30,6 +30,7 @@ FloatArray = NDArray[np.float64]
     ENGAGE,
     RELEASE,
     SCALE,
+    SERVO_SCALE,
     START,
     END,
     UNTIL,
@@ -61,9 +62,9 @@ FloatArray = NDArray[np.float64]
     LEAN_TRUST,
     LEAN_BAND,
     LEAN_ESTIMATES,
-) = range(53)
+) = range(54)
 """Rows of `FlightTable.rows`."""
-ROWS = 53
+ROWS = 54
 
 UNDECIDED, SURVIVED, LOST = range(3)
 """What became of a flight."""
@@ -88,12 +89,16 @@ LOOK = 8
 """Samples between two looks at a sampled flight."""
 LOOKS = 8
 """Looks at a flight without pause, after its wind, in the time for which it must be calm."""
+NEARLY = 1.0 - 1e-9
+"""Of a time that is a sum of other times, and so off by rounding."""
 ORDER = 11
 """Of the Taylor series of flights without pause."""
 TOLERANCE = 1e-8
 """Of the last terms of a series, over the peak of the wind."""
 SERVO_SHARE = 0.1
-"""What an error of the nozzle, over its limit, counts beside one of the attitude."""
+"""What an error of the nozzle, over a large deflection, counts beside one of the attitude."""
+LARGE = 10.0
+"""A limit that is above so many times what holds the peak of the wind is not what counts."""
 SLACK = 1e-7
 """The nozzle is at its stop when it is beyond by this part: it swings in without end."""
 GRAZE = 1e-13
@@ -132,7 +137,7 @@ class FlightTable:
     Attributes
     ----------
     rows : ndarray
-        ``(53, m)``, each row named above: the equations of the plant
+        ``(54, m)``, each row named above: the equations of the plant
 
             theta'' = MU theta + MU_PATH gamma + MOMENT delta + GUST w
             gamma' = PATH_ATTITUDE theta + PATH_PATH gamma + PATH_SPEED v
@@ -140,7 +145,8 @@ class FlightTable:
 
         of the nozzle (natural frequency squared, and twice damping times it; of first order its
         bandwidth), the limits [rad, rad/s], the gains of a law that is linear, the deflections at
-        which it engages and lets go [rad], one over the peak of the wind, the times [s] at which
+        which it engages and lets go [rad], one over the peak of the wind and over the deflection
+        that counts as large, the times [s] at which
         the flight begins, its wind ends and it must end (or inf), and how it is judged: the rows
         of the unstable coordinates, their reach [rad] (NaN where there are none), slow over fast
         pole, and the times [s] that a flight must be calm and may be open. The last rows are

@@ -21,6 +21,8 @@ INVERSE, FELT, LEFT, RIGHT, CALM = 0, 1, 2, 9, 16
 from the state, the state of a ringing of size one, and the largest that is left out.
 """
 RINGING = 17
+RESTS = table.TOLERANCE / table.SERVO_SHARE
+"""How far from its command a nozzle is at rest, over a large deflection."""
 _ROUNDS = 5
 _DECAYS, _SWINGS = 0.1, 0.1
 """Least parts of the pole's size that are decay and frequency: else nothing is left out."""
@@ -31,7 +33,7 @@ _MISSED = 1e-9
 def ringing(rows: Any) -> tuple[Any, ...]:
     """Return the ringing of nozzles of second order that follow their laws, complex.
 
-    The same for the rows of a table ``(53, m)`` and for one column of it, for which it is
+    The same for the rows of a table ``(54, m)`` and for one column of it, for which it is
     compiled. Newton's steps lead from the nozzle alone to the pole: the product of its vectors,
     in which the nozzle's share is one, is the slope of the characteristic equation.
     """
@@ -65,7 +67,7 @@ def ringing(rows: Any) -> tuple[Any, ...]:
     good = (pole.imag > _SWINGS * size) & (pole.real < -_DECAYS * size)
     good = good & (step.real**2 + step.imag**2 < (_MISSED * size) ** 2)
     moved = np.sqrt(theta.real**2 + theta.imag**2) * rows[table.SCALE]
-    moved = moved + table.SERVO_SHARE / rows[table.LIMIT]
+    moved = moved + table.SERVO_SHARE * rows[table.SERVO_SCALE]
     felt = to_rate * rows[table.GUST] + to_path * rows[table.PATH_GUST]
     felt = felt - pull * rows[table.K_ALPHA]
     return (
@@ -96,7 +98,7 @@ def settled(
     y = np.where(quiet, y - 2.0 * (size * own[RIGHT:CALM]).real, y)
     command, spin = regions[0] * rows[table.LIMIT], y[5]
     left = rows[table.STIFFNESS] * (y[4] - command) ** 2 + spin**2
-    least = (table.TOLERANCE / table.SERVO_SHARE * rows[table.LIMIT]) ** 2
-    rests = (regions[0] != 0.0) & (regions[2] == 0.0) & (left <= rows[table.STIFFNESS] * least)
+    least = rows[table.STIFFNESS] * (RESTS / rows[table.SERVO_SCALE]) ** 2
+    rests = (regions[0] != 0.0) & (regions[2] == 0.0) & (left <= least)
     y[4], y[5] = np.where(rests, command, y[4]), np.where(rests, 0.0, spin)
     return y

@@ -84,11 +84,11 @@ def lengths(rows: FloatArray, series: Series, trial: FloatArray) -> FloatArray:
     """
     last, before = np.abs(series.y[:, table.ORDER]), np.abs(series.y[:, table.ORDER - 1])
     error = (last[0] * trial + before[0]) * rows[table.SCALE]
-    error += table.SERVO_SHARE * (last[4] * trial + before[4]) / rows[table.LIMIT]
+    error += table.SERVO_SHARE * (last[4] * trial + before[4]) * rows[table.SERVO_SCALE]
     spare = table.TOLERANCE / np.maximum(error * trial ** (table.ORDER - 1), 1e-30)
     bits = spare.view(np.int64) - table.ONE
     factor = (table.ONE + (bits >> 4) + (bits >> 5)).view(np.float64)
-    return np.minimum(trial * np.clip(table.SAFE * factor, 1e-3, table.GROWTH), 1e6)
+    return np.minimum(trial * np.minimum(table.SAFE * factor, table.GROWTH), 1e6)
 
 
 def jet(c: FloatArray, t: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -106,7 +106,7 @@ def summits(c: FloatArray, h: FloatArray, known: FloatArray) -> FloatArray:
     end, fall, _ = jet(c, h)
     known = np.maximum(known, np.maximum(np.abs(c[0]), np.abs(end)))
     one, other = c[0] + c[1] * h, end - fall * h
-    bound = np.where(c[1] > 0.0, np.minimum(one, other), -np.maximum(one, other))
+    bound = np.where(c[1] > 0.0, np.maximum(one, other), -np.minimum(one, other))
     here = np.flatnonzero((c[1] * fall < 0.0) & (bound > known))
     if here.size:
         part = c[:, here]
@@ -122,8 +122,8 @@ def exits(
     end, fall, _ = jet(c, h)
     one, other = c[0] + c[1] * h, end - fall * h
     out = ~((low <= end) & (end <= high))
-    out |= (c[1] > 0.0) & (fall < 0.0) & (np.minimum(one, other) > high)
-    out |= (c[1] < 0.0) & (fall > 0.0) & (np.maximum(one, other) < low)
+    out |= (c[1] > 0.0) & (fall < 0.0) & (np.maximum(one, other) > high)
+    out |= (c[1] < 0.0) & (fall > 0.0) & (np.minimum(one, other) < low)
     time, side = h.copy(), np.zeros_like(h)
     here = np.flatnonzero(out)
     if here.size:

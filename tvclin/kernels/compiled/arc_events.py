@@ -4,7 +4,7 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.compiler import lean
+from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
 _WATCHED = (
@@ -139,15 +139,24 @@ def _exit(s, w, number, i, low, high):  # type: ignore[no-untyped-def]
 
 @lean
 def meet(s, w, i, servo):  # type: ignore[no-untyped-def]
-    """Shorten a lane's step to the first limit it meets; return what and which side, or -1."""
+    """Shorten a lane's step to the first limit it meets; return what and which side, or -1.
+
+    Looked for again: a step that one limit makes shorter may end beyond another.
+    """
     first, what, which = np.inf, -1, 0.0
-    for number, low in _WATCHED:
-        if number != lanes.DEMAND and servo == 0:
+    for _ in range(3):
+        found = -1
+        for number, low in _WATCHED:
+            if number != lanes.DEMAND and servo == 0:
+                break
+            if number == what:
+                continue
+            t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i])
+            if t < first:
+                first, found, which = t, number, side
+        if found < 0:
             break
-        t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i])
-        if t < first:
-            first, what, which = t, number, side
-    if what >= 0:
+        what = found
         w[row(lanes.STEP) + i] = first
         for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
             value, slope, _ = _jet(s, at(number, 0) + i, first)
@@ -162,7 +171,7 @@ def summit(s, w, number, i, top, share):  # type: ignore[no-untyped-def]
     start, h = at(number, 0) + i, w[row(lanes.STEP) + i]
     rise, fall = s[start + ALL], w[row(lanes.SLOPE + number) + i]
     one, other = s[start] + rise * h, w[row(lanes.VALUE + number) + i] - fall * h
-    inside = max(one, other) if rise < 0.0 else min(one, other)
+    inside = min(one, other) if rise < 0.0 else max(one, other)
     known = w[row(top) + i]
     if rise * fall < 0.0 and abs(inside) > known and w[row(share) + i] != 0.0:
         _, value = _turn(s, start, h, w[row(lanes.VALUE + number) + i], rise, fall)
@@ -278,14 +287,27 @@ def _stop(w, i):  # type: ignore[no-untyped-def]
 def _look(s, w, i):  # type: ignore[no-untyped-def]
     """Judge a lane that is due, or ends, after its wind; look again until all is known."""
     now, look, end = w[row(lanes.NOW) + i], row(lanes.LOOK) + i, w[row(table.END) + i]
-    ends = now >= max(end, w[row(table.UNTIL) + i])
-    if w[look] == np.inf or not (ends or now >= w[look]):
+    if w[look] == np.inf or now < max(end, _stop(w, i)):
         return
     fate = _judged(s, w, i)
     late = now >= end + w[row(table.PATIENCE) + i]
     known = late or fate != table.UNDECIDED
     w[row(lanes.FATE) + i] = fate
     w[look] = np.inf if known else now + w[row(table.CALM) + i] / table.LOOKS
+
+
+@merged
+def stir(s, w):  # type: ignore[no-untyped-def]
+    """Note which lanes are not calm: at a look alone a swing may just pass zero."""
+    stirred, reach, end, now = row(lanes.STIRRED), row(table.REACH), row(table.END), row(lanes.NOW)
+    for i in range(ALL):
+        fast, slow = 0.0, 0.0
+        for k in range(4):
+            x = s[at(lanes.THETA + k, 0) + i]
+            fast += w[row(table.FAST + k) + i] * x
+            slow += w[row(table.SLOW + k) + i] * x
+        large = max(abs(fast), abs(slow)) >= table.SETTLED * w[reach + i]
+        w[stirred + i] = 1.0 if large & (w[now + i] >= w[end + i]) else w[stirred + i]
 
 
 @lean
@@ -305,7 +327,7 @@ def _judged(s, w, i):  # type: ignore[no-untyped-def]
         inside = low < slow < high
     if not inside:
         return table.LOST
-    if max(abs(fast), abs(slow)) >= table.SETTLED * reach:
-        w[row(lanes.QUIET) + i] = now
-    calm = now - w[row(lanes.QUIET) + i] >= w[row(table.CALM) + i]
+    if w[row(lanes.STIRRED) + i] != 0.0:
+        w[row(lanes.QUIET) + i], w[row(lanes.STIRRED) + i] = now, 0.0
+    calm = now - w[row(lanes.QUIET) + i] >= table.NEARLY * w[row(table.CALM) + i]
     return table.SURVIVED if calm else table.UNDECIDED

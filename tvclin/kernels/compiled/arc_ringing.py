@@ -9,7 +9,6 @@ from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, at, row
 
 _STATES = lanes.MEMORY + 1
-_RESTS = table.TOLERANCE / table.SERVO_SHARE
 _of_one = lean(own.ringing)
 
 
@@ -23,6 +22,8 @@ def _part(number):  # type: ignore[no-untyped-def]
 def begin_ringing(w, rows, i):  # type: ignore[no-untyped-def]
     """Write the ringing of a lane, of its column of the table."""
     parts = _of_one(rows)
+    if not parts[own.CALM].real > 0.0:
+        return  # rows of zeros: nothing is taken out
     for k, part in enumerate(parts):
         w[_part(k) + i], w[_part(k) + ALL + i] = part.real, part.imag
 
@@ -48,9 +49,9 @@ def settle(s, w, degree):  # type: ignore[no-untyped-def]
         for k in range(_STATES):
             there = np.uint64(2 * k * lanes.LANES) + i
             s[at(k, 0) + i] -= a * w[right + there] - b * w[right + there + ALL]
-        stiff, limit = w[row(table.STIFFNESS) + i], w[row(table.LIMIT) + i]
+        stiff, large = w[row(table.STIFFNESS) + i], w[row(table.SERVO_SCALE) + i]
         command, rate = w[row(lanes.COMMAND) + i], s[spin + i]
-        off, least = s[position + i] - command, _RESTS * limit
+        off, least = s[position + i] - command, own.RESTS / large
         rests = (w[row(lanes.COMMANDED) + i] == 0.0) & (w[row(lanes.FREE) + i] != 0.0)
         rests &= stiff * off * off + rate * rate <= stiff * least * least
         s[position + i] -= off if rests else 0.0

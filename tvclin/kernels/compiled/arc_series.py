@@ -126,19 +126,17 @@ def lengths(s, w):  # type: ignore[no-untyped-def]
     theta, servo = at(lanes.THETA, last), at(lanes.SERVO, last)
     theta_1, servo_1 = at(lanes.THETA, before), at(lanes.SERVO, before)
     trial, left, step = row(lanes.TRIAL), row(lanes.LEFT), row(lanes.STEP)
-    scale, limit = row(table.SCALE), row(table.LIMIT)
+    scale, servo_scale = row(table.SCALE), row(table.SERVO_SCALE)
     for i in range(ALL):
         h = w[trial + i]
         h5 = (h * h) * (h * h) * h
         error = abs(s[theta + i]) * h + abs(s[theta_1 + i])
-        error = (
-            error * w[scale + i]
-            + table.SERVO_SHARE * (abs(s[servo + i]) * h + abs(s[servo_1 + i])) / w[limit + i]
-        )
+        moved = abs(s[servo + i]) * h + abs(s[servo_1 + i])
+        error = error * w[scale + i] + table.SERVO_SHARE * moved * w[servo_scale + i]
         spare = table.TOLERANCE / max(error * (h5 * h5), 1e-30)
         bits = np.float64(spare).view(np.int64) - table.ONE
         factor = np.int64(table.ONE + (bits >> 4) + (bits >> 5)).view(np.float64)
-        h = min(h * min(max(table.SAFE * factor, 1e-3), table.GROWTH), 1e6)
+        h = min(h * min(table.SAFE * factor, table.GROWTH), 1e6)
         w[trial + i] = h
         w[step + i] = h if h < w[left + i] else w[left + i]
 
@@ -169,8 +167,8 @@ def leaving(s, w, number, least_, most_):  # type: ignore[no-untyped-def]
         low, high, flagged = w[least + i], w[most + i], w[flag + i]
         one, other = a + rise * w[step + i], b - fall * w[step + i]
         out = (b > high) | (b < low)
-        out |= (rise > 0.0) & (fall < 0.0) & (min(one, other) > high)
-        out |= (rise < 0.0) & (fall > 0.0) & (max(one, other) < low)
+        out |= (rise > 0.0) & (fall < 0.0) & (max(one, other) > high)
+        out |= (rise < 0.0) & (fall > 0.0) & (min(one, other) < low)
         w[flag + i] = 1.0 if out else flagged
 
 
@@ -189,8 +187,8 @@ def topping(s, w, number, top, share):  # type: ignore[no-untyped-def]
         rise, fall = w[part + i] * s[slope + i], w[part + i] * w[end_slope + i]
         known, flagged = max(w[highest + i], abs(a), abs(b)), w[flag + i]
         one, other = a + rise * w[step + i], b - fall * w[step + i]
-        beyond = (rise > 0.0) & (fall < 0.0) & (min(one, other) > known)
-        beyond |= (rise < 0.0) & (fall > 0.0) & (max(one, other) < -known)
+        beyond = (rise > 0.0) & (fall < 0.0) & (max(one, other) > known)
+        beyond |= (rise < 0.0) & (fall > 0.0) & (min(one, other) < -known)
         w[highest + i] = known
         w[flag + i] = 1.0 if beyond else flagged
 

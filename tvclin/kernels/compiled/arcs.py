@@ -4,7 +4,7 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.arc_events import arrive, meet, summit, switch
+from tvclin.kernels.compiled.arc_events import arrive, meet, stir, summit, switch
 from tvclin.kernels.compiled.arc_ringing import begin_ringing, settle
 from tvclin.kernels.compiled.arc_series import advance, leaving, lengths, series, sums, topping
 from tvclin.kernels.compiled.compiler import compiled, lean
@@ -82,6 +82,7 @@ def _step(s, w, order, servo, degree, met):  # type: ignore[no-untyped-def]
         sums(s, w, lanes.SPIN)
     _peaks(s, w)
     advance(s, w, degree)
+    stir(s, w)
     for j in range(changes):
         i = np.uint64(met[j])
         switch(s, w, i, w[row(lanes.MET) + i], w[row(lanes.SIDE) + i], servo)

@@ -29,6 +29,7 @@ _FIRST = table.ROWS
     LEFT,
     KNOT,
     LOOK,
+    STIRRED,
     TRIAL,
     STEP,
     MODE,
@@ -60,7 +61,7 @@ _FIRST = table.ROWS
     ONE,
     FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 35)
+) = range(_FIRST, _FIRST + 36)
 """Rows beside those of the table: time, regions, bounds of what is watched, and peaks."""
 SLOPE = VALUE + SERIES
 DRIVEN = SLOPE + SERIES
