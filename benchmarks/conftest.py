@@ -1,10 +1,20 @@
 """Benchmarks run in one thread unless they say otherwise, and end with a table of ratios."""
 
 import os
+from collections.abc import Iterator
 
 import pytest
 
+from tvclin.kernels.choice import available, pinned
+
 os.environ["TVCLIN_NUM_THREADS"] = "1"
+
+
+@pytest.fixture(autouse=True)
+def _compiled() -> Iterator[None]:
+    """Measure the compiled twins, however little they are worth to this process."""
+    with pinned(available()):
+        yield
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -4,7 +4,6 @@ The peers get a case they answer well: every input on the grid, sampled beforeha
 give is the answer to the samples; ours is exact between them.
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 import control
@@ -15,19 +14,11 @@ from scipy import signal
 
 import tvclin as tv
 from tvclin.kernels import responses
-from tvclin.kernels.choice import pinned
 from tvclin.kernels.threads import VARIABLE
 
 CASES = 10_000
 POINTS = 499
 BETA, B, PEAK, DURATION = 0.53, 0.107, 0.09, 7.5
-
-
-@pytest.fixture(autouse=True)
-def _compiled() -> Iterator[None]:
-    pytest.importorskip("numba")
-    with pinned(True):
-        yield
 
 
 def case() -> tuple[tv.Plant, tv.History, tv.History]:
