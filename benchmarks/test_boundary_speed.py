@@ -12,7 +12,7 @@ FEW = 300
 RNG = np.random.default_rng(1)
 TAU_BETA = np.exp(RNG.uniform(np.log(1e-3), np.log(40.0), CASES))
 K = RNG.uniform(0.0, 1.0, CASES)
-FLOOR = "three exponentials, nine divisions and two roots, four cases at once"
+FLOOR = "three exponentials, nine divisions and two roots, four or eight cases at once"
 
 
 def test_boundary_12_against_brentq(benchmark):

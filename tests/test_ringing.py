@@ -119,7 +119,7 @@ def test_flights_are_those_of_a_solver(compiled, frequency):
 
 @EACH_TWIN
 def test_ringing_that_lasts_is_flown(compiled):
-    """With a gain near the edge the nozzle and the loop swing long, and 20 times a cycle."""
+    """A slow nozzle under a large gain swings for long together with the loop."""
     found = flown(compiled, 6.0, gain=5.0, until=12.0)
     for k, part in enumerate((0.6, 1.0)):
         theta = integrated(6.0, part * PEAK, gain=5.0, until=12.0)

@@ -205,7 +205,7 @@ def _line(line, u, powers, length, factors, rows, which, count):  # type: ignore
     for k in range(fused, count, 2):
         two = k + 1 < count
         second = rows[which[k + 1] if two else none]
-        _add(line, factors[k], rows[which[k]], factors[k + 1] if two else 0.0, second)
+        add(line, factors[k], rows[which[k]], factors[k + 1] if two else 0.0, second)
 
 
 @merged
@@ -227,7 +227,8 @@ def _lower(line, u, c0, c1, c2, c3):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _add(line, a, first, b, second):  # type: ignore[no-untyped-def]
+def add(line, a, first, b, second):  # type: ignore[no-untyped-def]
+    """Add two rows, each times a factor."""
     for j in range(line.size):
         line[j] += a * first[j] + b * second[j]
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.compiled.blocks import BLOCK, LARGE, UNEVEN, grid, real_powers
+from tvclin.kernels.compiled.blocks import BLOCK, LARGE, UNEVEN, add, grid, real_powers
 from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.exponentials import exponential
 from tvclin.kernels.compiled.residues import all_roundings, too_near
@@ -261,16 +261,10 @@ def _write_output(times, step, poles, shares, less_wind, room, lane, line):  # t
             _begin(some, local, knot, constant, linear, factors[0], first, factors[1], second)
             for mode in range(2, shares.size, 2):
                 first, second = tables[mode], tables[mode + 1]
-                _add(some, factors[mode], first, factors[mode + 1], second)
+                add(some, factors[mode], first, factors[mode + 1], second)
 
 
 @lean
 def _begin(line, times, knot, constant, linear, a, first, b, second):  # type: ignore[no-untyped-def]
     for j in range(line.size):
         line[j] = constant + linear * (times[j] - knot) + (a * first[j] + b * second[j])
-
-
-@lean
-def _add(line, a, first, b, second):  # type: ignore[no-untyped-def]
-    for j in range(line.size):
-        line[j] += a * first[j] + b * second[j]
