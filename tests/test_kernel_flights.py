@@ -108,11 +108,11 @@ def test_a_flight_that_turns_away_from_its_limit_leaves_when_it_comes_back(off, 
 
         s, w = np.zeros(lanes.SERIES_SIZE), np.zeros(lanes.SIZE)
         for k, c in enumerate(powers):
-            s[lanes.at(lanes.DEMAND, k)] = c
+            s[lanes.at(lanes.SERVO, k)] = c
         w[lanes.row(lanes.STEP)] = step
-        w[lanes.row(lanes.VALUE + lanes.DEMAND)] = powers.sum()
-        w[lanes.row(lanes.SLOPE + lanes.DEMAND)] = powers[1] + 2.0 * powers[2]
-        when, side = arc_events._exit(s, w, lanes.DEMAND, np.uint64(0), -1.0, 1.0)
+        w[lanes.row(lanes.VALUE + lanes.SERVO)] = powers.sum()
+        w[lanes.row(lanes.SLOPE + lanes.SERVO)] = powers[1] + 2.0 * powers[2]
+        when, side = arc_events._exit(s, w, lanes.SERVO, np.uint64(0), -1.0, 1.0, 2)
     else:
         c = np.zeros((table.ORDER + 1, 1))
         c[:3, 0] = powers

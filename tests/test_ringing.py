@@ -9,7 +9,7 @@ import tvclin as tv
 from tvclin.kernels import arcs
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.choice import available, pinned
-from tvclin.kernels.ringing import CALM, FELT, INVERSE, LEFT, RIGHT, ringing
+from tvclin.kernels.ringing import CALM, FELT, INVERSE, LEFT, RIGHT, ringings
 
 EACH_TWIN = pytest.mark.parametrize(
     "compiled",
@@ -49,7 +49,7 @@ def loop(r):
 
 def test_ringing_is_a_pair_of_modes_of_plant_nozzle_and_law():
     every = rows(200)
-    found = np.array(ringing(every))
+    found = ringings(every)
     assert np.mean(found[CALM].real > 0.0) > 0.95
     for r, own in zip(every.T, found.T, strict=True):
         A, gust = loop(r)
@@ -69,7 +69,7 @@ def test_ringing_is_a_pair_of_modes_of_plant_nozzle_and_law():
 def test_a_pair_that_grows_is_never_left_out():
     every = rows(50)
     every[table.K_RATE] = -200.0 / every[table.MOMENT]
-    found = np.array(ringing(every))
+    found = ringings(every)
     grows = found[INVERSE].real > 0.0
     assert np.sum(grows) > 10
     np.testing.assert_array_equal(found[CALM, grows], 0.0)
@@ -78,7 +78,7 @@ def test_a_pair_that_grows_is_never_left_out():
 def test_a_nozzle_without_a_swing_of_its_own_is_left_alone():
     every = rows(50)
     every[table.DRAG] = 3.0 * np.sqrt(every[table.STIFFNESS])
-    np.testing.assert_array_equal(np.array(ringing(every))[CALM], 0.0)
+    np.testing.assert_array_equal(ringings(every)[CALM], 0.0)
 
 
 def flown(compiled, frequency, *, gain=3.0, until=20.0):

@@ -16,7 +16,7 @@ from tvclin.kernels import flight_table as table
 from tvclin.kernels.choice import compiled_twin
 from tvclin.kernels.flight_table import FlightTable, FloatArray
 from tvclin.kernels.law_demand import inside, switched
-from tvclin.kernels.ringing import CALM, RINGING, ringing, settled
+from tvclin.kernels.ringing import CALM, RINGING, ringings, settled
 from tvclin.kernels.series import Series, exits, jet, lengths, summits, taylor
 from tvclin.kernels.threads import in_slices
 
@@ -65,7 +65,6 @@ class _State:
     look: FloatArray
     trial: FloatArray
     quiet: FloatArray
-    stirred: NDArray[np.bool_]
     full: FloatArray
     tops: FloatArray
     fate: NDArray[np.int64]
@@ -99,15 +98,16 @@ def _begun(flights: FlightTable) -> _State:
     zero, own = np.zeros(m), np.zeros((RINGING, m), complex)
     if flights.servo == 2:
         with np.errstate(divide="ignore", invalid="ignore"):  # nozzles that do not swing
-            own = np.array(ringing(flights.rows))
+            own = ringings(flights.rows)
         own = np.where(own[CALM].real > 0.0, own, 0.0)
     end = flights.rows[table.END]
-    look = np.where(np.isnan(flights.rows[table.REACH]), np.inf, end)
+    until = flights.rows[table.UNTIL]
+    look = np.where(np.isinf(until), end, until)
+    look = np.where(np.isnan(flights.rows[table.REACH]), np.inf, look)
     state = _State(
         np.arange(m), flights.rows, flights.which, own,
         np.zeros((7, m)), np.zeros((flights.wind.shape[2], m)), np.zeros((3, m)),
-        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), np.zeros(m, dtype=bool),
-        zero.copy(), np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
+        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), zero.copy(), np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
     )  # fmt: skip
     return _arrived(flights, state)
 
@@ -145,7 +145,7 @@ def _stepped(flights: FlightTable, state: _State) -> _State:
         state, y=y, wind=wind, now=state.now + h, left=left, trial=trial, full=full, tops=tops,
         regions=regions.copy(),
     )  # fmt: skip
-    state = replace(state, stirred=_stirred(state))
+    state = replace(state, quiet=_stirred(state))
     _switch(state, met, side, servo)
     here = left <= 0.0
     if np.any(here):
@@ -246,14 +246,13 @@ def _stop(state: _State) -> FloatArray:
 
 
 def _looked_at(state: _State) -> _State:
-    """Judge flights that are due, or end, after their winds; look again until all is known."""
+    """Judge flights that are due after their winds; look again until all is known."""
     rows, now, end = state.rows, state.now, state.rows[table.END]
     due = (now >= np.maximum(end, _stop(state))) & np.isfinite(state.look)
     if not np.any(due):
         return state
     recoverable, _ = inside(rows, state.y[:4])
-    quiet = np.where(due & state.stirred, now, state.quiet)
-    calm = now - quiet >= table.NEARLY * rows[table.CALM]
+    calm = now - state.quiet >= table.NEARLY * rows[table.CALM]
     fate = np.where(calm, table.SURVIVED, table.UNDECIDED)
     fate = np.where(recoverable, fate, table.LOST)
     again = np.where(
@@ -261,22 +260,18 @@ def _looked_at(state: _State) -> _State:
         now + rows[table.CALM] / table.LOOKS,
         np.inf,
     )
-    return replace(
-        state,
-        quiet=quiet,
-        stirred=state.stirred & ~due,
-        fate=np.where(due, fate, state.fate),
-        look=np.where(due, again, state.look),
-    )
+    look, fate = np.where(due, again, state.look), np.where(due, fate, state.fate)
+    return replace(state, fate=fate, look=look)
 
 
-def _stirred(state: _State) -> NDArray[np.bool_]:
-    """Which flights are not calm since the last look; there a swing may just pass zero."""
+def _stirred(state: _State) -> FloatArray:
+    """When flights were last not calm [s]; at a look alone a swing may just pass zero."""
     after = state.now >= state.rows[table.END]
     if not np.any(after):
-        return state.stirred
+        return state.quiet
     _, size = inside(state.rows, state.y[:4])
-    return state.stirred | (after & (size >= table.SETTLED * state.rows[table.REACH]))
+    large = size >= table.SETTLED * state.rows[table.REACH]
+    return np.where(after & large, state.now, state.quiet)
 
 
 def _write(out: FloatArray, state: _State, begin: FloatArray) -> None:

@@ -88,7 +88,9 @@ SETTLED = 0.3
 LOOK = 8
 """Samples between two looks at a sampled flight."""
 LOOKS = 8
-"""Looks at a flight without pause, after its wind, in the time for which it must be calm."""
+"""Looks at a flight without pause, after its wind, in the time for which it must be calm; one
+that has an end is looked at there alone.
+"""
 NEARLY = 1.0 - 1e-9
 """Of a time that is a sum of other times, and so off by rounding."""
 ORDER = 11
@@ -105,9 +107,9 @@ GRAZE = 1e-13
 """A summit that is beyond a bound by less than this part of it only touches it; and a flight
 that turns away from a bound, from this near, is beyond it already.
 """
-FINE, NEAR = 1e-9, 1e-4
-"""Of the step: the next round of Newton would double the digits, and one of Halley treble them;
-a summit's value has them double.
+FINE, NEAR, SUMMIT = 1e-9, 5e-4, 3e-3
+"""Of the step, how near is near enough: to a root after a round, before a round of Halley, which
+trebles the digits, and before one of Newton to a summit, whose value has twice its digits.
 """
 ROUNDS = 60
 ONE = 0x3FF0000000000000

@@ -20,49 +20,61 @@ INVERSE, FELT, LEFT, RIGHT, CALM = 0, 1, 2, 9, 16
 """What `ringing` returns: one over the pole, what a gust moves, the row that tells the ringing
 from the state, the state of a ringing of size one, and the largest that is left out.
 """
-RINGING = 17
+RINGING = MISSES = 17
+"""So many numbers are kept; the one that follows is how far the pole is missed."""
 RESTS = table.TOLERANCE / table.SERVO_SHARE
 """How far from its command a nozzle is at rest, over a large deflection."""
-_ROUNDS = 5
+NEARER = 4
+"""Steps of Newton to the pole; the next must be small."""
 _DECAYS, _SWINGS = 0.1, 0.1
 """Least parts of the pole's size that are decay and frequency: else nothing is left out."""
 _MISSED = 1e-9
 """The last step of Newton over the pole; a larger one leaves nothing out either."""
 
 
-def ringing(rows: Any) -> tuple[Any, ...]:
-    """Return the ringing of nozzles of second order that follow their laws, complex.
+def ringings(rows: FloatArray) -> ComplexArray:
+    """Return the ringing of nozzles that follow their laws, ``(17, m)``, of a table's rows."""
+    pole = nozzles(rows)
+    for _ in range(NEARER):
+        pole = pole - ringing(rows, pole)[MISSES]
+    return np.array(ringing(rows, pole)[:RINGING])
+
+
+def nozzles(rows: Any) -> Any:
+    """Return the poles of nozzles alone, from which those of the ringing are looked for."""
+    pull, drag = rows[table.STIFFNESS], rows[table.DRAG]
+    return -0.5 * drag + 1j * np.sqrt(np.maximum(pull - 0.25 * drag * drag, 0.0))
+
+
+def ringing(rows: Any, pole: Any) -> tuple[Any, ...]:
+    """Return the ringing of nozzles of second order about poles, and Newton's step to true ones.
 
     The same for the rows of a table ``(54, m)`` and for one column of it, for which it is
-    compiled. Newton's steps lead from the nozzle alone to the pole: the product of its vectors,
-    in which the nozzle's share is one, is the slope of the characteristic equation.
+    compiled. The product of a pole's vectors, in which the nozzle's share is one, is the slope of
+    the characteristic equation.
     """
     pull, drag = rows[table.STIFFNESS], rows[table.DRAG]
     turn, drift = rows[table.MU_PATH], rows[table.PATH_ATTITUDE]
     seen = pull * (rows[table.K_PATH] - rows[table.K_ALPHA])
     held = pull * (rows[table.K_ATTITUDE] + rows[table.K_ALPHA])
-    pole = -0.5 * drag + 1j * np.sqrt(np.maximum(pull - 0.25 * drag * drag, 0.0))
     swings, memory = pull * rows[table.K_RATE], pull * rows[table.K_MEMORY]
     level = rows[table.PATH_SPEED] * rows[table.SPEED_PATH]
-    step = 0.0 * pole
-    for _ in range(_ROUNDS):
-        pole = pole - step
-        inverse = pole.conjugate() * (1.0 / (pole.real**2 + pole.imag**2))
-        lag = pole - rows[table.PATH_PATH] - level * inverse
-        lag = lag.conjugate() * (1.0 / (lag.real**2 + lag.imag**2))
-        stiff = pole * pole - rows[table.MU] - turn * drift * lag
-        stiff = stiff.conjugate() * (1.0 / (stiff.real**2 + stiff.imag**2))
-        theta = (rows[table.MOMENT] + turn * rows[table.PATH_DEFLECTION] * lag) * stiff
-        path = (drift * theta + rows[table.PATH_DEFLECTION]) * lag
-        to_rate = (held + swings * pole + memory * inverse + drift * seen * lag) * stiff
-        to_path = (to_rate * turn + seen) * lag
-        to_theta = pole * to_rate - swings
-        missed = pole * (pole + drag) + pull
-        missed = missed - to_rate * rows[table.MOMENT] - to_path * rows[table.PATH_DEFLECTION]
-        slope = (to_theta + to_rate * pole + memory * inverse * inverse) * theta
-        slope = slope + to_path * path * (1.0 + level * inverse * inverse) + 2.0 * pole + drag
-        share = slope.conjugate() * (1.0 / (slope.real**2 + slope.imag**2))
-        step = missed * share
+    inverse = pole.conjugate() * (1.0 / (pole.real**2 + pole.imag**2))
+    lag = pole - rows[table.PATH_PATH] - level * inverse
+    lag = lag.conjugate() * (1.0 / (lag.real**2 + lag.imag**2))
+    stiff = pole * pole - rows[table.MU] - turn * drift * lag
+    stiff = stiff.conjugate() * (1.0 / (stiff.real**2 + stiff.imag**2))
+    theta = (rows[table.MOMENT] + turn * rows[table.PATH_DEFLECTION] * lag) * stiff
+    path = (drift * theta + rows[table.PATH_DEFLECTION]) * lag
+    to_rate = (held + swings * pole + memory * inverse + drift * seen * lag) * stiff
+    to_path = (to_rate * turn + seen) * lag
+    to_theta = pole * to_rate - swings
+    missed = pole * (pole + drag) + pull
+    missed = missed - to_rate * rows[table.MOMENT] - to_path * rows[table.PATH_DEFLECTION]
+    slope = (to_theta + to_rate * pole + memory * inverse * inverse) * theta
+    slope = slope + to_path * path * (1.0 + level * inverse * inverse) + 2.0 * pole + drag
+    share = slope.conjugate() * (1.0 / (slope.real**2 + slope.imag**2))
+    step = missed * share
     size = np.sqrt(pole.real**2 + pole.imag**2)
     good = (pole.imag > _SWINGS * size) & (pole.real < -_DECAYS * size)
     good = good & (step.real**2 + step.imag**2 < (_MISSED * size) ** 2)
@@ -77,7 +89,7 @@ def ringing(rows: Any) -> tuple[Any, ...]:
         (pole + drag) * share, share, memory * inverse * share,
         theta, pole * theta, path, rows[table.SPEED_PATH] * path * inverse,
         1.0 + 0.0 * pole, pole, theta * inverse,
-        good * (0.5 * table.TOLERANCE / moved) + 0.0 * pole,
+        good * (0.5 * table.TOLERANCE / moved) + 0.0 * pole, step,
     )  # fmt: skip
 
 

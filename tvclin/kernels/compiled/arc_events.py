@@ -4,7 +4,8 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
-from tvclin.kernels.compiled.arc_roots import jet, root, turn
+from tvclin.kernels.compiled.arc_ends import ends, whole
+from tvclin.kernels.compiled.arc_roots import root, turn
 from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, at, row
 
@@ -17,7 +18,7 @@ _WATCHED = (
 
 
 @lean
-def _exit(s, w, number, i, low, high):  # type: ignore[no-untyped-def]
+def _exit(s, w, number, i, low, high, servo):  # type: ignore[no-untyped-def]
     """When a series first leaves its bounds within the step, and to which side; or inf, 0."""
     start = at(number, 0) + i
     h = w[row(lanes.STEP) + i]
@@ -27,6 +28,7 @@ def _exit(s, w, number, i, low, high):  # type: ignore[no-untyped-def]
     last, top, steep = h, end, fall
     if inside and not turns:
         return np.inf, 0.0
+    start = whole(s, w, i, number, servo)
     if inside:
         last, top = turn(s, start, h, end, rise, fall)
         steep = 0.0
@@ -47,7 +49,7 @@ def _exit(s, w, number, i, low, high):  # type: ignore[no-untyped-def]
 
 
 @lean
-def meet(s, w, i, servo):  # type: ignore[no-untyped-def]
+def meet(s, w, i, order, servo, degree):  # type: ignore[no-untyped-def]
     """Shorten a lane's step to the first limit it meets; return what and which side, or -1.
 
     Looked for again: a step that one limit makes shorter may end beyond another.
@@ -60,31 +62,24 @@ def meet(s, w, i, servo):  # type: ignore[no-untyped-def]
                 break
             if number == what:
                 continue
-            t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i])
+            t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i], servo)
             if t < first:
                 first, found, which = t, number, side
         if found < 0:
             break
         what = found
         w[row(lanes.STEP) + i] = first
-        for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
-            value, slope, _ = jet(s, at(number, 0) + i, first)
-            w[row(lanes.VALUE + number) + i] = value
-            w[row(lanes.SLOPE + number) + i] = slope
+        ends(s, w, order, servo, degree, i, i + np.uint64(1))
     return what, which
 
 
 @lean
-def summit(s, w, number, i, top, share):  # type: ignore[no-untyped-def]
+def summit(s, w, number, i, top, servo):  # type: ignore[no-untyped-def]
     """Raise a lane's largest size by the summit of a series within the step."""
-    start, h = at(number, 0) + i, w[row(lanes.STEP) + i]
-    rise, fall = s[start + ALL], w[row(lanes.SLOPE + number) + i]
-    one, other = s[start] + rise * h, w[row(lanes.VALUE + number) + i] - fall * h
-    inside = min(one, other) if rise < 0.0 else max(one, other)
-    known = w[row(top) + i]
-    if rise * fall < 0.0 and abs(inside) > known and w[row(share) + i] != 0.0:
-        _, value = turn(s, start, h, w[row(lanes.VALUE + number) + i], rise, fall)
-        w[row(top) + i] = max(known, abs(value))
+    rise, fall = s[at(number, 1) + i], w[row(lanes.SLOPE + number) + i]
+    end, h = w[row(lanes.VALUE + number) + i], w[row(lanes.STEP) + i]
+    _, value = turn(s, whole(s, w, i, number, servo), h, end, rise, fall)
+    w[row(top) + i] = max(w[row(top) + i], abs(value))
 
 
 @lean
@@ -158,6 +153,28 @@ def _bound(w, i, servo):  # type: ignore[no-untyped-def]
     w[row(lanes.HELD) + i] = held * most if held != 0.0 else 0.0
     if held != 0.0:
         w[row(lanes.TOP_WATCH) + i] = most
+    _rule(w, i, servo)
+
+
+@lean
+def _rule(w, i, servo):  # type: ignore[no-untyped-def]
+    """Write the equations of a lane's nozzle, and what it moves, in the regions of the lane."""
+    free, moving = w[row(lanes.FREE) + i], w[row(lanes.MOVING) + i]
+    stiff = free * w[row(table.STIFFNESS) + i] if servo else 1.0
+    gain, felt = stiff * w[row(lanes.COMMANDED) + i], w[row(table.K_ALPHA) + i]
+    w[row(lanes.PULL_ATTITUDE) + i] = gain * (w[row(table.K_ATTITUDE) + i] + felt)
+    w[row(lanes.PULL_RATE) + i] = gain * w[row(table.K_RATE) + i]
+    w[row(lanes.PULL_PATH) + i] = gain * (w[row(table.K_PATH) + i] - felt)
+    w[row(lanes.PULL_MEMORY) + i] = gain * w[row(table.K_MEMORY) + i]
+    w[row(lanes.PULL_GUST) + i] = -gain * felt
+    w[row(lanes.PULL_SERVO) + i] = -stiff if servo else 0.0
+    w[row(lanes.PULL_SPIN) + i] = -free * w[row(table.DRAG) + i]
+    pull = stiff * w[row(lanes.COMMAND) + i]
+    w[row(lanes.PULL) + i] = pull + w[row(lanes.HELD) + i] if servo == 1 else pull
+    moment, stopped = w[row(table.MOMENT) + i], w[row(lanes.STOPPED) + i]
+    w[row(lanes.TURN_SERVO) + i], w[row(lanes.TURN) + i] = moment * moving, moment * stopped
+    drift = w[row(table.PATH_DEFLECTION) + i]
+    w[row(lanes.DRIFT_SERVO) + i], w[row(lanes.DRIFT) + i] = drift * moving, drift * stopped
 
 
 @lean
@@ -194,7 +211,7 @@ def _stop(w, i):  # type: ignore[no-untyped-def]
 
 @lean
 def _look(s, w, i):  # type: ignore[no-untyped-def]
-    """Judge a lane that is due, or ends, after its wind; look again until all is known."""
+    """Judge a lane that is due after its wind; look again until all is known."""
     now, look, end = w[row(lanes.NOW) + i], row(lanes.LOOK) + i, w[row(table.END) + i]
     if w[look] == np.inf or now < max(end, _stop(w, i)):
         return
@@ -207,8 +224,8 @@ def _look(s, w, i):  # type: ignore[no-untyped-def]
 
 @merged
 def stir(s, w):  # type: ignore[no-untyped-def]
-    """Note which lanes are not calm: at a look alone a swing may just pass zero."""
-    stirred, reach, end, now = row(lanes.STIRRED), row(table.REACH), row(table.END), row(lanes.NOW)
+    """Note when lanes were last not calm: at a look alone a swing may just pass zero."""
+    quiet, reach, end, now = row(lanes.QUIET), row(table.REACH), row(table.END), row(lanes.NOW)
     for i in range(ALL):
         fast, slow = 0.0, 0.0
         for k in range(4):
@@ -216,7 +233,8 @@ def stir(s, w):  # type: ignore[no-untyped-def]
             fast += w[row(table.FAST + k) + i] * x
             slow += w[row(table.SLOW + k) + i] * x
         large = max(abs(fast), abs(slow)) >= table.SETTLED * w[reach + i]
-        w[stirred + i] = 1.0 if large & (w[now + i] >= w[end + i]) else w[stirred + i]
+        after = w[now + i] >= w[end + i]
+        w[quiet + i] = w[now + i] if large & after else w[quiet + i]
 
 
 @lean
@@ -236,7 +254,5 @@ def _judged(s, w, i):  # type: ignore[no-untyped-def]
         inside = low < slow < high
     if not inside:
         return table.LOST
-    if w[row(lanes.STIRRED) + i] != 0.0:
-        w[row(lanes.QUIET) + i], w[row(lanes.STIRRED) + i] = now, 0.0
     calm = now - w[row(lanes.QUIET) + i] >= table.NEARLY * w[row(table.CALM) + i]
     return table.SURVIVED if calm else table.UNDECIDED

@@ -9,7 +9,8 @@ from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, at, row
 
 _STATES = lanes.MEMORY + 1
-_of_one = lean(own.ringing)
+_POLE = own.RIGHT + lanes.SPIN
+_nozzles, _ringing = merged(own.nozzles), merged(own.ringing)
 
 
 @lean
@@ -19,13 +20,26 @@ def _part(number):  # type: ignore[no-untyped-def]
 
 
 @lean
-def begin_ringing(w, rows, i):  # type: ignore[no-untyped-def]
-    """Write the ringing of a lane, of its column of the table."""
-    parts = _of_one(rows)
-    if not parts[own.CALM].real > 0.0:
-        return  # rows of zeros: nothing is taken out
-    for k, part in enumerate(parts):
-        w[_part(k) + i], w[_part(k) + ALL + i] = part.real, part.imag
+def begin_ringing(w, rows):  # type: ignore[no-untyped-def]
+    """Write the ringing of all lanes; rows of zeros where nothing is taken out.
+
+    The rows come in one and in two dimensions: a column of these is what `ringing` reads.
+    """
+    pole = _part(_POLE)
+    for i in range(ALL):
+        nozzle = _nozzles(rows[:, i])
+        w[pole + i], w[pole + ALL + i] = nozzle.real, nozzle.imag
+    for _ in range(own.NEARER):
+        for i in range(ALL):
+            near = complex(w[pole + i], w[pole + ALL + i])
+            near -= _ringing(rows[:, i], near)[own.MISSES]
+            w[pole + i], w[pole + ALL + i] = near.real, near.imag
+    for i in range(ALL):
+        parts = _ringing(rows[:, i], complex(w[pole + i], w[pole + ALL + i]))
+        good = parts[own.CALM].real > 0.0
+        for k in range(own.RINGING):
+            w[_part(k) + i] = parts[k].real if good else 0.0
+            w[_part(k) + ALL + i] = parts[k].imag if good else 0.0
 
 
 @lean

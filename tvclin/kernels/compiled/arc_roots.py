@@ -78,7 +78,7 @@ def turn(s, start, high, end, below, above):  # type: ignore[no-untyped-def]
     low = 0.0
     if not low < t < high:
         t = 0.5 * high
-    fine = table.NEAR * high
+    fine = table.SUMMIT * high
     value, slope, bend = jet(s, start, t)
     for _ in range(table.ROUNDS):
         if (slope < 0.0) == (below < 0.0):

@@ -11,23 +11,32 @@ from tvclin.kernels.compiled.lanes import ALL, LANES, ORDER, at, row
 
 
 @merged
-def _asked(w, i, theta, rate, gamma, alpha, memory):  # type: ignore[no-untyped-def]
-    """Return a term of the deflection asked for."""
-    asked = w[row(table.K_ATTITUDE) + i] * theta + w[row(table.K_RATE) + i] * rate
-    asked += w[row(table.K_PATH) + i] * gamma + w[row(table.K_ALPHA) + i] * alpha
-    return asked + w[row(table.K_MEMORY) + i] * memory
+def pulled(w, i, theta, rate, memory, position, spin):  # type: ignore[no-untyped-def]
+    """Return what moves the nozzle, but for path, wind and what is constant."""
+    pull = w[row(lanes.PULL_ATTITUDE) + i] * theta + w[row(lanes.PULL_RATE) + i] * rate
+    pull += w[row(lanes.PULL_MEMORY) + i] * memory + w[row(lanes.PULL_SERVO) + i] * position
+    return pull + w[row(lanes.PULL_SPIN) + i] * spin
 
 
 @merged
-def _drift(w, i, theta, gamma, speed, wind, deflection):  # type: ignore[no-untyped-def]
-    """Return a term of the rate at which the path turns."""
+def turned(w, i, theta, position):  # type: ignore[no-untyped-def]
+    """Return what turns the vehicle, but for path, wind and what is constant."""
+    return w[row(table.MU) + i] * theta + w[row(lanes.TURN_SERVO) + i] * position
+
+
+@merged
+def drifted(w, i, theta, gamma, speed, position):  # type: ignore[no-untyped-def]
+    """Return what turns the path, but for the wind and what is constant."""
     drift = w[row(table.PATH_ATTITUDE) + i] * theta + w[row(table.PATH_PATH) + i] * gamma
-    drift += w[row(table.PATH_SPEED) + i] * speed + w[row(table.PATH_GUST) + i] * wind
-    return drift + w[row(table.PATH_DEFLECTION) + i] * deflection
+    drift += w[row(table.PATH_SPEED) + i] * speed
+    return drift + w[row(lanes.DRIFT_SERVO) + i] * position
 
 
-def _recurrence(servo: int, path: bool) -> Any:
-    """Return the kernel of a nozzle of that order, and of a plant whose path turns or does not."""
+def _recurrence(servo: int, path: bool, forced: bool) -> Any:
+    """Return the kernel of a nozzle of that order, and of a plant whose path turns or does not.
+
+    Terms that are forced are those that have a share of the wind, or of what is constant.
+    """
 
     @lean
     def terms(s, w, k):  # type: ignore[no-untyped-def]
@@ -35,63 +44,74 @@ def _recurrence(servo: int, path: bool) -> Any:
         theta_, rate_, memory_ = at(lanes.THETA, k), at(lanes.RATE, k), at(lanes.MEMORY, k)
         path_, speed_ = at(lanes.PATH, k), at(lanes.SPEED, k)
         servo_, spin_ = at(lanes.SERVO, k), at(lanes.SPIN, k)
-        demand_, alpha_, watch_ = at(lanes.DEMAND, k), at(lanes.ALPHA, k), at(lanes.WATCH, k)
         wind_ = at(lanes.WIND, k)
         begin = 1.0 if k == 0 else 0.0
         for i in range(ALL):
             theta, rate, memory = s[theta_ + i], s[rate_ + i], s[memory_ + i]
-            position, spin, gamma, speed = s[servo_ + i], s[spin_ + i], 0.0, 0.0
+            position, spin, gamma, speed = 0.0, 0.0, 0.0, 0.0
+            if servo:
+                position = s[servo_ + i]
+            if servo == 2:
+                spin = s[spin_ + i]
             if path:
                 gamma, speed = s[path_ + i], s[speed_ + i]
             for j in range(lanes.TOGETHER):
                 now, further = np.uint64(j * LANES) + i, np.uint64((j + 1) * LANES) + i
-                share, first = 1.0 / (k + j + 1), begin if j == 0 else 0.0
-                wind = s[wind_ + now]
-                alpha = theta - gamma - wind
-                asked = _asked(w, i, theta, rate, gamma, alpha, memory)
-                s[demand_ + now], s[alpha_ + now] = asked, alpha
-                asked = w[row(lanes.COMMANDED) + i] * asked + first * w[row(lanes.COMMAND) + i]
-                deflection = asked
-                if servo:
-                    deflection = w[row(lanes.MOVING) + i] * position
-                    deflection += first * w[row(lanes.STOPPED) + i]
-                pull = w[row(table.STIFFNESS) + i] * (asked - position)
-                free = w[row(lanes.FREE) + i]
-                if servo == 2:
-                    pull -= w[row(table.DRAG) + i] * spin
-                    s[watch_ + now] = free * spin + (1.0 - free) * pull
-                    position, spin = spin * share, free * pull * share
-                    s[servo_ + further], s[spin_ + further] = position, spin
-                elif servo == 1:
-                    s[watch_ + now] = pull
-                    position = (free * pull + first * w[row(lanes.HELD) + i]) * share
-                    s[servo_ + further] = position
-                else:
-                    s[servo_ + now] = asked
-                turn = w[row(table.MU) + i] * theta + w[row(table.MOMENT) + i] * deflection
-                turn += w[row(table.GUST) + i] * wind
+                share, wind = 1.0 / (k + j + 1), 0.0
+                pull = pulled(w, i, theta, rate, memory, position, spin)
+                if path:
+                    pull += w[row(lanes.PULL_PATH) + i] * gamma
+                if forced:
+                    wind = s[wind_ + now]
+                    pull += w[row(lanes.PULL_GUST) + i] * wind
+                    if j == 0:
+                        pull += begin * w[row(lanes.PULL) + i]
+                if servo == 0:
+                    position = pull
+                    s[servo_ + now] = position
+                turn = turned(w, i, theta, position)
                 if path:
                     turn += w[row(table.MU_PATH) + i] * gamma
-                    drift = _drift(w, i, theta, gamma, speed, wind, deflection)
+                    drift = drifted(w, i, theta, gamma, speed, position)
                     speed = w[row(table.SPEED_PATH) + i] * gamma * share
+                if forced:
+                    turn += w[row(table.GUST) + i] * wind
+                    if j == 0:
+                        turn += begin * w[row(lanes.TURN) + i]
+                if path and forced:
+                    drift += w[row(table.PATH_GUST) + i] * wind
+                    if j == 0:
+                        drift += begin * w[row(lanes.DRIFT) + i]
+                if path:
                     gamma = drift * share
                     s[path_ + further], s[speed_ + further] = gamma, speed
+                if servo == 2:
+                    position, spin = spin * share, pull * share
+                    s[servo_ + further], s[spin_ + further] = position, spin
+                elif servo == 1:
+                    position = pull * share
+                    s[servo_ + further] = position
                 memory, theta, rate = theta * share, rate * share, turn * share
                 s[memory_ + further], s[theta_ + further], s[rate_ + further] = memory, theta, rate
 
     return terms
 
 
-_DIRECT, _FIRST, _SECOND = (_recurrence(servo, False) for servo in range(3))
-_DIRECT_PATH, _FIRST_PATH, _SECOND_PATH = (_recurrence(servo, True) for servo in range(3))
+_DIRECT, _FIRST, _SECOND = (_recurrence(servo, False, True) for servo in range(3))
+_DIRECT_PATH, _FIRST_PATH, _SECOND_PATH = (_recurrence(servo, True, True) for servo in range(3))
+_SECOND_FREE, _SECOND_PATH_FREE = (_recurrence(2, path, False) for path in (False, True))
 
 
 @lean
-def series(s, w, order, servo):  # type: ignore[no-untyped-def]
+def series(s, w, order, servo, degree):  # type: ignore[no-untyped-def]
     """Write the series of all lanes about where they are."""
     for k in range(0, ORDER + 1, lanes.TOGETHER):
-        if servo == 2 and order > 2:
+        if servo == 2 and order > 2 and k > degree:
+            _SECOND_PATH_FREE(s, w, k)
+        elif servo == 2 and order > 2:
             _SECOND_PATH(s, w, k)
+        elif servo == 2 and k > degree:
+            _SECOND_FREE(s, w, k)
         elif servo == 2:
             _SECOND(s, w, k)
         elif servo == 1 and order > 2:
@@ -102,17 +122,6 @@ def series(s, w, order, servo):  # type: ignore[no-untyped-def]
             _DIRECT_PATH(s, w, k)
         else:
             _DIRECT(s, w, k)
-    if servo == 0:
-        _spin(s)
-
-
-@lean
-def _spin(s):  # type: ignore[no-untyped-def]
-    """Write the rate of a nozzle that follows at once."""
-    for k in range(1, ORDER + 1):
-        servo, watch = at(lanes.SERVO, k), at(lanes.WATCH, k - 1)
-        for i in range(ALL):
-            s[watch + i] = k * s[servo + i]
 
 
 @merged
@@ -139,75 +148,3 @@ def lengths(s, w):  # type: ignore[no-untyped-def]
         h = min(h * min(table.SAFE * factor, table.GROWTH), 1e6)
         w[trial + i] = h
         w[step + i] = h if h < w[left + i] else w[left + i]
-
-
-@merged
-def sums(s, w, number):  # type: ignore[no-untyped-def]
-    """Sum a series and its slope at the ends of the steps."""
-    start, value, slope = at(number, 0), row(lanes.VALUE + number), row(lanes.SLOPE + number)
-    step = row(lanes.STEP)
-    for i in range(ALL):
-        h = w[step + i]
-        total, rise = 0.0, 0.0
-        for k in range(ORDER, -1, -1):
-            rise = rise * h + total
-            total = total * h + s[start + np.uint64(k * lanes.LANES) + i]
-        w[value + i] = total
-        w[slope + i] = rise
-
-
-@merged
-def leaving(s, w, number, least_, most_):  # type: ignore[no-untyped-def]
-    """Flag the lanes in which a series may leave its bounds within the step."""
-    start, slope = at(number, 0), at(number, 1)
-    end, end_slope = row(lanes.VALUE + number), row(lanes.SLOPE + number)
-    least, most, step, flag = row(least_), row(most_), row(lanes.STEP), row(lanes.FLAG)
-    for i in range(ALL):
-        a, b, rise, fall = s[start + i], w[end + i], s[slope + i], w[end_slope + i]
-        low, high, flagged = w[least + i], w[most + i], w[flag + i]
-        one, other = a + rise * w[step + i], b - fall * w[step + i]
-        out = (b > high) | (b < low)
-        out |= (rise > 0.0) & (fall < 0.0) & (max(one, other) > high)
-        out |= (rise < 0.0) & (fall > 0.0) & (min(one, other) < low)
-        w[flag + i] = 1.0 if out else flagged
-
-
-@merged
-def topping(s, w, number, top, share):  # type: ignore[no-untyped-def]
-    """Raise the largest size of a series by both ends, and flag lanes with a summit between.
-
-    Only the lanes in which the share is one, not zero, count.
-    """
-    start, slope = at(number, 0), at(number, 1)
-    end, end_slope = row(lanes.VALUE + number), row(lanes.SLOPE + number)
-    highest, step, flag = row(top), row(lanes.STEP), row(lanes.FLAG)
-    part = row(share)
-    for i in range(ALL):
-        a, b = w[part + i] * s[start + i], w[part + i] * w[end + i]
-        rise, fall = w[part + i] * s[slope + i], w[part + i] * w[end_slope + i]
-        known, flagged = max(w[highest + i], abs(a), abs(b)), w[flag + i]
-        one, other = a + rise * w[step + i], b - fall * w[step + i]
-        beyond = (rise > 0.0) & (fall < 0.0) & (max(one, other) > known)
-        beyond |= (rise < 0.0) & (fall > 0.0) & (min(one, other) < -known)
-        w[highest + i] = known
-        w[flag + i] = 1.0 if beyond else flagged
-
-
-@lean
-def advance(s, w, degree):  # type: ignore[no-untyped-def]
-    """Move all lanes to the ends of their steps; the wind has the degree of its pieces."""
-    step, now, left = row(lanes.STEP), row(lanes.NOW), row(lanes.LEFT)
-    full, commanded = row(lanes.FULL), row(lanes.COMMANDED)
-    for i in range(ALL):
-        w[now + i] += w[step + i]
-        w[left + i] -= w[step + i]
-        w[full + i] += (1.0 - w[commanded + i]) * w[step + i]
-    for number in range(lanes.MEMORY + 1):
-        start, end = at(number, 0), row(lanes.VALUE + number)
-        for i in range(ALL):
-            s[start + i] = w[end + i]
-    for low in range(degree):
-        for k in range(degree - 1, low - 1, -1):
-            c, above = at(lanes.WIND, k), at(lanes.WIND, k + 1)
-            for i in range(ALL):
-                s[c + i] += s[above + i] * w[step + i]

@@ -4,9 +4,10 @@ import numpy as np
 
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
+from tvclin.kernels.compiled.arc_ends import advance, ends, leaving, topping
 from tvclin.kernels.compiled.arc_events import arrive, meet, stir, summit, switch
 from tvclin.kernels.compiled.arc_ringing import begin_ringing, settle
-from tvclin.kernels.compiled.arc_series import advance, leaving, lengths, series, sums, topping
+from tvclin.kernels.compiled.arc_series import lengths, series
 from tvclin.kernels.compiled.compiler import compiled, lean
 from tvclin.kernels.compiled.lanes import ALL, LANES, at, row
 
@@ -14,17 +15,18 @@ from tvclin.kernels.compiled.lanes import ALL, LANES, at, row
 @compiled
 def fly(rows, order, servo, knots, wind, which, first, last, out):  # type: ignore[no-untyped-def]
     """Fly the cases from `first` up to `last`, block by block, and write their results."""
-    s, w = np.zeros(lanes.SERIES_SIZE), np.zeros(lanes.SIZE)
+    s, columns = np.zeros(lanes.SERIES_SIZE), np.zeros((lanes.SIZE // LANES, LANES))
+    w = columns.reshape(lanes.SIZE)
     cases, cursor, met = np.zeros((3, LANES), np.int64)
     for start in range(first, last, LANES):
         for i in range(LANES):
             cases[i] = min(start + i, last - 1)
-        _fly_block(s, w, rows, order, servo, knots, wind, which, cases, cursor, met, out)
+        _fly_block(s, w, columns, rows, order, servo, knots, wind, which, cases, cursor, met, out)
 
 
 @lean
-def _fly_block(s, w, rows, order, servo, knots, wind, which, cases, cursor, met, out):  # type: ignore[no-untyped-def]
-    _begin(s, w, rows, servo, knots, wind, which, cases, cursor)
+def _fly_block(s, w, columns, rows, order, servo, knots, wind, which, cases, cursor, met, out):  # type: ignore[no-untyped-def]
+    _begin(s, w, columns, rows, servo, knots, wind, which, cases, cursor)
     for _ in range(table.MOST):
         _step(s, w, order, servo, wind.shape[2] - 1, met)
         flying = 0.0
@@ -43,7 +45,7 @@ def _fly_block(s, w, rows, order, servo, knots, wind, which, cases, cursor, met,
 
 
 @lean
-def _begin(s, w, rows, servo, knots, wind, which, cases, cursor):  # type: ignore[no-untyped-def]
+def _begin(s, w, columns, rows, servo, knots, wind, which, cases, cursor):  # type: ignore[no-untyped-def]
     """Put all lanes at rest before the first knots of their winds."""
     s[:] = 0.0
     w[:] = 0.0
@@ -51,14 +53,15 @@ def _begin(s, w, rows, servo, knots, wind, which, cases, cursor):  # type: ignor
         begin = row(number)
         for i in range(ALL):
             w[begin + i] = rows[number, cases[i]]
+    if servo == 2:
+        begin_ringing(w, columns)
     for i in range(ALL):
         w[row(lanes.TRIAL) + i] = table.BEGIN
         w[row(lanes.ONE) + i], w[row(lanes.ALIVE) + i] = 1.0, 1.0
-        end = w[row(table.END) + i]
+        end, until = w[row(table.END) + i], w[row(table.UNTIL) + i]
         w[row(lanes.QUIET) + i] = end
-        w[row(lanes.LOOK) + i] = np.inf if np.isnan(w[row(table.REACH) + i]) else end
-        if servo == 2:
-            begin_ringing(w, rows[:, cases[i]], i)
+        look = end if until == np.inf else until
+        w[row(lanes.LOOK) + i] = np.inf if np.isnan(w[row(table.REACH) + i]) else look
         gust = which[cases[i]]
         w[row(lanes.KNOT) + i] = knots[gust, 0]
         cursor[i] = arrive(s, w, i, -1, knots[gust], wind[gust], servo)
@@ -70,17 +73,11 @@ def _step(s, w, order, servo, degree, met):  # type: ignore[no-untyped-def]
     """Step all lanes: to the tolerance, to a knot, or to the first limit that is met."""
     if servo == 2:
         settle(s, w, degree)
-    series(s, w, order, servo)
+    series(s, w, order, servo, degree)
     lengths(s, w)
-    changes = _meet_limits(s, w, servo, met)
-    for number in (lanes.THETA, lanes.RATE, lanes.MEMORY, lanes.ALPHA):
-        sums(s, w, number)
-    if order > 2:
-        sums(s, w, lanes.PATH)
-        sums(s, w, lanes.SPEED)
-    if servo == 2:
-        sums(s, w, lanes.SPIN)
-    _peaks(s, w)
+    ends(s, w, order, servo, degree, np.uint64(0), ALL)
+    changes = _meet_limits(s, w, order, servo, degree, met)
+    _peaks(s, w, servo)
     advance(s, w, degree)
     stir(s, w)
     for j in range(changes):
@@ -89,19 +86,13 @@ def _step(s, w, order, servo, degree, met):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _meet_limits(s, w, servo, met):  # type: ignore[no-untyped-def]
+def _meet_limits(s, w, order, servo, degree, met):  # type: ignore[no-untyped-def]
     """Shorten the steps of lanes that meet a limit, list these, and return how many there are."""
-    flag, count = row(lanes.FLAG), 0
-    w[flag : flag + ALL] = 0.0
-    for number in (lanes.DEMAND, lanes.SERVO, lanes.WATCH):
-        sums(s, w, number)
-    leaving(s, w, lanes.DEMAND, lanes.DEMAND_LOW, lanes.DEMAND_HIGH)
-    if servo > 0:
-        leaving(s, w, lanes.SERVO, lanes.SERVO_LOW, lanes.SERVO_HIGH)
-        leaving(s, w, lanes.WATCH, lanes.WATCH_LOW, lanes.WATCH_HIGH)
+    leaving(s, w, servo)
+    count = 0
     for i in range(ALL):
-        if w[flag + i] * w[row(lanes.ALIVE) + i] != 0.0:
-            what, side = meet(s, w, i, servo)
+        if w[row(lanes.FLAG) + i] * w[row(lanes.ALIVE) + i] != 0.0:
+            what, side = meet(s, w, i, order, servo, degree)
             if what >= 0:
                 met[count] = np.int64(i)
                 w[row(lanes.MET) + i], w[row(lanes.SIDE) + i] = what, side
@@ -110,21 +101,21 @@ def _meet_limits(s, w, servo, met):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _peaks(s, w):  # type: ignore[no-untyped-def]
-    flag = row(lanes.FLAG)
-    w[flag : flag + ALL] = 0.0
-    topping(s, w, lanes.THETA, lanes.TOP_THETA, lanes.ONE)
-    topping(s, w, lanes.RATE, lanes.TOP_RATE, lanes.ONE)
-    topping(s, w, lanes.SERVO, lanes.TOP_SERVO, lanes.ONE)
-    topping(s, w, lanes.WATCH, lanes.TOP_WATCH, lanes.FREE)
-    topping(s, w, lanes.ALPHA, lanes.TOP_ALPHA, lanes.ONE)
+def _peaks(s, w, servo):  # type: ignore[no-untyped-def]
+    topping(s, w)
     for i in range(ALL):
-        if w[flag + i] != 0.0:
-            summit(s, w, lanes.THETA, i, lanes.TOP_THETA, lanes.ONE)
-            summit(s, w, lanes.RATE, i, lanes.TOP_RATE, lanes.ONE)
-            summit(s, w, lanes.SERVO, i, lanes.TOP_SERVO, lanes.ONE)
-            summit(s, w, lanes.WATCH, i, lanes.TOP_WATCH, lanes.FREE)
-            summit(s, w, lanes.ALPHA, i, lanes.TOP_ALPHA, lanes.ONE)
+        flag = np.int64(w[row(lanes.FLAG) + i])
+        if flag != 0:
+            if flag & 1:
+                summit(s, w, lanes.THETA, i, lanes.TOP_THETA, servo)
+            if flag & 2:
+                summit(s, w, lanes.RATE, i, lanes.TOP_RATE, servo)
+            if flag & 4:
+                summit(s, w, lanes.SERVO, i, lanes.TOP_SERVO, servo)
+            if flag & 8:
+                summit(s, w, lanes.WATCH, i, lanes.TOP_WATCH, servo)
+            if flag & 16:
+                summit(s, w, lanes.ALPHA, i, lanes.TOP_ALPHA, servo)
 
 
 @lean

@@ -19,8 +19,10 @@ TERMS = ORDER + 2
 TOGETHER = 4
 """Terms of the series that are written in one loop over the lanes; they divide `ORDER` + 1."""
 
-THETA, RATE, PATH, SPEED, SERVO, SPIN, MEMORY, DEMAND, ALPHA, WATCH, WIND = range(11)
-"""The series: states, demand, angle of attack, what the rate limit watches, and the wind."""
+THETA, RATE, PATH, SPEED, SERVO, SPIN, MEMORY, WIND, DEMAND, ALPHA, WATCH = range(11)
+"""The series: states, wind, and what is made of them: the demand, the angle of attack, and what
+the rate limit watches. Of these three the first two terms are kept, the others written at need.
+"""
 SERIES = 11
 
 _FIRST = table.ROWS
@@ -29,7 +31,6 @@ _FIRST = table.ROWS
     LEFT,
     KNOT,
     LOOK,
-    STIRRED,
     TRIAL,
     STEP,
     MODE,
@@ -41,6 +42,18 @@ _FIRST = table.ROWS
     STOPPED,
     FREE,
     HELD,
+    PULL_ATTITUDE,
+    PULL_RATE,
+    PULL_PATH,
+    PULL_SERVO,
+    PULL_SPIN,
+    PULL_MEMORY,
+    PULL_GUST,
+    PULL,
+    TURN_SERVO,
+    TURN,
+    DRIFT_SERVO,
+    DRIFT,
     DEMAND_LOW,
     DEMAND_HIGH,
     SERVO_LOW,
@@ -61,8 +74,10 @@ _FIRST = table.ROWS
     ONE,
     FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 36)
-"""Rows beside those of the table: time, regions, bounds of what is watched, and peaks."""
+) = range(_FIRST, _FIRST + 47)
+"""Rows beside those of the table: time, regions, the equations that hold in them (what moves the
+nozzle, and how it turns vehicle and path), bounds of what is watched, and peaks.
+"""
 SLOPE = VALUE + SERIES
 DRIVEN = SLOPE + SERIES
 OWN = DRIVEN + 2
