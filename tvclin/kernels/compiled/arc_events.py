@@ -9,24 +9,20 @@ from tvclin.kernels.compiled.arc_roots import root, turn
 from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, at, row
 
-_WATCHED = (
-    (lanes.DEMAND, lanes.DEMAND_LOW),
-    (lanes.SERVO, lanes.SERVO_LOW),
-    (lanes.WATCH, lanes.WATCH_LOW),
-)
-"""The series that have bounds, and where their lower bound stands; the upper one follows."""
+_WATCHED = 3
+"""Series that have bounds: the demand, the nozzle, and what watches its rate."""
 
 
-@lean
+@merged
 def _exit(s, w, number, i, low, high, servo):  # type: ignore[no-untyped-def]
     """When a series first leaves its bounds within the step, and to which side; or inf, 0."""
-    start = at(number, 0) + i
     h = w[row(lanes.STEP) + i]
-    begun, rise = s[start], s[start + ALL]
+    begun, rise = s[at(number, 0) + i], s[at(number, 1) + i]
     end, fall = w[row(lanes.VALUE + number) + i], w[row(lanes.SLOPE + number) + i]
     inside, turns = low <= end <= high, rise * fall < 0.0
     last, top, steep = h, end, fall
-    if inside and not turns:
+    one, other = begun + rise * h, end - fall * h
+    if inside and not (turns and (max(one, other) > high or min(one, other) < low)):
         return np.inf, 0.0
     start = whole(s, w, i, number, servo)
     if inside:
@@ -48,29 +44,33 @@ def _exit(s, w, number, i, low, high, servo):  # type: ignore[no-untyped-def]
     return root(s, start, inner, h, bottom - edge, end - edge, (0.0, fall), edge), side
 
 
+@merged
+def _sooner(s, w, number, low, i, servo, found):  # type: ignore[no-untyped-def]
+    """Return the first limit of a lane: what, side and time of the one that is known, or this."""
+    if number == found[0]:
+        return found
+    t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i], servo)
+    return (number, side, t) if t < found[2] else found
+
+
 @lean
 def meet(s, w, i, order, servo, degree):  # type: ignore[no-untyped-def]
     """Shorten a lane's step to the first limit it meets; return what and which side, or -1.
 
     Looked for again: a step that one limit makes shorter may end beyond another.
     """
-    first, what, which = np.inf, -1, 0.0
-    for _ in _WATCHED:
-        found = -1
-        for number, low in _WATCHED:
-            if number != lanes.DEMAND and servo == 0:
-                break
-            if number == what:
-                continue
-            t, side = _exit(s, w, number, i, w[row(low) + i], w[row(low + 1) + i], servo)
-            if t < first:
-                first, found, which = t, number, side
-        if found < 0:
+    found = (-1, 0.0, np.inf)
+    for _ in range(_WATCHED):
+        before = found[0]
+        found = _sooner(s, w, lanes.DEMAND, lanes.DEMAND_LOW, i, servo, found)
+        if servo > 0:
+            found = _sooner(s, w, lanes.SERVO, lanes.SERVO_LOW, i, servo, found)
+            found = _sooner(s, w, lanes.WATCH, lanes.WATCH_LOW, i, servo, found)
+        if found[0] == before:
             break
-        what = found
-        w[row(lanes.STEP) + i] = first
+        w[row(lanes.STEP) + i] = found[2]
         ends(s, w, order, servo, degree, i, i + np.uint64(1))
-    return what, which
+    return found[0], found[1]
 
 
 @lean
