@@ -166,6 +166,29 @@ def test_gains_with_all_limits_are_flown_to_2e_8_of_the_peak(part, most, compile
 
 
 @EACH_TWIN
+@pytest.mark.parametrize(("accuracy", "off"), [(1e-11, 1e-10), (2e-7, 5e-7), (1e-5, 1e-4)])
+def test_flights_are_as_exact_as_asked(accuracy, off, compiled):
+    most, limits = 0.02, np.array([1.25, 1.4, 1.6]) * B * PEAK
+    wind = TriangularWind(peak=PEAK, duration=12.0)
+    with pinned(compiled):
+        flown = tv.fly_many(
+            plant_of(),
+            tv.SaturatedLaw(Autopilot(**GAINS)),
+            wind,
+            deflection_limit=limits,
+            rate_limit=most,
+            actuator=SERVO,
+            until=24.0,
+            accuracy=accuracy,
+        )
+    times, errors = np.linspace(0.0, 24.0, 2401), []
+    for limit, final in zip(limits, flown.final_attitude, strict=True):
+        theta = saturated(limit, most, GAINS, wind, times)[0]
+        errors.append(abs(final - theta[-1]) / np.abs(theta).max())
+    assert max(errors) < off
+
+
+@EACH_TWIN
 def test_a_late_short_gust_is_an_impulse_that_is_not_missed(compiled):
     width, size, late, stop = 1e-3, 0.5, 30.0037, 30.525
     gust = SampledWind(time=[late, late, late + width, late + width], angle=[0, size, size, 0])
@@ -334,6 +357,8 @@ class Odd(tv.Law):
         ({"plant": 1}, "plant must be a Plant"),
         ({"wind": 1}, "wind must be a History"),
         ({"until": np.nan}, "until must be finite"),
+        ({"accuracy": 0.0}, "accuracy must be between 1e-12 and 0.0001; got 0"),
+        ({"accuracy": [1e-8]}, "accuracy must be one number"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_in_one_sentence(change, message):

@@ -148,7 +148,7 @@ class FlightTable:
         of the nozzle (natural frequency squared, and twice damping times it; of first order its
         bandwidth), the limits [rad, rad/s], the gains of a law that is linear, the deflections at
         which it engages and lets go [rad], one over the peak of the wind and over the deflection
-        that counts as large, the times [s] at which the flight begins, its wind ends and it must
+        that counts as large, both so many times as large as the tolerance is looser, the times [s] at which the flight begins, its wind ends and it must
         end (or inf), and how it is judged: the rows of the unstable coordinates, their reach [rad]
         (NaN where there are none), slow over fast pole, and the times [s] that a flight must be
         calm and may be open. The last rows are
