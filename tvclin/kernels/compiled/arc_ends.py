@@ -36,33 +36,36 @@ def _direct(s, i, h):  # type: ignore[no-untyped-def]
 
 
 @merged
-def _alpha_asked(w, i, theta, rate, gamma, memory, wind):  # type: ignore[no-untyped-def]
+def _alpha_asked(w, i, path, theta, rate, gamma, memory, wind):  # type: ignore[no-untyped-def]
     """Return angle of attack and deflection asked for, or a term of each."""
-    alpha = theta - gamma - wind
+    alpha = theta - wind
     asked = w[row(table.K_ATTITUDE) + i] * theta + w[row(table.K_RATE) + i] * rate
-    asked += w[row(table.K_PATH) + i] * gamma + w[row(table.K_ALPHA) + i] * alpha
-    return alpha, asked + w[row(table.K_MEMORY) + i] * memory
+    if path:
+        alpha -= gamma
+        asked += w[row(table.K_PATH) + i] * gamma
+    return alpha, asked + (w[row(table.K_ALPHA) + i] * alpha + w[row(table.K_MEMORY) + i] * memory)
 
 
 @merged
-def _watched(w, i, servo, asked, position, spin, first):  # type: ignore[no-untyped-def]
-    """Return what the rate limit watches, or a term of it; the command is part of the first."""
-    command = w[row(lanes.COMMANDED) + i] * asked + first * w[row(lanes.COMMAND) + i]
-    pull = w[row(table.STIFFNESS) + i] * (command - position)
-    free = w[row(lanes.FREE) + i]
-    return free * spin + (1.0 - free) * (pull - w[row(table.DRAG) + i] * spin) if servo == 2 else pull
+def _watched(w, i, servo, asked, position, spin):  # type: ignore[no-untyped-def]
+    """Return what the rate limit watches, but for what is constant, or a term of it."""
+    watch = w[row(lanes.WATCH_ASKED) + i] * asked + w[row(lanes.WATCH_SERVO) + i] * position
+    return watch + w[row(lanes.WATCH_SPIN) + i] * spin if servo == 2 else watch
 
 
 @merged
-def _term(s, w, i, servo, k):  # type: ignore[no-untyped-def]
+def _term(s, w, i, servo, path, k):  # type: ignore[no-untyped-def]
     """Return a term of demand, angle of attack, and what the rate limit watches."""
-    theta, rate, gamma = s[at(lanes.THETA, k) + i], s[at(lanes.RATE, k) + i], s[at(lanes.PATH, k) + i]
+    theta, rate, gamma = s[at(lanes.THETA, k) + i], s[at(lanes.RATE, k) + i], 0.0
+    if path:
+        gamma = s[at(lanes.PATH, k) + i]
     memory, wind = s[at(lanes.MEMORY, k) + i], s[at(lanes.WIND, k) + i]
-    alpha, asked = _alpha_asked(w, i, theta, rate, gamma, memory, wind)
+    alpha, asked = _alpha_asked(w, i, path, theta, rate, gamma, memory, wind)
     if servo == 0:
         return asked, alpha, (k + 1.0) * s[at(lanes.SERVO, k + 1) + i]
     position, spin = s[at(lanes.SERVO, k) + i], s[at(lanes.SPIN, k) + i]
-    return asked, alpha, _watched(w, i, servo, asked, position, spin, 1.0 if k == 0 else 0.0)
+    watch = _watched(w, i, servo, asked, position, spin)
+    return asked, alpha, watch + w[row(lanes.WATCHED) + i] if k == 0 else watch
 
 
 @lean
@@ -72,7 +75,7 @@ def whole(s, w, i, number, servo):  # type: ignore[no-untyped-def]
         return at(lanes.SPIN, 0) + i
     if number >= lanes.DEMAND:
         for k in range(2, ORDER + 1):
-            terms = _term(s, w, i, servo, k)
+            terms = _term(s, w, i, servo, True, k)
             s[at(number, k) + i] = terms[number - lanes.DEMAND]
     return at(number, 0) + i
 
@@ -86,7 +89,7 @@ def _closing(servo: int, path: bool) -> Any:
         value, slope = lanes.VALUE, lanes.SLOPE
         for i in range(first, last):
             for k in range(2):
-                asked, alpha, watch = _term(s, w, i, servo, k)
+                asked, alpha, watch = _term(s, w, i, servo, path, k)
                 s[at(lanes.DEMAND, k) + i], s[at(lanes.ALPHA, k) + i] = asked, alpha
                 s[at(lanes.WATCH, k) + i] = watch
             h = w[row(lanes.STEP) + i]
@@ -101,21 +104,24 @@ def _closing(servo: int, path: bool) -> Any:
                 if servo == 2:
                     spin = _sum(s, w, lanes.SPIN, i, h)
                 pull = pulled(w, i, theta, rate, memory, position, spin) + w[row(lanes.PULL) + i]
-                pull += w[row(lanes.PULL_PATH) + i] * gamma + w[row(lanes.PULL_GUST) + i] * wind
+                pull += w[row(lanes.PULL_GUST) + i] * wind
+                if path:
+                    pull += w[row(lanes.PULL_PATH) + i] * gamma
                 moves = spin if servo == 2 else pull
             else:
                 position, moves, watch_rise = _direct(s, i, h)
             turn = turned(w, i, theta, position) + w[row(lanes.TURN) + i]
-            turn += w[row(table.MU_PATH) + i] * gamma + w[row(table.GUST) + i] * wind
+            turn += w[row(table.GUST) + i] * wind
             if path:
+                turn += w[row(table.MU_PATH) + i] * gamma
                 drift = drifted(w, i, theta, gamma, speed, position) + w[row(lanes.DRIFT) + i]
                 drift += w[row(table.PATH_GUST) + i] * wind
-            alpha, asked = _alpha_asked(w, i, theta, rate, gamma, memory, wind)
-            alpha_rise, asked_rise = _alpha_asked(w, i, rate, turn, drift, theta, gusts)
+            alpha, asked = _alpha_asked(w, i, path, theta, rate, gamma, memory, wind)
+            alpha_rise, asked_rise = _alpha_asked(w, i, path, rate, turn, drift, theta, gusts)
             watch = moves
             if servo:
-                watch = _watched(w, i, servo, asked, position, spin, 1.0)
-                watch_rise = _watched(w, i, servo, asked_rise, moves, pull if servo == 2 else 0.0, 0.0)
+                watch = _watched(w, i, servo, asked, position, spin) + w[row(lanes.WATCHED) + i]
+                watch_rise = _watched(w, i, servo, asked_rise, moves, pull)
             w[row(value + lanes.SERVO) + i], w[row(slope + lanes.SERVO) + i] = position, moves
             w[row(value + lanes.DEMAND) + i], w[row(slope + lanes.DEMAND) + i] = asked, asked_rise
             w[row(value + lanes.ALPHA) + i], w[row(slope + lanes.ALPHA) + i] = alpha, alpha_rise

@@ -54,6 +54,10 @@ _FIRST = table.ROWS
     TURN,
     DRIFT_SERVO,
     DRIFT,
+    WATCH_ASKED,
+    WATCH_SERVO,
+    WATCH_SPIN,
+    WATCHED,
     DEMAND_LOW,
     DEMAND_HIGH,
     SERVO_LOW,
@@ -74,9 +78,9 @@ _FIRST = table.ROWS
     ONE,
     FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 47)
+) = range(_FIRST, _FIRST + 51)
 """Rows beside those of the table: time, regions, the equations that hold in them (what moves the
-nozzle, and how it turns vehicle and path), bounds of what is watched, and peaks.
+nozzle, how it turns vehicle and path, what the rate limit watches), bounds of what is watched, and peaks.
 """
 SLOPE = VALUE + SERIES
 DRIVEN = SLOPE + SERIES
