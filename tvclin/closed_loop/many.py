@@ -211,6 +211,8 @@ def _flown_cases(out: FloatArray, good: NDArray[np.bool_], shape: tuple[int, ...
 
 def _continuous(flights: FlightTable) -> FloatArray:
     leans = flights.rows[table.LEAN] != 0.0
+    if not np.any(leans):
+        return linear_flights(flights)
     out = np.zeros((table.RESULTS, leans.size))
     for kind, fly in ((leans, leaning_flights), (~leans, linear_flights)):
         if np.any(kind):

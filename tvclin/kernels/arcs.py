@@ -107,7 +107,8 @@ def _begun(flights: FlightTable) -> _State:
     state = _State(
         np.arange(m), flights.rows, flights.which, own,
         np.zeros((7, m)), np.zeros((flights.wind.shape[2], m)), np.zeros((3, m)),
-        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), zero.copy(), np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
+        zero, zero.copy(), look, np.full(m, table.BEGIN), end.copy(), zero.copy(),
+        np.zeros((5, m)), np.zeros(m, np.int64), np.full(m, -1),
     )  # fmt: skip
     return _arrived(flights, state)
 

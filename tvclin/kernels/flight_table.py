@@ -148,13 +148,13 @@ class FlightTable:
         of the nozzle (natural frequency squared, and twice damping times it; of first order its
         bandwidth), the limits [rad, rad/s], the gains of a law that is linear, the deflections at
         which it engages and lets go [rad], one over the peak of the wind and over the deflection
-        that counts as large, both so many times as large as the tolerance is looser, the times [s] at which the flight begins, its wind ends and it must
-        end (or inf), and how it is judged: the rows of the unstable coordinates, their reach [rad]
-        (NaN where there are none), slow over fast pole, and the times [s] that a flight must be
-        calm and may be open. The last rows are
-        those of a recoverable-attitude law: one if it is one, its unstable coordinates, the ratio
-        of their poles (zero for one mode), the strength of the wind, B, reach, gain, design peak
-        (inf without one), its trust, dead band, and one if it estimates the wind.
+        that counts as large (both over how much looser the tolerance is), the times [s] at which
+        the flight begins, its wind ends and it must end (or inf), and how it is judged: the rows of
+        the unstable coordinates, their reach [rad] (NaN where there are none), slow over fast pole,
+        and the times [s] that a flight must be calm and may be open. The last rows are those of a
+        recoverable-attitude law: one if it is one, its unstable coordinates, the ratio of their
+        poles (zero for one mode), the strength of the wind, B, reach, gain, design peak (inf
+        without one), its trust, dead band, and one if it estimates the wind.
     order, servo : int
         Number of states of the plant, 2 to 4, and of the nozzle, 0 to 2.
     knots : ndarray

@@ -15,6 +15,7 @@ agree within 1e-13 of the largest value of each output in the time asked for.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from math import prod
 from typing import Any
 
@@ -73,8 +74,8 @@ class System:
 
 def growing(poles: NDArray[Any]) -> NDArray[np.bool_]:
     """Return which of all the poles ``(..., N)`` of a plant grow; those on the axis do not."""
-    size = np.abs(poles).max(axis=-1, keepdims=True)
-    return np.asarray(np.real(poles) > MARGINAL * size)
+    size = reduce(np.maximum, np.moveaxis(np.abs(poles), -1, 0))  # quicker than along rows
+    return np.asarray(np.real(poles) > MARGINAL * size[..., np.newaxis])
 
 
 def responses(

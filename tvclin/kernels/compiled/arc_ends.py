@@ -11,7 +11,7 @@ from tvclin.kernels import flight_table as table
 from tvclin.kernels.compiled import lanes
 from tvclin.kernels.compiled.arc_series import drifted, pulled, turned
 from tvclin.kernels.compiled.compiler import lean, merged
-from tvclin.kernels.compiled.lanes import ALL, LANES, ORDER, at, row
+from tvclin.kernels.compiled.lanes import ALL, ORDER, at, row
 
 
 @merged
@@ -103,19 +103,16 @@ def _closing(servo: int, path: bool) -> Any:
                 position = _sum(s, w, lanes.SERVO, i, h)
                 if servo == 2:
                     spin = _sum(s, w, lanes.SPIN, i, h)
-                pull = pulled(w, i, theta, rate, memory, position, spin) + w[row(lanes.PULL) + i]
-                pull += w[row(lanes.PULL_GUST) + i] * wind
-                if path:
-                    pull += w[row(lanes.PULL_PATH) + i] * gamma
+                pull = pulled(w, i, path, theta, rate, gamma, memory, position, spin)
+                pull += w[row(lanes.PULL_GUST) + i] * wind + w[row(lanes.PULL) + i]
                 moves = spin if servo == 2 else pull
             else:
                 position, moves, watch_rise = _direct(s, i, h)
-            turn = turned(w, i, theta, position) + w[row(lanes.TURN) + i]
-            turn += w[row(table.GUST) + i] * wind
+            turn = turned(w, i, path, theta, gamma, position)
+            turn += w[row(table.GUST) + i] * wind + w[row(lanes.TURN) + i]
             if path:
-                turn += w[row(table.MU_PATH) + i] * gamma
-                drift = drifted(w, i, theta, gamma, speed, position) + w[row(lanes.DRIFT) + i]
-                drift += w[row(table.PATH_GUST) + i] * wind
+                drift = drifted(w, i, theta, gamma, speed, position)
+                drift += w[row(table.PATH_GUST) + i] * wind + w[row(lanes.DRIFT) + i]
             alpha, asked = _alpha_asked(w, i, path, theta, rate, gamma, memory, wind)
             alpha_rise, asked_rise = _alpha_asked(w, i, path, rate, turn, drift, theta, gusts)
             watch = moves
@@ -219,11 +216,9 @@ def advance(s, w, degree):  # type: ignore[no-untyped-def]
         w[row(lanes.NOW) + i] += h
         w[row(lanes.LEFT) + i] -= h
         w[row(lanes.FULL) + i] += (1.0 - w[row(lanes.COMMANDED) + i]) * h
-        for number in range(lanes.MEMORY + 1):
+        for number in range(lanes.WIND + 1):
             s[at(number, 0) + i] = w[row(lanes.VALUE + number) + i]
     for low in range(degree):
         for k in range(degree - 1, max(low, 1) - 1, -1):
             for i in range(ALL):
                 s[at(lanes.WIND, k) + i] += s[at(lanes.WIND, k + 1) + i] * w[row(lanes.STEP) + i]
-    for i in range(ALL):
-        s[at(lanes.WIND, 0) + i] = w[row(lanes.VALUE + lanes.WIND) + i]

@@ -171,9 +171,10 @@ def _rule(w, i, servo):  # type: ignore[no-untyped-def]
     w[row(lanes.PULL_SPIN) + i] = -free * w[row(table.DRAG) + i]
     pull = stiff * w[row(lanes.COMMAND) + i]
     w[row(lanes.PULL) + i] = pull + w[row(lanes.HELD) + i] if servo == 1 else pull
-    held = w[row(table.STIFFNESS) + i] * (1.0 if servo == 1 else 1.0 - free)
+    held, command = w[row(table.STIFFNESS) + i], w[row(lanes.COMMAND) + i]
+    held *= 1.0 if servo == 1 else 1.0 - free
     w[row(lanes.WATCH_ASKED) + i] = held * w[row(lanes.COMMANDED) + i]
-    w[row(lanes.WATCH_SERVO) + i], w[row(lanes.WATCHED) + i] = -held, held * w[row(lanes.COMMAND) + i]
+    w[row(lanes.WATCH_SERVO) + i], w[row(lanes.WATCHED) + i] = -held, held * command
     w[row(lanes.WATCH_SPIN) + i] = free - (1.0 - free) * w[row(table.DRAG) + i]
     moment, stopped = w[row(table.MOMENT) + i], w[row(lanes.STOPPED) + i]
     w[row(lanes.TURN_SERVO) + i], w[row(lanes.TURN) + i] = moment * moving, moment * stopped

@@ -76,13 +76,12 @@ def settle(s, w, degree):  # type: ignore[no-untyped-def]
 def _driven(s, w, degree):  # type: ignore[no-untyped-def]
     """Write what the wind and its slopes drive, each slope over one more power of the pole."""
     real, other, inverse = row(lanes.DRIVEN), row(lanes.DRIVEN + 1), _part(own.INVERSE)
-    last = at(lanes.WIND, degree)
-    for i in range(ALL):
-        w[real + i], w[other + i] = s[last + i], 0.0
-    for j in range(degree - 1, -1, -1):
+    for j in range(max(degree, 1) - 1, -1, -1):
         wind, factor = at(lanes.WIND, j), j + 1.0
         for i in range(ALL):
             a, b = factor * w[inverse + i], factor * w[inverse + ALL + i]
             c, d = w[real + i], w[other + i]
+            if j + 1 >= degree:
+                c, d = s[at(lanes.WIND, j + 1) + i], 0.0
             w[real + i] = s[wind + i] + a * c - b * d
             w[other + i] = a * d + b * c

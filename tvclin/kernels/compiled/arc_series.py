@@ -11,17 +11,20 @@ from tvclin.kernels.compiled.lanes import ALL, LANES, ORDER, at, row
 
 
 @merged
-def pulled(w, i, theta, rate, memory, position, spin):  # type: ignore[no-untyped-def]
-    """Return what moves the nozzle, but for path, wind and what is constant."""
+def pulled(w, i, path, theta, rate, gamma, memory, position, spin):  # type: ignore[no-untyped-def]
+    """Return what moves the nozzle, but for the wind and what is constant."""
     pull = w[row(lanes.PULL_ATTITUDE) + i] * theta + w[row(lanes.PULL_RATE) + i] * rate
     pull += w[row(lanes.PULL_MEMORY) + i] * memory + w[row(lanes.PULL_SERVO) + i] * position
+    if path:
+        pull += w[row(lanes.PULL_PATH) + i] * gamma
     return pull + w[row(lanes.PULL_SPIN) + i] * spin
 
 
 @merged
-def turned(w, i, theta, position):  # type: ignore[no-untyped-def]
-    """Return what turns the vehicle, but for path, wind and what is constant."""
-    return w[row(table.MU) + i] * theta + w[row(lanes.TURN_SERVO) + i] * position
+def turned(w, i, path, theta, gamma, position):  # type: ignore[no-untyped-def]
+    """Return what turns the vehicle, but for the wind and what is constant."""
+    turn = w[row(table.MU) + i] * theta + w[row(lanes.TURN_SERVO) + i] * position
+    return turn + w[row(table.MU_PATH) + i] * gamma if path else turn
 
 
 @merged
@@ -30,6 +33,14 @@ def drifted(w, i, theta, gamma, speed, position):  # type: ignore[no-untyped-def
     drift = w[row(table.PATH_ATTITUDE) + i] * theta + w[row(table.PATH_PATH) + i] * gamma
     drift += w[row(table.PATH_SPEED) + i] * speed
     return drift + w[row(lanes.DRIFT_SERVO) + i] * position
+
+
+@merged
+def _forced(s, w, i, forced, place, gust, constant, first):  # type: ignore[no-untyped-def]
+    """Return the share of the wind, and in the first term of what is constant."""
+    if not forced:
+        return -0.0  # which adds nothing, not even to zero
+    return w[row(gust) + i] * s[place] + first * w[row(constant) + i]
 
 
 def _recurrence(servo: int, path: bool, forced: bool) -> Any:
@@ -44,46 +55,27 @@ def _recurrence(servo: int, path: bool, forced: bool) -> Any:
         theta_, rate_, memory_ = at(lanes.THETA, k), at(lanes.RATE, k), at(lanes.MEMORY, k)
         path_, speed_ = at(lanes.PATH, k), at(lanes.SPEED, k)
         servo_, spin_ = at(lanes.SERVO, k), at(lanes.SPIN, k)
-        wind_ = at(lanes.WIND, k)
         begin = 1.0 if k == 0 else 0.0
         for i in range(ALL):
             theta, rate, memory = s[theta_ + i], s[rate_ + i], s[memory_ + i]
-            position, spin, gamma, speed = 0.0, 0.0, 0.0, 0.0
-            if servo:
-                position = s[servo_ + i]
+            position, spin, gamma, speed = s[servo_ + i], 0.0, s[path_ + i], s[speed_ + i]
             if servo == 2:
                 spin = s[spin_ + i]
-            if path:
-                gamma, speed = s[path_ + i], s[speed_ + i]
             for j in range(lanes.TOGETHER):
                 now, further = np.uint64(j * LANES) + i, np.uint64((j + 1) * LANES) + i
-                share, wind = 1.0 / (k + j + 1), 0.0
-                pull = pulled(w, i, theta, rate, memory, position, spin)
-                if path:
-                    pull += w[row(lanes.PULL_PATH) + i] * gamma
-                if forced:
-                    wind = s[wind_ + now]
-                    pull += w[row(lanes.PULL_GUST) + i] * wind
-                    if j == 0:
-                        pull += begin * w[row(lanes.PULL) + i]
+                share, first = 1.0 / (k + j + 1), begin if j == 0 else 0.0
+                felt = at(lanes.WIND, k) + now
+                pull = pulled(w, i, path, theta, rate, gamma, memory, position, spin)
+                pull += _forced(s, w, i, forced, felt, lanes.PULL_GUST, lanes.PULL, first)
                 if servo == 0:
                     position = pull
                     s[servo_ + now] = position
-                turn = turned(w, i, theta, position)
+                turn = turned(w, i, path, theta, gamma, position)
+                turn += _forced(s, w, i, forced, felt, table.GUST, lanes.TURN, first)
                 if path:
-                    turn += w[row(table.MU_PATH) + i] * gamma
                     drift = drifted(w, i, theta, gamma, speed, position)
-                    speed = w[row(table.SPEED_PATH) + i] * gamma * share
-                if forced:
-                    turn += w[row(table.GUST) + i] * wind
-                    if j == 0:
-                        turn += begin * w[row(lanes.TURN) + i]
-                if path and forced:
-                    drift += w[row(table.PATH_GUST) + i] * wind
-                    if j == 0:
-                        drift += begin * w[row(lanes.DRIFT) + i]
-                if path:
-                    gamma = drift * share
+                    drift += _forced(s, w, i, forced, felt, table.PATH_GUST, lanes.DRIFT, first)
+                    speed, gamma = w[row(table.SPEED_PATH) + i] * gamma * share, drift * share
                     s[path_ + further], s[speed_ + further] = gamma, speed
                 if servo == 2:
                     position, spin = spin * share, pull * share

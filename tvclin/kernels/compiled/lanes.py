@@ -80,7 +80,7 @@ _FIRST = table.ROWS
     VALUE,
 ) = range(_FIRST, _FIRST + 51)
 """Rows beside those of the table: time, regions, the equations that hold in them (what moves the
-nozzle, how it turns vehicle and path, what the rate limit watches), bounds of what is watched, and peaks.
+nozzle, how it turns vehicle and path, what the rate limit watches), bounds, and peaks.
 """
 SLOPE = VALUE + SERIES
 DRIVEN = SLOPE + SERIES
