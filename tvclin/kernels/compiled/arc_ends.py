@@ -73,10 +73,13 @@ def whole(s, w, i, number, servo):  # type: ignore[no-untyped-def]
     """Return where a series of a lane begins; write what is not yet written of it."""
     if number == lanes.WATCH and servo == 2 and w[row(lanes.FREE) + i] != 0.0:
         return at(lanes.SPIN, 0) + i
-    if number >= lanes.DEMAND:
-        for k in range(2, ORDER + 1):
-            terms = _term(s, w, i, servo, True, k)
-            s[at(number, k) + i] = terms[number - lanes.DEMAND]
+    for k in range(2, ORDER + 1):
+        if number == lanes.DEMAND:
+            s[at(number, k) + i] = _term(s, w, i, servo, True, k)[0]
+        elif number == lanes.ALPHA:
+            s[at(number, k) + i] = _term(s, w, i, servo, True, k)[1]
+        elif number == lanes.WATCH:
+            s[at(number, k) + i] = _term(s, w, i, servo, True, k)[2]
     return at(number, 0) + i
 
 

@@ -27,17 +27,17 @@ def fly(rows, order, servo, knots, wind, which, first, last, out):  # type: igno
 @lean
 def _fly_block(s, w, columns, rows, order, servo, knots, wind, which, cases, cursor, met, out):  # type: ignore[no-untyped-def]
     _begin(s, w, columns, rows, servo, knots, wind, which, cases, cursor)
+    flying = LANES
     for _ in range(table.MOST):
         _step(s, w, order, servo, wind.shape[2] - 1, met)
-        flying = 0.0
         for i in range(ALL):
             if w[row(lanes.LEFT) + i] <= 0.0 and w[row(lanes.ALIVE) + i] != 0.0:
                 gust = which[cases[i]]
                 cursor[i] = arrive(s, w, i, cursor[i], knots[gust], wind[gust], servo)
                 if not _goes_on(w, i):
                     _write(s, w, i, out[:, cases[i]])
-            flying += w[row(lanes.ALIVE) + i]
-        if flying == 0.0:
+                    flying -= 1
+        if flying == 0:
             return
     for i in range(ALL):
         if w[row(lanes.ALIVE) + i] != 0.0:
@@ -57,7 +57,7 @@ def _begin(s, w, columns, rows, servo, knots, wind, which, cases, cursor):  # ty
         begin_ringing(w, columns)
     for i in range(ALL):
         w[row(lanes.TRIAL) + i] = table.BEGIN
-        w[row(lanes.ONE) + i], w[row(lanes.ALIVE) + i] = 1.0, 1.0
+        w[row(lanes.ALIVE) + i] = 1.0
         end, until = w[row(table.END) + i], w[row(table.UNTIL) + i]
         w[row(lanes.QUIET) + i] = end
         look = end if until == np.inf else until
@@ -91,7 +91,7 @@ def _meet_limits(s, w, order, servo, degree, met):  # type: ignore[no-untyped-de
     leaving(s, w, servo)
     count = 0
     for i in range(ALL):
-        if w[row(lanes.FLAG) + i] * w[row(lanes.ALIVE) + i] != 0.0:
+        if w[row(lanes.FLAG) + i] != 0.0 and w[row(lanes.ALIVE) + i] != 0.0:
             what, side = meet(s, w, i, order, servo, degree)
             if what >= 0:
                 met[count] = np.int64(i)

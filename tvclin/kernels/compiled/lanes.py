@@ -75,10 +75,9 @@ _FIRST = table.ROWS
     TOP_ALPHA,
     FULL,
     QUIET,
-    ONE,
     FATE,
     VALUE,
-) = range(_FIRST, _FIRST + 51)
+) = range(_FIRST, _FIRST + 50)
 """Rows beside those of the table: time, regions, the equations that hold in them (what moves the
 nozzle, how it turns vehicle and path, what the rate limit watches), bounds, and peaks.
 """
