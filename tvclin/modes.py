@@ -99,7 +99,8 @@ def unstable_poles(plant: Plant) -> NDArray[Any]:
     """
     every = _all_poles(plant)
     unstable = growing(every)
-    poles = np.where(unstable, every, np.nan)[..., : int(unstable.sum(axis=-1).max(initial=0))]
+    most = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
+    poles = np.where(unstable[..., :most], every[..., :most], np.nan)
     if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):
         poles = np.real(poles)
     return poles

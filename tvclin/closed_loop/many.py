@@ -274,7 +274,7 @@ def _table(
     rows[table.START] = np.broadcast_to(wind.onset, shape).ravel()
     rows[table.END] = np.broadcast_to(wind.end, shape).ravel()
     rows[table.UNTIL] = stop
-    size = np.abs(gust[..., 0]).max(axis=-1)[which]
+    size = np.abs(np.ascontiguousarray(gust[..., 0].T)).max(axis=0)[which]
     with np.errstate(divide="ignore", invalid="ignore"):
         rows[table.SCALE] = 1.0 / (loose * size)
         held = table.LARGE * np.abs(rows[table.GUST] / rows[table.MOMENT]) * size
