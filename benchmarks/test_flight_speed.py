@@ -73,8 +73,8 @@ def off(times: Any, attitude: Any) -> str:
     return f"off by {np.max(np.abs(attitude - true)) / largest:.0e}"
 
 
-def floor() -> str:
-    options = {"deflection_limit": LIMIT, "rate_limit": RATE, "actuator": SERVO, "until": STOP}
+def floor(**options: float) -> str:
+    options |= {"deflection_limit": LIMIT, "rate_limit": RATE, "actuator": SERVO, "until": STOP}
     flown = tv.fly_many(PLANT, tv.SaturatedLaw(GAINS), WIND, **options)
     ends = off(STOP, flown.final_attitude)
     return f"short steps until the nozzle has ceased to swing; roots at limits; {ends}"
@@ -100,7 +100,10 @@ def test_all_limits_and_an_actuator_beside_lsoda(benchmark: Any, rtol: float) ->
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 3e-7], ids=["as it is", "3e-7"])
-def test_all_limits_and_an_actuator_beside_python_control(benchmark: Any, rtol: float) -> None:
+@pytest.mark.parametrize("accuracy", [1e-8, 2e-7])
+def test_all_limits_and_an_actuator_beside_python_control(
+    benchmark: Any, accuracy: float, rtol: float
+) -> None:
     import control
 
     system, times = control_system(), np.linspace(0.0, STOP, 2401)
@@ -112,11 +115,11 @@ def test_all_limits_and_an_actuator_beside_python_control(benchmark: Any, rtol: 
 
     ratio(
         benchmark,
-        lambda: flights(cases, tv.SaturatedLaw(GAINS), **hardware),
+        lambda: flights(cases, tv.SaturatedLaw(GAINS), accuracy=accuracy, **hardware),
         peer,
         peer_name=f"control.input_output_response, 2401 times, {off(times, peer().outputs)}",
         per=MANY,
-        floor=floor(),
+        floor=floor(accuracy=accuracy),
     )
 
 

@@ -325,6 +325,21 @@ def test_a_bad_case_has_its_status_and_the_others_go_on(sample_rate, compiled):
     np.testing.assert_array_equal(numbers(flown)[:, 0], numbers(alone)[:, 0])
 
 
+@EACH_TWIN
+def test_a_flight_that_grows_again_after_a_calm_is_not_saved(compiled):
+    """Too small a gain leaves a slow mode that grows, from next to nothing, to beyond return."""
+    law = tv.SaturatedLaw(Autopilot(attitude_gain=0.9 * B, rate_gain=GAINS["rate_gain"]))
+    wind = TriangularWind(peak=1e-3 * PEAK, duration=8.0)
+    ends = np.array([60.0, 700.0])
+    with pinned(compiled):
+        early, late = (
+            tv.fly_many(plant_of(), law, wind, deflection_limit=B * PEAK, until=end) for end in ends
+        )
+    assert early.status == "survived"
+    assert late.status == "lost"
+    assert abs(late.final_attitude) > PEAK > 10.0 * abs(early.final_attitude)
+
+
 def test_a_stable_plant_flies_to_a_time_but_has_no_fate():
     stable = plant_of(coefficients=Coefficients(mu_alpha=-0.2, mu_delta=1.0))
     law = tv.SaturatedLaw(Autopilot(attitude_gain=0.1, rate_gain=0.5))
