@@ -73,7 +73,7 @@ def off(times: Any, attitude: Any) -> str:
     return f"off by {np.max(np.abs(attitude - true)) / largest:.0e}"
 
 
-def floor(**options: float) -> str:
+def floor(**options: Any) -> str:
     options |= {"deflection_limit": LIMIT, "rate_limit": RATE, "actuator": SERVO, "until": STOP}
     flown = tv.fly_many(PLANT, tv.SaturatedLaw(GAINS), WIND, **options)
     ends = off(STOP, flown.final_attitude)

@@ -42,7 +42,7 @@ def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
     for k in range(_TERMS + 1):
         growth = rates[:, np.newaxis, :, np.newaxis] ** k / factorial(k)
         found[..., k : k + here.shape[-1]] += (here * growth).sum(axis=-2)
-    return edges, np.real(found)
+    return edges, np.ascontiguousarray(np.real(found))
 
 
 def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:

@@ -28,7 +28,7 @@ from tvclin.plant import Plant
 FloatArray = NDArray[np.float64]
 
 STATUS = ("undecided", "survived", "lost", "no flight")
-_ACCURACIES = (1e-12, 1e-4)
+_ACCURACIES = (1e-11, 1e-4)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -124,10 +124,11 @@ def fly_many(
         pause.
     until : float, optional
         When the flights end [s]. Without it each ends when it is lost or saved, which needs one
-        or two real unstable poles.
+        or two real unstable poles. Flights of gains and of a dead band without pause are judged
+        at their end; others as soon as they are lost or saved, though they go on.
     accuracy : float, optional
         What a step of a flight without pause may leave off of the attitude, over the peak of the
-        wind, 1e-12 to 1e-4; see the notes.
+        wind or over a larger attitude, 1e-11 to 1e-4; see the notes.
 
     Returns
     -------

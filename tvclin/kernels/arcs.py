@@ -23,6 +23,8 @@ from tvclin.kernels.threads import in_slices
 _NUMPY, _COMPILED = 0.5, 5e-6
 """Seconds for a batch of a thousand flights, and of one flight compiled, or so."""
 _SIDES = 3
+_POWERS = table.ORDER + 2
+"""Coefficients of a piece of wind for which the compiled twin has room."""
 
 
 def linear_flights(flights: FlightTable) -> FloatArray:
@@ -30,7 +32,7 @@ def linear_flights(flights: FlightTable) -> FloatArray:
     cases = flights.which.size
     out = np.zeros((table.RESULTS, cases))
     twin = compiled_twin("arcs", _NUMPY * (1.0 + cases / 1000.0))
-    if twin is None:
+    if twin is None or flights.wind.shape[2] > _POWERS:
         _fly(flights, out)
         return out
 

@@ -96,7 +96,7 @@ NEARLY = 1.0 - 1e-9
 ORDER = 11
 """Of the Taylor series of flights without pause."""
 TOLERANCE = 1e-8
-"""Of the last terms of a series, over the peak of the wind."""
+"""Of the last terms of a series, over the peak of the wind, or over a larger attitude."""
 SERVO_SHARE = 0.1
 """What an error of the nozzle, over a large deflection, counts beside one of the attitude."""
 LARGE = 10.0
@@ -107,9 +107,9 @@ GRAZE = 1e-13
 """A summit that is beyond a bound by less than this part of it only touches it; and a flight
 that turns away from a bound, from this near, is beyond it already.
 """
-FINE, NEAR, SUMMIT = 1e-9, 5e-4, 3e-3
+FINE, NEAR, SUMMIT = 1e-9, 5e-4, 5e-4
 """Of the step, how near is near enough: to a root after a round, before a round of Halley, which
-trebles the digits, and before one of Newton to a summit, whose value has twice its digits.
+trebles the digits, and before one of Newton to a summit, whose value has three times its digits.
 """
 ROUNDS = 60
 ONE = 0x3FF0000000000000

@@ -20,8 +20,10 @@ INVERSE, FELT, LEFT, RIGHT, CALM = 0, 1, 2, 9, 16
 """What `ringing` returns: one over the pole, what a gust moves, the row that tells the ringing
 from the state, the state of a ringing of size one, and the largest that is left out.
 """
-RINGING = MISSES = 17
-"""So many numbers are kept; the one that follows is how far the pole is missed."""
+RINGING = 17
+"""So many numbers are kept."""
+STEP = 17
+"""The number that follows them: the step of Newton to a nearer pole."""
 RESTS = table.TOLERANCE / table.SERVO_SHARE
 """How far from its command a nozzle is at rest, over a large deflection."""
 NEARER = 4
@@ -36,7 +38,7 @@ def ringings(rows: FloatArray) -> ComplexArray:
     """Return the ringing of nozzles that follow their laws, ``(17, m)``, of a table's rows."""
     pole = nozzles(rows)
     for _ in range(NEARER):
-        pole = pole - ringing(rows, pole)[MISSES]
+        pole = pole - ringing(rows, pole)[STEP]
     return np.array(ringing(rows, pole)[:RINGING])
 
 
@@ -98,7 +100,7 @@ def settled(
 ) -> FloatArray:
     """Return states ``(7, m)`` without ringing that is too small to count.
 
-    `own` is what `ringing` returns, ``(17, m)``. A nozzle whose command stands still, at the
+    `own` is what `ringings` returns, ``(17, m)``. A nozzle whose command stands still, at the
     limit, comes to rest.
     """
     free = np.all(regions == 0.0, axis=0)

@@ -158,7 +158,7 @@ def _exits(
 
 
 def _root(c: FloatArray, low: FloatArray, high: FloatArray, target: Any, turn: bool) -> FloatArray:
-    """Where series, or their slopes, pass the target between two times: `compiled.arc_events`."""
+    """Where series, or their slopes, pass the target between two times: `compiled.arc_roots`."""
 
     def miss(t: FloatArray) -> tuple[FloatArray, FloatArray]:
         value, slope, bend = jet(c, t)

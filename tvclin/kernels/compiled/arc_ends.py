@@ -71,6 +71,8 @@ def _term(s, w, i, servo, path, k):  # type: ignore[no-untyped-def]
 @lean
 def whole(s, w, i, number, servo):  # type: ignore[no-untyped-def]
     """Return where a series of a lane begins; write what is not yet written of it."""
+    if number < lanes.DEMAND:
+        return at(number, 0) + i
     if number == lanes.WATCH and servo == 2 and w[row(lanes.FREE) + i] != 0.0:
         return at(lanes.SPIN, 0) + i
     for k in range(2, ORDER + 1):

@@ -9,7 +9,7 @@ from tvclin.kernels.compiled.arc_roots import root, turn
 from tvclin.kernels.compiled.compiler import lean, merged
 from tvclin.kernels.compiled.lanes import ALL, at, row
 
-_WATCHED = 3
+_SIDES = 3
 """Series that have bounds: the demand, the nozzle, and what watches its rate."""
 
 
@@ -60,7 +60,7 @@ def meet(s, w, i, order, servo, degree):  # type: ignore[no-untyped-def]
     Looked for again: a step that one limit makes shorter may end beyond another.
     """
     found = (-1, 0.0, np.inf)
-    for _ in range(_WATCHED):
+    for _ in range(_SIDES):
         before = found[0]
         found = _sooner(s, w, lanes.DEMAND, lanes.DEMAND_LOW, i, servo, found)
         if servo > 0:

@@ -32,7 +32,7 @@ def begin_ringing(w, rows):  # type: ignore[no-untyped-def]
     for _ in range(own.NEARER):
         for i in range(ALL):
             near = complex(w[pole + i], w[pole + ALL + i])
-            near -= _ringing(rows[:, i], near)[own.MISSES]
+            near -= _ringing(rows[:, i], near)[own.STEP]
             w[pole + i], w[pole + ALL + i] = near.real, near.imag
     for i in range(ALL):
         parts = _ringing(rows[:, i], complex(w[pole + i], w[pole + ALL + i]))
