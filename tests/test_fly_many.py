@@ -195,6 +195,29 @@ def test_flights_are_as_exact_as_asked(accuracy, off, compiled):
     assert np.max(np.abs(flown.final_attitude - last) / peak) < off
 
 
+def test_the_errors_of_peaks_are_those_that_are_stated():
+    part = np.random.default_rng(1).uniform(1.2, 1.6, 200)
+
+    def flown(accuracy):
+        return tv.fly_many(
+            plant_of(),
+            tv.SaturatedLaw(Autopilot(**GAINS)),
+            TriangularWind(peak=PEAK, duration=12.0),
+            deflection_limit=part * B * PEAK,
+            rate_limit=0.02,
+            actuator=SERVO,
+            until=24.0,
+            accuracy=accuracy,
+        )
+
+    exact = flown(1e-11)
+    for accuracy, off, rate_off in ((1e-10, 1e-9, 1e-6), (1e-8, 2e-8, 1e-5), (2e-7, 5e-7, 5e-4)):
+        found = flown(accuracy)
+        np.testing.assert_allclose(found.peak_attitude, exact.peak_attitude, rtol=off)
+        rates = found.peak_deflection_rate, exact.peak_deflection_rate
+        np.testing.assert_allclose(*rates, rtol=rate_off)
+
+
 @EACH_TWIN
 def test_a_late_short_gust_is_an_impulse_that_is_not_missed(compiled):
     width, size, late, stop = 1e-3, 0.5, 30.0037, 30.525

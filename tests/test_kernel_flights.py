@@ -10,7 +10,7 @@ from tvclin.closed_loop.gusts import polynomial_pieces
 from tvclin.closed_loop.step_matrices import exponentials
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.choice import available, pinned
-from tvclin.kernels.series import exits
+from tvclin.kernels.series import Series, exits, lengths
 from tvclin.recoverable import unstable_coordinates
 
 VEHICLE = tv.load_vehicle("configuration-i")
@@ -120,6 +120,17 @@ def test_a_flight_that_turns_away_from_its_limit_leaves_when_it_comes_back(off, 
         (when,), (side,) = exits(c, step * one, -one, one)
     assert side == 1.0
     assert when == pytest.approx(1.0 / 3.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("attitude", [0.0, 0.3])
+def test_a_step_is_as_long_as_the_accuracy_allows_however_large_the_attitude(attitude):
+    rows, y = np.zeros((table.ROWS, 2)), np.zeros((7, 12, 2))
+    rows[table.SCALE], rows[table.SERVO_SCALE] = 1.0 / 0.1, 1.0 / 0.02
+    rows[table.ACCURACY] = 1e-8, 1e-11
+    y[0, 0], y[0, 1:] = attitude, 0.01
+    none = np.zeros((12, 2))
+    long, short = lengths(rows, Series(y, none, none, none), np.full(2, 0.2))
+    assert long / short == pytest.approx(1e3 ** (1 / 11), rel=0.12)
 
 
 def test_threads_change_nothing(monkeypatch):

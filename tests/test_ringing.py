@@ -28,7 +28,7 @@ def rows(count):
     omega, damping = rng.uniform(15.0, 40.0, count), rng.uniform(0.4, 0.9, count)
     found[table.STIFFNESS], found[table.DRAG] = omega**2, 2.0 * damping * omega
     found[table.K_ATTITUDE : table.K_MEMORY + 1] = rng.uniform(0.0, 0.8, (5, count))
-    found[table.LIMIT], found[table.SCALE] = 0.1, 10.0
+    found[table.LIMIT], found[table.SCALE], found[table.ACCURACY] = 0.1, 10.0, 1e-8
     return found
 
 

@@ -26,7 +26,7 @@ class LawRows:
     Attributes
     ----------
     rows : ndarray
-        ``(54, m)`` as of `FlightTable`, filled where they are the law's; engage and release over
+        ``(55, m)`` as of `FlightTable`, filled where they are the law's; engage and release over
         the deflection limit.
     free, driven : ndarray
         F and G of the laws' own states, ``(m, 2, 2)`` and ``(m, 2, 5)``.

@@ -180,8 +180,8 @@ def fly_many(
     )
     laws = law_rows(law, shape)
     stop = np.inf if until is None else number("until", until, unit="s")
-    loose = number("accuracy", accuracy, between(*_ACCURACIES)) / table.TOLERANCE
-    flights, good = _table(plant, laws, wind, (limit, most), actuator, stop, loose, shape)
+    exact = number("accuracy", accuracy, between(*_ACCURACIES))
+    flights, good = _table(plant, laws, wind, (limit, most), actuator, stop, exact, shape)
     out = np.full((table.RESULTS, good.size), np.nan)
     if np.any(good):
         some = flights.take(good)
@@ -251,7 +251,7 @@ def _table(
     limits: tuple[FloatArray, FloatArray],
     actuator: Actuator | None,
     stop: float,
-    loose: float,
+    accuracy: float,
     shape: tuple[int, ...],
 ) -> tuple[FlightTable, NDArray[np.bool_]]:
     """The table of all flights, and which of them can be flown."""
@@ -277,10 +277,10 @@ def _table(
     rows[table.UNTIL] = stop
     size = np.abs(np.ascontiguousarray(gust[..., 0].T)).max(axis=0)[which]
     with np.errstate(divide="ignore", invalid="ignore"):
-        rows[table.SCALE] = 1.0 / (loose * size)
+        rows[table.SCALE] = 1.0 / size
         held = table.LARGE * np.abs(rows[table.GUST] / rows[table.MOMENT]) * size
-        large = np.where(held > 0.0, np.minimum(limit, held), limit)
-        rows[table.SERVO_SCALE] = 1.0 / (loose * large)
+        rows[table.SERVO_SCALE] = 1.0 / np.where(held > 0.0, np.minimum(limit, held), limit)
+    rows[table.ACCURACY] = accuracy
     good = (limit > 0.0) & (limit < np.inf) & (most > 0.0) & np.isfinite(rows[table.END])
     good &= ~np.isnan(rows[table.REACH]) | (stop < np.inf)
     return FlightTable(rows, order, servo, knots, gust, which, laws.free, laws.driven), good

@@ -31,6 +31,7 @@ FloatArray = NDArray[np.float64]
     RELEASE,
     SCALE,
     SERVO_SCALE,
+    ACCURACY,
     START,
     END,
     UNTIL,
@@ -62,9 +63,9 @@ FloatArray = NDArray[np.float64]
     LEAN_TRUST,
     LEAN_BAND,
     LEAN_ESTIMATES,
-) = range(54)
+) = range(55)
 """Rows of `FlightTable.rows`."""
-ROWS = 54
+ROWS = 55
 
 UNDECIDED, SURVIVED, LOST = range(3)
 """What became of a flight."""
@@ -96,7 +97,9 @@ NEARLY = 1.0 - 1e-9
 ORDER = 11
 """Of the Taylor series of flights without pause."""
 TOLERANCE = 1e-8
-"""Of the last terms of a series, over the peak of the wind, or over a larger attitude."""
+"""Of the last terms of a series, over the peak of the wind or over a larger attitude: what
+accuracy is, where none is asked for.
+"""
 SERVO_SHARE = 0.1
 """What an error of the nozzle, over a large deflection, counts beside one of the attitude."""
 LARGE = 10.0
@@ -139,7 +142,7 @@ class FlightTable:
     Attributes
     ----------
     rows : ndarray
-        ``(54, m)``, each row named above: the equations of the plant
+        ``(55, m)``, each row named above: the equations of the plant
 
             theta'' = MU theta + MU_PATH gamma + MOMENT delta + GUST w
             gamma' = PATH_ATTITUDE theta + PATH_PATH gamma + PATH_SPEED v
@@ -148,13 +151,13 @@ class FlightTable:
         of the nozzle (natural frequency squared, and twice damping times it; of first order its
         bandwidth), the limits [rad, rad/s], the gains of a law that is linear, the deflections at
         which it engages and lets go [rad], one over the peak of the wind and over the deflection
-        that counts as large (both over how much looser the tolerance is), the times [s] at which
-        the flight begins, its wind ends and it must end (or inf), and how it is judged: the rows of
-        the unstable coordinates, their reach [rad] (NaN where there are none), slow over fast pole,
-        and the times [s] that a flight must be calm and may be open. The last rows are those of a
-        recoverable-attitude law: one if it is one, its unstable coordinates, the ratio of their
-        poles (zero for one mode), the strength of the wind, B, reach, gain, design peak (inf
-        without one), its trust, dead band, and one if it estimates the wind.
+        that counts as large, the accuracy, the times [s] at which the flight begins, its wind ends
+        and it must end (or inf), and how it is judged: the rows of the unstable coordinates, their
+        reach [rad] (NaN where there are none), slow over fast pole, and the times [s] that a flight
+        must be calm and may be open. The last rows are those of a recoverable-attitude law: one if
+        it is one, its unstable coordinates, the ratio of their poles (zero for one mode), the
+        strength of the wind, B, reach, gain, design peak (inf without one), its trust, dead band,
+        and one if it estimates the wind.
     order, servo : int
         Number of states of the plant, 2 to 4, and of the nozzle, 0 to 2.
     knots : ndarray

@@ -22,7 +22,7 @@ def demand(
     Parameters
     ----------
     law : ndarray
-        Rows of the table, ``(54, m)``.
+        Rows of the table, ``(55, m)``.
     theta, rate, path, alpha : ndarray
         What is seen [rad, rad/s], ``(m,)``.
     memory : ndarray

@@ -24,8 +24,6 @@ RINGING = 17
 """So many numbers are kept."""
 STEP = 17
 """The number that follows them: the step of Newton to a nearer pole."""
-RESTS = table.TOLERANCE / table.SERVO_SHARE
-"""How far from its command a nozzle is at rest, over a large deflection."""
 NEARER = 4
 """Steps of Newton to the pole; the next must be small."""
 _DECAYS, _SWINGS = 0.1, 0.1
@@ -51,7 +49,7 @@ def nozzles(rows: Any) -> Any:
 def ringing(rows: Any, pole: Any) -> tuple[Any, ...]:
     """Return the ringing of nozzles of second order about poles, and Newton's step to true ones.
 
-    The same for the rows of a table ``(54, m)`` and for one column of it, for which it is
+    The same for the rows of a table ``(55, m)`` and for one column of it, for which it is
     compiled. The product of a pole's vectors, in which the nozzle's share is one, is the slope of
     the characteristic equation.
     """
@@ -91,7 +89,7 @@ def ringing(rows: Any, pole: Any) -> tuple[Any, ...]:
         (pole + drag) * share, share, memory * inverse * share,
         theta, pole * theta, path, rows[table.SPEED_PATH] * path * inverse,
         1.0 + 0.0 * pole, pole, theta * inverse,
-        good * (0.5 * table.TOLERANCE / moved) + 0.0 * pole, step,
+        good * (0.5 * rows[table.ACCURACY] / moved) + 0.0 * pole, step,
     )  # fmt: skip
 
 
@@ -112,7 +110,8 @@ def settled(
     y = np.where(quiet, y - 2.0 * (size * own[RIGHT:CALM]).real, y)
     command, spin = regions[0] * rows[table.LIMIT], y[5]
     left = rows[table.STIFFNESS] * (y[4] - command) ** 2 + spin**2
-    least = rows[table.STIFFNESS] * (RESTS / rows[table.SERVO_SCALE]) ** 2
+    near = rows[table.ACCURACY] / (table.SERVO_SHARE * rows[table.SERVO_SCALE])
+    least = rows[table.STIFFNESS] * near**2
     rests = (regions[0] != 0.0) & (regions[2] == 0.0) & (left <= least)
     y[4], y[5] = np.where(rests, command, y[4]), np.where(rests, 0.0, spin)
     return y

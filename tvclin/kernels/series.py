@@ -77,9 +77,9 @@ def taylor(
 
 
 def lengths(rows: FloatArray, series: Series, trial: FloatArray) -> FloatArray:
-    """Return steps [s] whose last two terms stay within the tolerance.
+    """Return steps [s] whose last two terms stay within the accuracy.
 
-    It is over the wind's peak, or over an attitude that is larger. A step changes about as the
+    That is over the wind's peak, or over an attitude that is larger. A step changes about as the
     11th root of what there is to spare, taken from the bits of a number, which are its logarithm,
     or so: within 6 percent.
     """
@@ -87,7 +87,7 @@ def lengths(rows: FloatArray, series: Series, trial: FloatArray) -> FloatArray:
     error = (last[0] * trial + before[0]) * rows[table.SCALE]
     error += table.SERVO_SHARE * (last[4] * trial + before[4]) * rows[table.SERVO_SCALE]
     size = np.maximum(np.abs(series.y[0, 0]) * rows[table.SCALE], 1.0)
-    spare = table.TOLERANCE * size / np.maximum(error * trial ** (table.ORDER - 1), 1e-30)
+    spare = rows[table.ACCURACY] * size / np.maximum(error * trial ** (table.ORDER - 1), 1e-30)
     bits = spare.view(np.int64) - table.ONE
     factor = (table.ONE + (bits >> 4) + (bits >> 5)).view(np.float64)
     return np.minimum(trial * np.minimum(table.SAFE * factor, table.GROWTH), 1e6)

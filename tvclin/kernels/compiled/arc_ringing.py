@@ -65,7 +65,8 @@ def settle(s, w, degree):  # type: ignore[no-untyped-def]
             s[at(k, 0) + i] -= a * w[right + there] - b * w[right + there + ALL]
         stiff, large = w[row(table.STIFFNESS) + i], w[row(table.SERVO_SCALE) + i]
         command, rate = w[row(lanes.COMMAND) + i], s[spin + i]
-        off, least = s[position + i] - command, own.RESTS / large
+        off = s[position + i] - command
+        least = w[row(table.ACCURACY) + i] / (table.SERVO_SHARE * large)
         rests = (w[row(lanes.COMMANDED) + i] == 0.0) & (w[row(lanes.FREE) + i] != 0.0)
         rests &= stiff * off * off + rate * rate <= stiff * least * least
         s[position + i] -= off if rests else 0.0

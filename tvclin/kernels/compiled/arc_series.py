@@ -118,9 +118,9 @@ def series(s, w, order, servo, degree):  # type: ignore[no-untyped-def]
 
 @merged
 def lengths(s, w):  # type: ignore[no-untyped-def]
-    """Choose the steps: the last two terms stay within the tolerance, and no knot is passed.
+    """Choose the steps: the last two terms stay within the accuracy, and no knot is passed.
 
-    The tolerance is over the wind's peak, or over an attitude that is larger. A step changes about
+    The accuracy is over the wind's peak, or over an attitude that is larger. A step changes about
     as the 11th root of what there is to spare: the bits of a number are its logarithm, or so, and
     1/16 and 1/32 of them are quick to take.
     """
@@ -135,7 +135,7 @@ def lengths(s, w):  # type: ignore[no-untyped-def]
         error = abs(s[theta + i]) * h + abs(s[theta_1 + i])
         moved = abs(s[servo + i]) * h + abs(s[servo_1 + i])
         error = error * w[scale + i] + table.SERVO_SHARE * moved * w[servo_scale + i]
-        spare = table.TOLERANCE * max(abs(s[begun + i]) * w[scale + i], 1.0)
+        spare = w[row(table.ACCURACY) + i] * max(abs(s[begun + i]) * w[scale + i], 1.0)
         spare = spare / max(error * (h5 * h5), 1e-30)
         bits = np.float64(spare).view(np.int64) - table.ONE
         factor = np.int64(table.ONE + (bits >> 4) + (bits >> 5)).view(np.float64)
