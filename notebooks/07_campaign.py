@@ -51,7 +51,7 @@ campaign = tv.Campaign(
         )
     ),
     model="drift",
-    outputs=("boundary",),
+    outputs=("required",),
     dead_bands=(1.0, 0.5),
     cases=4000,
     seed=1,
@@ -68,7 +68,7 @@ required = found.quantile()
 np.degrees([required.lower, required.estimate, required.upper]).round(4)
 
 # %%
-deflections = np.degrees(np.sort(found.to_xarray()["boundary_K1"].values))
+deflections = np.degrees(np.sort(found.to_xarray()["required_K1"].values))
 fig, axes = plt.subplots()
 axes.plot(deflections, np.arange(1, deflections.size + 1) / deflections.size)
 axes.axvline(np.degrees(required.upper), ls="--", color="0.4")

@@ -17,7 +17,7 @@ HEAD = {"vehicle": "configuration-i", "cases": 12, "seed": 3}
 TABLES = {
     "campaign": HEAD,
     "wind": {"peak_deg": 5.0, "duration_s": 7.5},
-    "outputs": {"names": ["boundary", "flight"]},
+    "outputs": {"names": ["required", "flight"]},
     "flight": {"law": "trim", "deflection_limit_deg": 0.36, "sample_rate_Hz": 25},
     "dispersion": [{"parameter": "wind_duration", "shape": "uniform", "percent": 60}],
 }
@@ -29,7 +29,7 @@ def trimmed():
 
 
 def test_trim_survives_where_the_boundary_says(trimmed):
-    needed = trimmed["boundary_K1"]
+    needed = trimmed["required_K1"]
     clear = np.abs(needed / LIMIT - 1.0) > 0.05  # samples cost a little
     assert clear.sum() >= 8
     survived = trimmed["flight_survived"] == 1.0
@@ -101,7 +101,7 @@ def test_boundaries_flown_in_six_degrees_go_through_the_same_chunks():
     tables = {
         "campaign": HEAD | {"model": "drift-exact", "cases": 3},
         "wind": {"peak_deg": 1.0, "duration_s": 7.5},
-        "outputs": {"names": ["boundary", "flown"], "dead_bands": [0.0]},
+        "outputs": {"names": ["required", "flown"], "dead_bands": [0.0]},
         "dispersion": [
             {"parameter": "thrust", "shape": "uniform", "percent": 5},
             {"parameter": "wind_duration", "shape": "uniform", "percent": 30},
@@ -109,7 +109,7 @@ def test_boundaries_flown_in_six_degrees_go_through_the_same_chunks():
     }
     found = evaluate(parse_campaign(tables), 0, 3)
     assert list(found["status"]) == ["ok"] * 3
-    np.testing.assert_allclose(found["flown_K0"], found["boundary_K0"], rtol=3e-3)
+    np.testing.assert_allclose(found["flown_K0"], found["required_K0"], rtol=3e-3)
     assert np.ptp(found["flown_K0"]) > 0.01 * found["flown_K0"].max()
 
 
@@ -160,7 +160,7 @@ def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, t
             {"flight": {"law": "trim", "deflection_limit_deg": 1, "alpha_gain": 1}},
             'gains belong to the law "autopilot"',
         ),
-        ({"outputs": {"names": ["boundary"]}}, "belong together"),
+        ({"outputs": {"names": ["required"]}}, "belong together"),
         (
             {"dispersion": [{"parameter": "rate_gain", "percent": 5}]},
             "rate_gain is dispersed, but has no nominal value",

@@ -40,7 +40,7 @@ def test_show_says_what_the_library_finds(place):
     assert document["statuses"] == {"ok": 600}
     assert document["drivers"] == pytest.approx(found.drivers())
     assert document["success"] == pytest.approx(vars(found.success()))
-    answers = found.column("boundary_K1")
+    answers = found.column("required_K1")
     assert document["worst"][0]["case"] == np.argmax(answers)
     assert document["worst"][0]["deg"] == pytest.approx(np.degrees(answers.max()), rel=1e-15)
     assert [row["cases"] for row in document["convergence"]] == [37, 75, 150, 300, 600]
@@ -68,7 +68,7 @@ def test_replay_is_the_case_to_the_bit(place):
     for name in found.campaign.dispersions.parameters:
         assert document["inputs"][name] == found.column(name)[worst]
     one = found.replay(worst)
-    assert abs(one.boundary) == pytest.approx(found.column("boundary_K1")[worst], rel=1e-12)
+    assert abs(one.required) == pytest.approx(found.column("required_K1")[worst], rel=1e-12)
     # On the boundary the attitude stays bounded for ever; with a little less it does not.
     attitude, lost = (
         np.abs(one.response(capability).outputs["attitude"]).max() for capability in (1.0, 0.9)

@@ -247,7 +247,6 @@ def test_with_drift_it_is_the_bound_of_the_fast_mode(name, model):
         (triangle(4.0) - triangle(4.0).shift(20.0), "changes its sign"),
         (tv.HeldDeflection(limit=0.1), "wind must end"),
         (0.0 * triangle(4.0), "wind must end, and be other than zero"),
-        (TriangularWind(peak=[0.1, 0.2], duration=5.0), r"one wind; got a batch of shape \(2,"),
         (0.1, "wind must be a History"),
     ],
 )
@@ -267,13 +266,39 @@ def test_reversals_that_cannot_be(reversal, message):
 
 def test_plants_for_which_it_is_not_defined():
     wind = triangle(4.0)
-    speed = Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-and-speed")
     stable = plant_of(coefficients=COEFFICIENTS.replace(mu_alpha=-0.3))
-    for plant in (speed, stable):
-        with pytest.raises(InputError, match="real unstable poles"):
+    merged = COEFFICIENTS.replace(C2=0.39 * COEFFICIENTS.beta**3)
+    pair = plant_of("drift-exact", coefficients=merged)
+    for plant, has in ((stable, "it has none"), (pair, r"it has the complex pair 0\.\d+ \+- 0")):
+        with pytest.raises(InputError, match=has):
             tv.forecast_free_limit(plant, wind)
-    many = plant_of(coefficients=COEFFICIENTS.replace(mu_delta=[2.0, 3.0]))
-    with pytest.raises(InputError, match="one plant; got a batch"):
-        tv.forecast_free_limit(many, wind)
     with pytest.raises(InputError, match="plant must be a Plant"):
         tv.forecast_free_limit(COEFFICIENTS, wind)
+
+
+def test_a_batch_gives_what_each_case_gives_alone():
+    vehicle = tv.load_vehicle("configuration-i")
+    slow, durations = np.array([380.0, 480.0, 538.81, 600.0]), [4.0, 9.0, 20.0, 50.0]
+    winds = TriangularWind(peak=[[0.08], [-0.05]], duration=durations)
+    for model in tv.plant.MODELS:
+        plant = Plant.from_vehicle(vehicle.replace(velocity=slow), model)
+            found = tv.forecast_free_limit(plant, winds)
+        for i, peak in enumerate((0.08, -0.05)):
+            for k, V in enumerate(slow):
+                one = Plant.from_vehicle(vehicle.replace(velocity=V), model)
+                wind = TriangularWind(peak=peak, duration=durations[k])
+                alone = tv.forecast_free_limit(one, wind)
+                for name in ("limit", "deflection", "foresight", "worst_stop"):
+                    expected = pytest.approx(getattr(alone, name), rel=1e-12)
+                    assert getattr(found, name)[i, k] == expected, (model, name)
+
+
+def test_in_a_batch_a_stable_case_needs_nothing_and_a_pair_has_no_bound():
+    beta = COEFFICIENTS.beta
+    three = COEFFICIENTS.replace(
+        mu_alpha=[beta**2, -0.3, beta**2], C2=[0.1 * beta**3, 0.0, 0.39 * beta**3]
+    )
+    found = tv.forecast_free_limit(plant_of("drift-exact", coefficients=three), triangle(4.0))
+    assert found.limit[0] > 0.0
+    assert found.limit[1] == 0.0
+    assert np.isnan(found.limit[2])

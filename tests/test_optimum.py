@@ -302,14 +302,6 @@ def test_bad_input_is_refused_in_one_sentence(change, message):
         optimum_deflection(**arguments)
 
 
-def test_poles_that_repeat_are_refused(monkeypatch):
-    unknown = np.full(2, np.nan)
-    twice = tvclin.Modes(np.array([0.5, 0.5]), unknown, unknown)
-    monkeypatch.setattr("tvclin.optimum.constraints.unstable_modes", lambda plant: twice)
-    with pytest.raises(InputError, match="unstable poles must not repeat; got 0.5 1/s twice"):
-        optimum_deflection(plant_of(), WIND)
-
-
 @pytest.mark.parametrize("call", [late_switch, early_switch])
 def test_ratios_of_the_approximations_are_checked(call):
     with pytest.raises(InputError, match="ratio must be below 1"):

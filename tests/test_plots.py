@@ -265,7 +265,7 @@ def test_the_chart_of_laws_measures_them_by_equation_12_and_the_minimum(configur
 
     for K in (1.0, 0.5):
         expected = triangular_limit([2.0, 4.0], K)
-        np.testing.assert_allclose(found.column(f"open loop K = {K:g}"), expected, rtol=1e-12)
+        np.testing.assert_allclose(found.column(f"required, K = {K:g}"), expected, rtol=1e-12)
     # the minimum of one pole is K = 0, and in one triangle a forecast is worth nothing
     for label in ("wind known (C)", "any law, no forecast"):
         expected = triangular_limit([2.0, 4.0], 0.0)

@@ -13,16 +13,11 @@ BANDS = (1.0, 0.5, 0.0)
 NAMES = [f"K = {K:g}" for K in BANDS]
 
 
-@pytest.mark.parametrize("switch", ["report", "literal"])
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
-def test_constant_parameters_give_the_boundary_of_the_frozen_plant(
-    configuration_ii, model, switch
-) -> None:
+def test_constant_parameters_give_the_boundary_of_the_frozen_plant(configuration_ii, model) -> None:
     schedule = tv.FlightSchedule(configuration_ii.replace(time=[60.0, 85.0, 110.0]))
     wind = tv.TriangularWind(peak=-0.05, duration=10.0)
-    found = tv.size(
-        schedule, wind, times=[80.0], dead_bands=BANDS, model=model, switch=switch, varying=True
-    )
+    found = tv.size(schedule, wind, times=[80.0], dead_bands=BANDS, model=model, varying=True)
     for name in ("trim", *NAMES):
         frozen, varying = (found.required[f"{name}{end}"] for end in ("", ", varying"))
         assert varying == pytest.approx(frozen, rel=1e-6), name

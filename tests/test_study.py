@@ -14,7 +14,8 @@ def test_the_required_deflection_is_the_boundary_of_the_chosen_model(
         configuration_i, duration=7.5, peak=0.08, dead_band=0.6, model=model
     )
     plant = tv.Plant.from_vehicle(configuration_i, model)
-    expected = tv.boundary_limit(plant, tv.TriangularWind(peak=0.08, duration=7.5), 0.6)
+    wind = tv.TriangularWind(peak=0.08, duration=7.5)
+    expected = tv.boundary_limit(plant, wind, 0.6, switch="literal")
 
     assert abs(expected.deflection) == result.required_deflection
     assert 0.6 in result.dead_bands

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from tvclin.autopilot import relief_gains as relief_gains
     from tvclin.boundary import BoundaryLimit as BoundaryLimit
     from tvclin.boundary import boundary_limit as boundary_limit
-    from tvclin.boundary import is_sufficient as is_sufficient
-    from tvclin.boundary import survivable_peak as survivable_peak
     from tvclin.boundary import triangle_error as triangle_error
     from tvclin.campaign import Campaign as Campaign
     from tvclin.campaign import CampaignResults as CampaignResults
@@ -88,6 +86,10 @@ if TYPE_CHECKING:
     from tvclin.plant import Plant as Plant
     from tvclin.plant import available_models as available_models
     from tvclin.report import report_html as report_html
+    from tvclin.requirement import Requirement as Requirement
+    from tvclin.requirement import is_sufficient as is_sufficient
+    from tvclin.requirement import required_deflection as required_deflection
+    from tvclin.requirement import survivable_peak as survivable_peak
     from tvclin.response import Responses as Responses
     from tvclin.response import attitude_response as attitude_response
     from tvclin.response import attitude_responses as attitude_responses
@@ -157,8 +159,6 @@ _ROOMS = {
     "boundary": (
         "BoundaryLimit",
         "boundary_limit",
-        "is_sufficient",
-        "survivable_peak",
         "triangle_error",
     ),
     "campaign": (
@@ -216,6 +216,12 @@ _ROOMS = {
     ),
     "plant": ("Plant", "available_models"),
     "report": ("report_html",),
+    "requirement": (
+        "Requirement",
+        "is_sufficient",
+        "required_deflection",
+        "survivable_peak",
+    ),
     "response": ("Responses", "attitude_response", "attitude_responses"),
     "soundings": (
         "Climb",

@@ -14,7 +14,7 @@ the report stand in `closed_forms`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,11 +28,13 @@ from tvclin.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.deflections import dead_band_driver, trim_deflection
-from tvclin.errors import InputError, broadcast, instance, nonzero, plain, within
+from tvclin.deflections import SWITCHES, dead_band_driver, trim_deflection
+from tvclin.errors import InputError, broadcast, instance, one_of, plain, within
+from tvclin.forecast_free import forecast_free_limit
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
-from tvclin.modes import unstable_modes
+from tvclin.modes import unstable_poles
+from tvclin.optimum import least_peaks
 from tvclin.plant import Plant
 from tvclin.switching import Problem
 from tvclin.winds import equivalent_triangle
@@ -41,10 +43,8 @@ __all__ = [
     "BoundaryLimit",
     "TriangularLimit",
     "boundary_limit",
-    "is_sufficient",
     "rectangular_limit",
     "solve_triangular_with_drift",
-    "survivable_peak",
     "triangle_error",
     "triangular_limit",
     "triangular_limit_with_drift",
@@ -52,8 +52,26 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 
+COMPARABLE = 0.05
+"""Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
+_TOGETHER = 1e-4
+
 OK = "ok"
-STABLE = "no real unstable pole: no deflection is needed"
+STABLE = "no unstable pole: no deflection is needed"
+PAIR = (
+    "unstable poles that are a pair, or together: no one limit meets both conditions (4b), and this"
+    " one is that with which trim is never limited"
+)
+BOUNDARY = "the boundary of the control"
+MINIMUM = "the minimum over all unstable poles"
+NO_FORECAST = "the bound without a forecast"
+LARGER = {
+    BOUNDARY: "in flight, where trim itself leaves the dead band, more is needed",
+    MINIMUM: f"{MINIMUM} is larger",
+    NO_FORECAST: f"{NO_FORECAST} is larger",
+}
+ROUNDING = 1e-9
+"""A requirement that is larger by less than this part is the same one."""
 NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b), a higher one is not needed"
 JUMP = "no limit meets (4b) exactly: every limit above this one is sufficient"
 
@@ -71,7 +89,8 @@ class BoundaryLimit:
     switch_time : float or ndarray
         a [s], when the dead band is left on the boundary; NaN where it never is.
     status : str or ndarray of str
-        "ok", or in words why the limit is not a solution of (4b).
+        "ok", or in words why the limit is not a solution of (4b), and which other requirement
+        is larger (see `required_deflection`).
     """
 
     limit: Any
@@ -108,11 +127,13 @@ def boundary_limit(
     Returns
     -------
     BoundaryLimit
-        The condition (4b) is met at the largest real unstable pole. Slower poles of the exact
-        models are not met; `judge` reports them. (A stable vehicle on an exact model may have
-        only a slow one, of the flight path; then it is that.) Where several limits meet the
-        condition (winds of several peaks) it is the largest, above which every limit is
-        sufficient.
+        The condition (4b) is met at the largest unstable pole. Slower poles of the exact models
+        are not met; `judge` reports them. (A stable vehicle on an exact model may have only a
+        slow one, of the flight path; then it is that.) Where several limits meet the condition
+        (winds of several peaks) it is the largest. A complex pair that grows as fast asks for
+        two conditions, which one limit cannot meet: then it is the largest trim deflection, with
+        which trim is never limited, and the status says so. Whether a capability is enough is
+        the question of `is_sufficient`; the status says when another requirement is larger.
 
     Raises
     ------
@@ -124,10 +145,74 @@ def boundary_limit(
     Eqs (6) to (8), (12), (15a), (16) and (18) are its special cases.
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
+    one_of("switch", switch, SWITCHES)
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
+    return _with_others(plant, wind, K, switch, boundary_alone(plant, wind, K, switch))
+
+
+def open_loop_needs(
+    plant: Plant, wind: History, dead_band: ArrayLike, boundary: BoundaryLimit
+) -> dict[str, FloatArray]:
+    """Return what a limit must be at least [rad], by its reason; each in the shape of the batch.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `boundary_limit`.
+    boundary : BoundaryLimit
+        Theirs, with the literal switch, which a flight has.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Under `BOUNDARY`, under `MINIMUM` the least peak over all unstable poles, and under
+        `NO_FORECAST`, which only a control with K = 1 claims to need none of, the bound of laws
+        without a forecast (zero for the others).
+    """
+    K = np.asarray(dead_band)
+    size = np.abs(np.asarray(boundary.deflection))
+    free = (
+        np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
+        if _has_bound(plant)
+        else 0.0
+    )
+    return {
+        BOUNDARY: size,
+        MINIMUM: np.broadcast_to(least_peaks(plant, wind), size.shape),
+        NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
+    }
+
+
+def _has_bound(plant: Plant) -> bool:
+    """Whether there is a bound without a forecast: one plant needs a real pole, the fastest."""
+    poles = unstable_poles(plant)
+    return bool(plant.batch) or (poles.size > 0 and np.imag(poles[0]) == 0.0)
+
+
+def _with_others(
+    plant: Plant, wind: History, K: FloatArray, switch: str, found: BoundaryLimit
+) -> BoundaryLimit:
+    """The boundary with a status that says where another requirement is larger."""
+    literal = found if switch == "literal" else boundary_alone(plant, wind, K, "literal")
+    size, status = np.abs(np.asarray(found.deflection)), np.asarray(found.status)
+    needs = open_loop_needs(plant, wind, K, literal)
+    most = np.max(list(needs.values()), axis=0)
+    larger = most > size * (1.0 + ROUNDING)
+    reasons = [need >= most for need in needs.values()]
+    words = np.select(reasons, [LARGER[name] for name in needs], "")
+    said = np.where(status == OK, words, np.char.add(np.char.add(status, "; "), words))
+    status = np.where(larger, said, status)
+    return replace(found, status=status if status.ndim else str(status))
+
+
+def boundary_alone(
+    plant: Plant, wind: History, dead_band: ArrayLike = 1.0, switch: str = "report"
+) -> BoundaryLimit:
+    """Return `boundary_limit` without a look at other requirements; checked arguments alone."""
+    K = np.asarray(dead_band, dtype=float)
     _check_wind(wind)
-    pole = _fastest_real_pole(plant)
+    pole, paired = leading_pole(plant)
     unstable = ~np.isnan(pole)
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     trim = trim_deflection(plant, wind)
@@ -144,82 +229,18 @@ def boundary_limit(
     onset = np.where(unstable, driver.onset, 0.0)
     time = np.where(at_onset, np.broadcast_to(onset, shape), switching.time)
     limit = np.where(unstable, problem.demand(time[..., np.newaxis])[..., 0], 0.0)
-    never = switching.never & ~at_onset
-    if np.any(never):
-        limit = np.where(never, _trim_for_ever(problem), limit)
-    known = [~np.broadcast_to(unstable, shape), never, switching.jumps & ~at_onset]
-    status = np.select(known, [STABLE, NEVER_LEFT, JUMP], OK)
+    unstable, paired = (np.broadcast_to(a, shape) for a in (unstable, paired))
+    never = switching.never & ~at_onset & ~paired
+    if np.any(never | paired):
+        limit = np.where(never | paired, _trim_for_ever(problem), limit)
+    known = [~unstable, paired, never, switching.jumps & ~at_onset]
+    status = np.select(known, [STABLE, PAIR, NEVER_LEFT, JUMP], OK)
     return BoundaryLimit(
         plain(limit),
         plain(np.asarray(limit * scale)),
-        plain(np.where(unstable & ~never, time, np.nan)),
+        plain(np.where(unstable & ~never & ~paired, time, np.nan)),
         status if status.ndim else str(status),
     )
-
-
-def is_sufficient(
-    plant: Plant,
-    wind: History,
-    limit: ArrayLike,
-    dead_band: ArrayLike = 1.0,
-    switch: str = "report",
-) -> Any:
-    """Return whether a deflection capability is at or above the boundary.
-
-    Parameters
-    ----------
-    plant, wind, dead_band, switch
-        As of `boundary_limit`.
-    limit : array_like
-        Capability delta_max [rad]; its sign is ignored.
-
-    Returns
-    -------
-    bool or ndarray of bool
-        A real autopilot lets go of deflection it no longer needs, so every capability above the
-        boundary is sufficient. (A history that *holds* more than the boundary for ever is not
-        stable by (4b); that is the question of `judge`.)
-
-    Raises
-    ------
-    InputError
-        As `boundary_limit`, and for a limit of zero.
-    """
-    capability = np.abs(nonzero("limit", limit, "rad"))
-    needed = np.abs(boundary_limit(plant, wind, dead_band, switch).deflection)
-    enough = capability >= needed * (1.0 - 4.0 * np.finfo(float).eps)
-    return enough if enough.ndim else bool(enough)
-
-
-def survivable_peak(
-    plant: Plant,
-    wind: History,
-    limit: ArrayLike,
-    dead_band: ArrayLike = 1.0,
-    switch: str = "report",
-) -> Any:
-    """Return the largest peak [rad] of a wind of this shape that a given limit survives.
-
-    The inverse of `boundary_limit`: ``|limit|/(y_BR |B|)``, with the sign of the wind. Infinite
-    where no deflection is needed. The theory is linear; read a value of many degrees as
-    "more than the small-angle model can say".
-
-    Parameters
-    ----------
-    plant, wind, dead_band, switch
-        As of `boundary_limit`; only the shape of the wind counts.
-    limit : array_like
-        Capability delta_max [rad]; its sign is ignored.
-
-    Raises
-    ------
-    InputError
-        As `boundary_limit`, and for a limit of zero.
-    """
-    capability = np.abs(nonzero("limit", limit, "rad"))
-    needed = np.abs(boundary_limit(plant, wind, dead_band, switch).deflection)
-    with np.errstate(divide="ignore"):
-        return plain(np.asarray(wind.peak * (capability / needed)))
 
 
 def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Any:
@@ -252,14 +273,35 @@ def _trim_for_ever(problem: Problem) -> FloatArray:
     return np.abs(Piecewise(problem.trim).peak)
 
 
-def _fastest_real_pole(plant: Plant) -> FloatArray:
-    """The largest real unstable pole, ``(...)``; NaN where there is none."""
-    poles = unstable_modes(plant).poles
+def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the growth rate that decides [1/s], and where a pair of poles has a part in it.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+
+    Returns
+    -------
+    rate : ndarray
+        NaN where no mode grows, ``(...)``.
+    paired : ndarray of bool
+        Where a complex pair grows comparably with the fastest real pole, or two real poles are
+        together, so that one limit cannot meet both conditions (4b).
+    """
+    poles = unstable_poles(plant)
     if not poles.shape[-1]:
-        return np.full(poles.shape[:-1], np.nan)
-    real = np.where(np.imag(poles) == 0.0, np.real(poles), -np.inf)
-    fastest = np.where(np.isnan(real), -np.inf, real).max(axis=-1)
-    return np.where(np.isinf(fastest), np.nan, fastest)
+        return np.full(poles.shape[:-1], np.nan), np.zeros(poles.shape[:-1], dtype=bool)
+    grows, there = np.real(poles), ~np.isnan(poles)
+    complex_pole = there & (np.imag(poles) != 0.0)
+    real = np.where(there & ~complex_pole, grows, 0.0).max(axis=-1)
+    pair = np.where(complex_pole, grows, 0.0).max(axis=-1)
+    second = np.sort(np.where(there & ~complex_pole, grows, 0.0), axis=-1)[..., :-1].max(
+        axis=-1, initial=0.0
+    )
+    paired = (pair > COMPARABLE * real) | (second > (1.0 - _TOGETHER) * np.maximum(real, 1e-300))
+    leading = np.maximum(real, pair)
+    return np.where(leading > 0.0, leading, np.nan), paired
 
 
 def _check_wind(wind: History) -> None:

@@ -21,42 +21,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.cards import card
-from tvclin.errors import InputError, ending, instance, nonnegative, number, single
+from tvclin.errors import InputError, broadcast, ending, instance, nonnegative, number, plain
 from tvclin.histories import History
+from tvclin.kernels import integrals
+from tvclin.kernels import pieces as kernel
 from tvclin.kernels.crossings import roots_between
+from tvclin.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.plant import Plant
-from tvclin.recoverable import unstable_coordinates
 
 FloatArray = NDArray[np.float64]
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"
+_MANY = 16
+"""Above so many knots the wind is sampled, and what is sought turns once in a piece at most."""
 
 
 @dataclass(frozen=True)
 class ForecastFreeLimit:
-    """What no law without a forecast can do without.
+    """What no law without a forecast can do without; of a batch, numbers are ``(...)``.
 
     Attributes
     ----------
-    limit : float
+    limit : float or ndarray
         y*, over the trim deflection B alpha_w,max without drift.
-    deflection : float
+    deflection : float or ndarray
         The same as a deflection [rad], -limit B alpha_w,max.
     kind : str
         "exact", or for models with drift "bound of the fast mode": no law needs less.
-    foresight : float
+    foresight : float or ndarray
         W(onset) over the peak: what is needed when the whole wind is known.
-    worst_stop : float
+    worst_stop : float or ndarray
         The instant [s] from which most is still to come: W is largest there, and a law must lean
         by W - y* at least. What a stop then leaves to be done is another matter.
     """
 
-    limit: float
-    deflection: float
+    limit: Any
+    deflection: Any
     kind: str
-    foresight: float
-    worst_stop: float
+    foresight: Any
+    worst_stop: Any
 
     def _repr_html_(self) -> str:
         rows = [
@@ -75,19 +79,26 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     Parameters
     ----------
     plant : Plant
-        One plant with one or two real unstable poles.
+        One plant whose fastest unstable pole is real, or a batch.
     wind : History
-        One wind of one sign, which ends.
+        One wind of one sign, which ends, or a batch; batches broadcast.
     reversal : float
         R, the discounted impulse of a wind of the other sign that may come at any instant instead
         of a stop, over the peak: ``p * integral of e^(-p r) |alpha_w(r)| dr``, counted from the
         reversal. Then y = max{W(onset), (sup W + R)/2, R}. One is a full reversal for ever.
 
+    Returns
+    -------
+    ForecastFreeLimit
+        In a batch zero for a plant without an unstable pole, and NaN for one whose fastest
+        unstable poles are a pair.
+
     Raises
     ------
     InputError
         For a wind that changes its sign (y* is not defined for it: give the part of one sign and
-        the reversal), is zero or never ends, and for a plant without a real unstable pole.
+        the reversal), is zero or never ends, and for one plant without a real unstable pole or
+        with a faster pair.
 
     Notes
     -----
@@ -103,43 +114,76 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     >>> round(found.limit, 4), round(found.foresight, 4)
     (0.4653, 0.1)
     """
-    modes = unstable_coordinates(plant)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
     R = number("reversal", reversal, nonnegative)
-    single("wind", wind.batch)
     ending("wind", wind.end)
-    peak, pole = float(wind.peak), float(modes.poles[0])
-    times = wind.probe_times(16)
-    _check_one_signed(wind(times) / peak)
-    ahead, when = _largest_future(wind, times, pole, peak)
-    foresight = pole * float(wind.future(pole, wind.onset)) / peak
-    limit = abs(float(modes.wind[0])) * max(foresight, (ahead + R) / 2.0, R)
-    kind = EXACT if plant.model == "fixed-path" else BOUND
-    B = float(plant.coefficients.B)
-    scaled = abs(float(modes.wind[0])) * foresight
-    return ForecastFreeLimit(limit, -limit * B * peak, kind, scaled, when)
+    shape = broadcast(plant=plant.batch, wind=wind.batch)
+    poles = unstable_poles(plant)
+    if not shape and (not poles.size or np.imag(poles[0])):
+        raise InputError(
+            "plant must have real unstable poles, the fastest at least; it has"
+            f" {poles_in_words(poles)}"
+        )
+    fast = poles[..., :1] if poles.shape[-1] else np.full((*plant.batch, 1), np.nan)
+    real = np.imag(fast) == 0.0
+    stable = np.broadcast_to(np.isnan(fast[..., 0]), shape)
+    pole = np.where(real & ~np.isnan(fast), np.real(fast), 1.0)
+    strength = np.where(
+        real, np.abs(wind_strength(plant, pole) / _column(plant.coefficients.B)), np.nan
+    )
+    strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
+    pole = np.broadcast_to(pole[..., 0], shape)
+    peak = wind.peak
+    pieces = kernel.spread((wind * (1.0 / peak)).pieces, shape)
+    onset = np.broadcast_to(wind.onset, shape)[..., np.newaxis]
+    foresight = pole * np.real(integrals.future(pieces, pole, onset))[..., 0]
+    times = wind.probe_times(1 if wind.knots.shape[-1] > _MANY else 16)
+    times = np.broadcast_to(times, (*shape, times.shape[-1]))
+    ahead, when = _largest_future(pieces, pole, times)
+    limit = strength * np.maximum(foresight, np.maximum((ahead + R) / 2.0, R))
+    return ForecastFreeLimit(
+        plain(limit),
+        plain(-limit * np.asarray(plant.coefficients.B) * peak),
+        EXACT if plant.model == "fixed-path" else BOUND,
+        plain(strength * foresight),
+        plain(when),
+    )
+
+
+def _column(values: Any) -> FloatArray:
+    return np.asarray(values)[..., np.newaxis]
 
 
 def _largest_future(
-    wind: History, times: FloatArray, pole: float, peak: float
-) -> tuple[float, float]:
-    """Sup W over the peak and its instant: W' = p (W - w) falls through zero there."""
-
-    def excess(t: FloatArray, _: Any = None) -> FloatArray:
-        return (wind(t) - pole * wind.future(pole, t)) / peak
-
-    values = excess(times)
-    rising = np.flatnonzero((values[:-1] < 0.0) & (values[1:] > 0.0))
-    inner = roots_between(times[rising], times[rising + 1], excess)
-    every = np.concatenate([times, inner])
-    future = pole * wind.future(pole, every) / peak
-    best = int(np.argmax(future))
-    return float(future[best]), float(every[best])
-
-
-def _check_one_signed(values: FloatArray) -> None:
+    pieces: kernel.Pieces, pole: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Sup W of winds of unit peak and its instant: W' = p (W - w) falls through zero there."""
+    values = np.real(kernel.value(pieces, times))
     if values.min() < -1e-12:
         raise InputError(
             "a limit without forecast is not defined for a wind that changes its sign; give the"
             " wind of one sign, and what may follow it as reversal"
         )
+    future = pole[..., np.newaxis] * np.real(integrals.future(pieces, pole, times))
+    best = np.argmax(future, axis=-1)[..., np.newaxis]
+    largest = np.take_along_axis(future, best, axis=-1)[..., 0].ravel()
+    when = np.take_along_axis(times, best, axis=-1)[..., 0].ravel()
+    excess = (values - future).reshape(-1, times.shape[-1])
+    flat = times.reshape(excess.shape)
+    case, index = np.nonzero((excess[:, :-1] < 0.0) & (excess[:, 1:] > 0.0))
+
+    def ahead(t: FloatArray, which: NDArray[np.intp]) -> FloatArray:
+        some, p = kernel.take(pieces, case[which]), pole.ravel()[case[which]]
+        return p * np.real(integrals.future(some, p, t[:, np.newaxis]))[:, 0]
+
+    def short(t: FloatArray, which: NDArray[np.intp]) -> FloatArray:
+        some = kernel.take(pieces, case[which])
+        return np.real(kernel.value(some, t[:, np.newaxis]))[:, 0] - ahead(t, which)
+
+    turns = roots_between(flat[case, index], flat[case, index + 1], short)
+    peaks = ahead(turns, np.arange(case.size))
+    for k in np.argsort(peaks, kind="stable").tolist():  # the highest of a case comes last
+        if peaks[k] > largest[case[k]]:
+            largest[case[k]], when[case[k]] = peaks[k], turns[k]
+    return largest.reshape(pole.shape), when.reshape(pole.shape)

@@ -153,6 +153,11 @@ class History(ABC):
             )
         return _cascade(self.pieces, num, den)
 
+    def one(self, case: int, shape: tuple[int, ...]) -> History:
+        """Return one history of the batch spread to `shape`, by its flat position there."""
+        p = kernel.take(kernel.spread(self.pieces, shape), np.array([case]))
+        return Piecewise(Pieces(p.knots[0], p.coefficients[0], p.rates[0]))
+
     @cached_property
     def onset(self) -> FloatArray:
         """Time [s] at which the history first differs from zero, shape ``batch``; inf if never."""

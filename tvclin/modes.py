@@ -14,6 +14,9 @@ from tvclin.kernels import polynomials
 from tvclin.kernels.responses import growing
 from tvclin.plant import INPUTS, Plant
 
+_TOGETHER = 2e-6
+"""Poles nearer to each other than this part of their size count as repeated ones."""
+
 
 @dataclass(frozen=True, eq=False)
 class Modes:
@@ -104,6 +107,47 @@ def unstable_poles(plant: Plant) -> NDArray[Any]:
     if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):
         poles = np.real(poles)
     return poles
+
+
+def parted(poles: NDArray[Any]) -> NDArray[Any]:
+    """Return unstable poles ``(..., N)``, of which two that are together are set apart a little.
+
+    What two poles ask for together depends on their mean and on the square of their distance, so a
+    distance of 2e-6 of their size changes it by some 1e-12, and keeps it from 0/0.
+
+    Parameters
+    ----------
+    poles : ndarray
+        The fastest first, as `unstable_poles` gives them; NaN where there is none.
+    """
+    apart = np.array(poles)
+    for i in range(poles.shape[-1] - 1):
+        first, second = apart[..., i], apart[..., i + 1]
+        middle = np.real(0.5 * (first + second))
+        together = np.abs(first - second) < _TOGETHER * np.abs(middle)
+        for k, side in ((i, 1.0), (i + 1, -1.0)):
+            apart[..., k] = np.where(
+                together, middle * (1.0 + side * _TOGETHER / 2.0), apart[..., k]
+            )
+    return np.real(apart) if np.all((np.imag(apart) == 0.0) | np.isnan(apart)) else apart
+
+
+def wind_strength(plant: Plant, poles: NDArray[Any]) -> NDArray[Any]:
+    """Return N_wind(p)/N_deflection(p) of the attitude at poles ``(..., N)``.
+
+    It is B times the K1 of each pole; infinite where the deflection does not reach the pole.
+    """
+    turned, blown = (polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS)
+    with np.errstate(divide="ignore", invalid="ignore"):  # NaN stands for a pole that is not there
+        return np.asarray(np.where(turned == 0.0, np.inf, blown / turned))
+
+
+def poles_in_words(poles: NDArray[Any]) -> str:
+    """Return which unstable poles one plant has: how many real ones, and each pair by name."""
+    upper = poles[np.imag(poles) > 0.0]
+    real = int(np.sum(np.imag(poles) == 0.0))
+    pairs = [f"the complex pair {p.real:.4g} +- {p.imag:.4g}j 1/s" for p in upper]
+    return " and ".join([f"{real} real" if real else "", *pairs]).removeprefix(" and ") or "none"
 
 
 def _all_poles(plant: Plant) -> NDArray[Any]:

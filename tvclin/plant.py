@@ -78,6 +78,14 @@ class Plant:
         """Shape of the batch; ``()`` for one vehicle."""
         return self.coefficients.batch
 
+    def one(self, case: int, shape: tuple[int, ...]) -> Plant:
+        """Return one plant of the batch spread to `shape`, by its flat position there."""
+        held = {
+            name: float(np.broadcast_to(getattr(self.coefficients, name), shape).flat[case])
+            for name in Coefficients.__dataclass_fields__
+        }
+        return Plant(Coefficients(**held), self.model)
+
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs; the fixed-path model has no flight path angle."""

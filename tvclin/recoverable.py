@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import InputError, instance, single
-from tvclin.modes import unstable_modes
+from tvclin.kernels.crossings import roots_between
+from tvclin.modes import poles_in_words, unstable_poles
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -63,12 +64,8 @@ class UnstableCoordinates:
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return the ends of the slow coordinate that go with a fast one, |fast| <= reach."""
-        x = np.clip(fast / reach, -1.0, 1.0)
-        r = self.ratio
-        return (
-            reach * (1.0 - 2.0 * ((1.0 - x) / 2.0) ** r),
-            reach * (2.0 * ((1.0 + x) / 2.0) ** r - 1.0),
-        )
+        low, high = slow_ends(fast / reach, self.ratio)
+        return reach * low, reach * high
 
     def fast_range(self, slow: Any, reach: Any) -> tuple[Any, Any]:
         """Return the ends of the fast coordinate that go with a slow one: the same curve."""
@@ -105,11 +102,12 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     single("plant", plant.batch)
-    poles = unstable_modes(plant).poles
+    poles = unstable_poles(plant)
     if not poles.size or np.iscomplexobj(poles) or poles.size > _MOST:
         raise InputError(
             "plant must have one or two real unstable poles, as the models fixed-path, drift and"
-            f" drift-exact of an unstable vehicle have; {plant.model} has {poles.size}"
+            f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
+            f" {poles_in_words(poles)}"
         )
     A, inputs, _, _ = plant.matrices()
     rows = [left_vector(A, pole) for pole in poles]
@@ -120,6 +118,46 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
         ]
     )
     return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
+
+
+def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
+    """Return the reach [rad] on whose edge the coordinates of two real modes lie.
+
+    It is the least peak of u = deflection/B that brings them to rest.
+
+    Parameters
+    ----------
+    fast, slow : ndarray
+        Coordinates z of the two modes [rad], ``(n,)`` each.
+    ratio : ndarray
+        The slow pole over the fast one, in (0, 1), ``(n,)``.
+    """
+
+    def spare(reach: FloatArray, i: NDArray[np.intp]) -> FloatArray:
+        """How far the slow coordinate is from its ends, over the reach."""
+        low, high = slow_ends(fast[i] / reach, ratio[i])
+        return np.minimum(high - slow[i] / reach, slow[i] / reach - low)
+
+    # Neither coordinate may lie beyond the reach; with a reach far beyond both, all is inside.
+    least = np.maximum(np.abs(fast), np.abs(slow))
+    some = np.flatnonzero(least > 0.0)
+    some = some[spare(least[some], some) < 0.0]
+    enough, short = 2.0 * least, some
+    while short.size:
+        short = short[spare(enough[short], short) <= 0.0]
+        enough[short] *= 2.0
+    found = least.copy()
+    found[some] = roots_between(least[some], enough[some], lambda t, i: spare(t, some[i]))
+    return found
+
+
+def slow_ends(fast: Any, ratio: Any) -> tuple[Any, Any]:
+    """Return the ends of the slow coordinate that go with a fast one, both over the reach.
+
+    They are the paths that end at rest with one switch, 1 - 2 ((1 - x)/2)^r and its mirror image.
+    """
+    x = np.clip(fast, -1.0, 1.0)
+    return 1.0 - 2.0 * ((1.0 - x) / 2.0) ** ratio, 2.0 * ((1.0 + x) / 2.0) ** ratio - 1.0
 
 
 def smaller(a: Any, b: Any) -> Any:

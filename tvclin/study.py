@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import BoundaryLimit, boundary_limit, is_sufficient, survivable_peak
+from tvclin.boundary import BOUNDARY, PAIR, BoundaryLimit, boundary_limit
 from tvclin.cards import Row, card
 from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError, between, instance, number, one_of, positive, single
@@ -20,11 +20,10 @@ from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
 from tvclin.optimum import Optimum, optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
+from tvclin.requirement import Requirement, covers, required_deflection
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
 
-_MARKEDLY = 1.01
-"""A requirement above this many times another is worth a note."""
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
 _STRONG = radians(1.5)
@@ -54,7 +53,8 @@ class Study:
     wind : RectangularWind or TriangularWind
         The wind.
     switch : str
-        What leaves the dead band, as in `trim_then_hold`.
+        What leaves the dead band of the boundaries shown, as in `trim_then_hold`. The verdict is
+        always that of a flight, whose trim itself leaves it.
     modes : dict of str to Modes
         Unstable poles of every model.
     trim_deflection : float
@@ -65,10 +65,12 @@ class Study:
         K, falling; the dead band of the verdict is among them.
     dead_band : float
         K of the verdict.
+    requirement : Requirement
+        What a limit must be at `model` and `dead_band`, and what governs it.
     limit : float or None
         The capability [rad] in question.
     sufficient : bool or None
-        Whether the limit is at or above the boundary of `model`.
+        Whether the limit is at or above what is required.
     survivable_peak : float or None
         The largest peak [rad] of such a wind that the limit survives.
     forecast_free : dict of str to ForecastFreeLimit
@@ -94,6 +96,7 @@ class Study:
     boundaries: dict[str, BoundaryLimit]
     dead_bands: NDArray[np.float64]
     dead_band: float
+    requirement: Requirement
     limit: float | None
     sufficient: bool | None
     survivable_peak: float | None
@@ -114,7 +117,7 @@ class Study:
         dead_band: float = 1.0,
         model: str = "fixed-path",
         plane: str = "pitch",
-        switch: str = "report",
+        switch: str = "literal",
         gust: History | None = None,
     ) -> Self:
         """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
@@ -137,8 +140,8 @@ class Study:
             Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed".
         plane : {"pitch", "yaw"}
             Plane of the motion.
-        switch : {"report", "literal"}
-            What leaves the dead band, as in `trim_then_hold`.
+        switch : {"literal", "report"}
+            What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
         gust : History, optional
             A gust that is added to the wind, in its time, such as `OneMinusCosineGust`; see
             `History.shift`.
@@ -170,6 +173,7 @@ class Study:
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant(coefficients, model)
         limit = None if limit is None else _capability(limit)
+        required = required_deflection(plant, history, dead_band)
         return cls(
             vehicle=vehicle,
             plane=plane,
@@ -182,18 +186,18 @@ class Study:
             trim_deflection=abs(float(coefficients.B * history.peak)),
             dead_bands=dead_bands,
             dead_band=dead_band,
+            requirement=required,
             limit=limit,
-            notes=(*_notes(plant, history, dead_band, switch), *_doubts(vehicle, plane, peak)),
+            notes=(*_notes(plant, history, required), *_doubts(vehicle, plane, peak)),
             gust=gust,
             **_needed(shown, history, dead_bands, switch),
-            **_judged(plant, history, limit, dead_band, switch),
+            **_judged(required, history, limit),
         )
 
     @property
     def required_deflection(self) -> float:
-        """The deflection [rad] that the verdict's model and dead band ask for."""
-        row = int(np.argmax(self.dead_bands == self.dead_band))
-        return float(np.abs(self.boundaries[self.model].deflection[row]))
+        """The deflection [rad] that is required at the verdict's model and dead band, a size."""
+        return abs(float(self.requirement.deflection))
 
     def _repr_html_(self) -> str:
         deg, wind = np.degrees, self.wind
@@ -202,6 +206,7 @@ class Study:
             ("wind", f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s", ""),
             ("dead band", self.dead_band, "-"),
             ("required deflection", deg(self.required_deflection), "deg"),
+            ("governed by", self.requirement.governs, ""),
             ("ideal trim", deg(self.trim_deflection), "deg"),
         ]
         if self.limit is not None:
@@ -245,14 +250,13 @@ def _needed(
     }
 
 
-def _judged(
-    plant: Plant, wind: History, limit: float | None, dead_band: float, switch: str
-) -> dict[str, Any]:
+def _judged(required: Requirement, wind: History, limit: float | None) -> dict[str, Any]:
     """Whether a limit is enough, and what it survives; None without one."""
     if limit is None:
         return {"sufficient": None, "survivable_peak": None}
-    question = plant, wind, limit, dead_band, switch
-    return {"sufficient": is_sufficient(*question), "survivable_peak": survivable_peak(*question)}
+    needed = abs(float(required.deflection))
+    survived = float(wind.peak) * limit / needed if needed else np.inf
+    return {"sufficient": bool(covers(limit, needed)), "survivable_peak": survived}
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:
@@ -288,21 +292,16 @@ def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
         )
 
 
-def _notes(plant: Plant, wind: Any, dead_band: float, switch: str) -> Iterator[str]:
+def _notes(plant: Plant, wind: Any, required: Requirement) -> Iterator[str]:
+    if required.status == PAIR:
+        yield (
+            "two unstable modes grow together here, which trim and one limit cannot both meet:"
+            " required is the largest trim deflection (tvclin optimum shows the least of all)"
+        )
+        return
     edge = float(single_pole_validity(plant.coefficients))
-    if wind.end - wind.onset > edge:
+    if wind.end - wind.onset > edge and required.governs == BOUNDARY:
         yield (
             f"a wind of more than {edge:.1f} s outlasts what one pole can say: the slow mode of the"
             " flight path then needs more (tvclin optimum)"
-        )
-    if plant.model == "fixed-path" or switch == "literal":
-        return
-    report, literal = (
-        abs(float(boundary_limit(plant, wind, dead_band, how).deflection))
-        for how in ("report", "literal")
-    )
-    if literal > _MARKEDLY * report:
-        yield (
-            "the report leaves the dead band early in long winds with drift; with the dead band"
-            f" meant literally {np.degrees(literal):.4f} deg are needed (--switch literal)"
         )

@@ -112,7 +112,7 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
     """Return whether this deflection in this wind leaves a growing exponential, eq (4b).
 
     It judges the history as it is: a deflection above the boundary that is held for ever is
-    unstable by (4b), although its capability is sufficient (see `boundary.is_sufficient`).
+    unstable by (4b), although its capability is sufficient (see `requirement.is_sufficient`).
 
     Parameters
     ----------

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.boundary import leading_pole
 from tvclin.campaign.dispersions import GAINS, WIND
 from tvclin.campaign.draws import draw
 from tvclin.campaign.outputs import REGISTRY, Batch, columns, compute
@@ -24,6 +25,7 @@ FloatArray = NDArray[np.float64]
 
 BLOCK = 256
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
+PAIRED = "two unstable modes grow together: the largest trim deflection is required"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 
@@ -140,6 +142,7 @@ def _block(
             poles = unstable_modes(made.plant).poles
             unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
             status[which[~unstable]] = STABLE
+            status[which[np.broadcast_to(leading_pole(made.plant)[1], which.shape)]] = PAIRED
 
     def refused(case: np.intp, error: Exception) -> None:
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"

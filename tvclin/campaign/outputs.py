@@ -8,24 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
-from tvclin.boundary import boundary_limit
 from tvclin.campaign.flights import COLUMNS, Flight
-from tvclin.campaign.forecast import forecast_free_deflections
 from tvclin.campaign.plan import Campaign
 from tvclin.closed_loop import fly_many
-from tvclin.coefficients import Coefficients
 from tvclin.errors import InputError
 from tvclin.flight import flown_boundary
-from tvclin.histories import History, Piecewise
-from tvclin.kernels import pieces as kernel
+from tvclin.forecast_free import forecast_free_limit
+from tvclin.histories import History
 from tvclin.laws import Law
-from tvclin.optimum import optimum_deflection
+from tvclin.optimum import least_peaks
 from tvclin.plant import Plant
+from tvclin.requirement import required_deflection
 from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-_ONE_POLE = ("fixed-path", "drift")
 _FLOWN_TO = 5e-4
 """Boundaries are flown to this part of the largest trim deflection."""
 
@@ -56,13 +53,8 @@ class Batch:
 
     def one(self) -> tuple[Plant, History]:
         """Return the plant and the wind of the first case, no longer as a batch."""
-        held = {
-            name: float(np.ravel(getattr(self.plant.coefficients, name))[0])
-            for name in Coefficients.__dataclass_fields__
-        }
-        w = kernel.spread(self.wind.pieces, (self.count,))
-        wind = Piecewise(kernel.Pieces(w.knots[0], w.coefficients[0], w.rates[0]))
-        return Plant(Coefficients(**held), self.plant.model), wind
+        shape = (self.count,)
+        return self.plant.one(0, shape), self.wind.one(0, shape)
 
     def one_vehicle(self) -> Vehicle:
         """Return the vehicle of the first case."""
@@ -113,29 +105,32 @@ def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, Float
     return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
 
 
-def boundary_name(dead_band: float, kind: str = "boundary") -> str:
+def required_name(dead_band: float, kind: str = "required") -> str:
     """Return the name of the column of a dead band."""
     short = f"{dead_band:g}"
     return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
 
 
-def _boundary(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     return {
-        boundary_name(K): np.abs(boundary_limit(batch.plant, batch.wind, K).deflection)
+        required_name(K): np.abs(required_deflection(batch.plant, batch.wind, K).deflection)
         for K in campaign.dead_bands
     }
 
 
 def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     del campaign
-    return {"forecast_free": forecast_free_deflections(batch.plant, batch.wind)}
+    return {"forecast_free": np.abs(forecast_free_limit(batch.plant, batch.wind).deflection)}
 
 
 def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """With one unstable pole the deflection of least peak is the one held without a dead band."""
-    if campaign.model in _ONE_POLE:
-        return {"minimum": np.abs(boundary_limit(batch.plant, batch.wind, 0.0).deflection)}
-    return {"minimum": optimum_deflection(*batch.one()).peak}
+    del campaign
+    return {"minimum": least_peaks(batch.plant, batch.wind)}
+
+
+def _slow(campaign: Campaign) -> bool:
+    """Whether the least peak is a search of its own for each case, which three poles ask for."""
+    return campaign.model == "drift-and-speed"
 
 
 def law_of(campaign: Campaign, batch: Batch) -> Law:
@@ -181,20 +176,18 @@ def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
         )
         return found.deflection
 
-    return {boundary_name(K, "flown"): flown(K) for K in campaign.dead_bands}
+    return {required_name(K, "flown"): flown(K) for K in campaign.dead_bands}
 
 
 REGISTRY = {
-    "boundary": Output(
-        lambda campaign: {boundary_name(K): "rad" for K in campaign.dead_bands}, _boundary
+    "required": Output(
+        lambda campaign: {required_name(K): "rad" for K in campaign.dead_bands}, _required, _slow
     ),
     "forecast-free": Output(lambda _: {"forecast_free": "rad"}, _forecast_free),
-    "minimum": Output(
-        lambda _: {"minimum": "rad"}, _minimum, lambda campaign: campaign.model not in _ONE_POLE
-    ),
+    "minimum": Output(lambda _: {"minimum": "rad"}, _minimum, _slow),
     "flight": Output(lambda _: COLUMNS, _flight),
     "flown": Output(
-        lambda campaign: {boundary_name(K, "flown"): "rad" for K in campaign.dead_bands},
+        lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
         _flown,
         lambda _: True,
     ),

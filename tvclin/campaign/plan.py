@@ -24,7 +24,7 @@ from tvclin.errors import (
 from tvclin.plant import MODELS, Plant
 from tvclin.vehicle import Vehicle
 
-OUTPUTS = ("boundary", "forecast-free", "minimum", "flight", "flown")
+OUTPUTS = ("required", "forecast-free", "minimum", "flight", "flown")
 _MOST = 10**10
 _MOST_LATIN = 10**7
 
@@ -48,12 +48,12 @@ class Campaign:
     model, plane : str
         Of the plant, as of `Plant.from_vehicle`.
     outputs : tuple of str
-        What is computed for each case: "boundary" (the report's limit at each dead band),
+        What is computed for each case: "required" (`required_deflection` at each dead band),
         "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
         "flight" (what comes of flying it, as `flight` says), "flown" (the boundary at each dead
         band by flights with six degrees of freedom, some tenths of a second for each).
     dead_bands : tuple of float
-        K of "boundary" and "flown", each in [0, 1].
+        K of "required" and "flown", each in [0, 1].
     method : str
         How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
     chunk : int
@@ -81,7 +81,7 @@ class Campaign:
     seed: int = 0
     model: str = "fixed-path"
     plane: str = "pitch"
-    outputs: tuple[str, ...] = ("boundary",)
+    outputs: tuple[str, ...] = ("required",)
     dead_bands: tuple[float, ...] = (1.0,)
     method: str = "plain"
     chunk: int = 1024

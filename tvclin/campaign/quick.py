@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tvclin.campaign.cases import evaluate
 from tvclin.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
-from tvclin.campaign.outputs import boundary_name
+from tvclin.campaign.outputs import required_name
 from tvclin.campaign.plan import Campaign
 from tvclin.campaign.statistics import (
     Quantile,
@@ -114,7 +114,7 @@ def disperse_study(
     True
     """
     found = evaluate(_campaign(study, dispersions, cases, seed, method), 0, cases)
-    deflection = found[boundary_name(study.dead_band)]
+    deflection = found[required_name(study.dead_band)]
     good = ~np.isnan(deflection)
     if not np.any(good):
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")

@@ -55,12 +55,12 @@ class Replay:
     law: Law | None = None
 
     @cached_property
-    def boundary(self) -> float:
-        """The deflection [rad] on the boundary at `dead_band`, its sign opposing the wind."""
-        from tvclin.boundary import boundary_limit
+    def required(self) -> float:
+        """The deflection [rad] that is required at `dead_band`, its sign opposing the wind."""
+        from tvclin.requirement import required_deflection
 
         plant, wind = self._flown()
-        return float(boundary_limit(plant, wind, self.dead_band).deflection)
+        return float(required_deflection(plant, wind, self.dead_band).deflection)
 
     def response(self, capability: float = 1.0, points: int = 401) -> "TimeResponseData":
         """Return the exact response to the wind and to trim until the dead band is left.
@@ -68,7 +68,7 @@ class Replay:
         Parameters
         ----------
         capability : float
-            Deflection limit over that of the boundary, positive. With more than one the limit
+            Deflection limit over what is required, positive. With more than one the limit
             that is held for ever drives the attitude away to the other side.
         points : int
             How many times, from the onset of the wind to twice its duration.
@@ -79,9 +79,11 @@ class Replay:
             When the case cannot be, or needs no deflection.
         """
         plant, wind = self._flown()
-        if self.boundary == 0.0:
+        if self.required == 0.0:
             raise InputError(f"case {self.case} needs no deflection")
-        deflection = trim_then_hold(plant, wind, capability * self.boundary, self.dead_band)
+        deflection = trim_then_hold(
+            plant, wind, capability * self.required, self.dead_band, "literal"
+        )
         start, end = float(wind.onset), float(wind.end)
         return attitude_response(
             plant, deflection, wind, np.linspace(start, 2.0 * end - start, points)

@@ -24,8 +24,10 @@ class Case:
         Its inputs [rad].
     dead_band : float
         K.
-    boundary, limit : float
-        Deflection on the boundary, and the limit in question [rad], both without sign.
+    required, limit : float
+        Deflection that is required, and the limit in question [rad], both without sign.
+    governs : str
+        What requires it, as of `Requirement`.
     """
 
     vehicle: str
@@ -34,15 +36,16 @@ class Case:
     wind: Any
     deflection: "History"
     dead_band: float
-    boundary: float
+    required: float
     limit: float
+    governs: str
 
     @property
     def sufficient(self) -> bool:
-        """Whether the limit is at or above the boundary."""
-        from tvclin.boundary import is_sufficient
+        """Whether the limit is at or above what is required."""
+        from tvclin.requirement import covers
 
-        return bool(is_sufficient(self.plant, self.wind, self.limit, self.dead_band))
+        return bool(covers(self.limit, self.required))
 
 
 def make_case(
@@ -59,10 +62,10 @@ def make_case(
     """Return the case that the options ask for; the vehicle is a `Vehicle`, the peak in radians."""
     import numpy as np
 
-    from tvclin.boundary import boundary_limit
     from tvclin.deflections import trim_then_hold
     from tvclin.errors import InputError, one_of, within
     from tvclin.plant import Plant
+    from tvclin.requirement import required_deflection
     from tvclin.study import SHAPES
 
     if capability is not None and limit_deg is not None:
@@ -71,15 +74,18 @@ def make_case(
     history = pulse(peak=peak, duration=duration)
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
     plant = Plant.from_vehicle(vehicle, model, plane)
-    boundary = abs(float(boundary_limit(plant, history, K).deflection))
+    needed = required_deflection(plant, history, K)
+    required = abs(float(needed.deflection))
     if limit_deg is not None:
         limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     else:
-        limit = boundary * float(
+        limit = required * float(
             within("--capability", 1.1 if capability is None else capability, 1e-3, 1e3)
         )
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     opposing = -float(np.sign(plant.coefficients.B * peak)) or 1.0
-    deflection = trim_then_hold(plant, history, opposing * limit, K)
-    return Case(vehicle.name, shape, plant, history, deflection, K, boundary, limit)
+    deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
+    return Case(
+        vehicle.name, shape, plant, history, deflection, K, required, limit, str(needed.governs)
+    )

@@ -126,10 +126,10 @@ def _print(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") ->
     ]
     typer.echo(_what(case))
     print_table(case.vehicle, ["exact response", "[deg]", "at [s]"], rows)
-    boundary = float(np.degrees(case.boundary))
     word = "SUFFICIENT" if case.sufficient else "NOT SUFFICIENT"
-    part = f", {case.limit / case.boundary:.4g} times that" if case.boundary else ""
-    typer.echo(f"Boundary {boundary:.4f} deg; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
+    part = f", {case.limit / case.required:.4g} times that" if case.required else ""
+    needed = f"Required {np.degrees(case.required):.4f} deg by {case.governs}"
+    typer.echo(f"{needed}; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
     stable = "stable" if verdict.stable else "not stable"
     typer.echo(f"Held for ever, this deflection is {stable} by (4b); it leaves {verdict.left_over}")
     if case.sufficient and not verdict.stable:
@@ -164,7 +164,8 @@ def _document(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict")
             "duration_s": case.wind.duration,
         },
         "dead_band": case.dead_band,
-        "boundary_deg": deg(case.boundary),
+        "required_deg": deg(case.required),
+        "governed_by": case.governs,
         "limit_deg": deg(case.limit),
         "sufficient": case.sufficient,
         "attitude": points,

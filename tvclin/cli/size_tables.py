@@ -86,7 +86,7 @@ def sizing_document(found: "Sizing", total: "DeflectionTotal", said: list[str]) 
     deg = np.degrees
     return {
         "vehicle": found.schedule.vehicle.name,
-        **{name: getattr(found, name) for name in ("model", "plane", "switch", "law")},
+        **{name: getattr(found, name) for name in ("model", "plane", "law")},
         "winds": found.winds,
         "times_s": found.times,
         "required_deg": {name: deg(values) for name, values in found.required.items()},

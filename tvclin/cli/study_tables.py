@@ -102,6 +102,8 @@ def study_document(result: "Study") -> dict[str, Any]:
             "model": result.model,
             "dead_band": result.dead_band,
             "required_deflection_deg": deg(result.required_deflection),
+            "governed_by": result.requirement.governs,
+            "requirements_deg": {k: deg(v) for k, v in result.requirement.needs.items()},
             "limit_deg": None if result.limit is None else deg(result.limit),
             "sufficient": result.sufficient,
             "survivable_peak_deg": None
@@ -182,7 +184,7 @@ def _print_boundaries(result: "Study") -> None:
     )
     needed = f"{deg(result.required_deflection):.4f} deg"
     basis = f"(model {result.model}, dead band {result.dead_band:g})"
-    typer.echo(f"Required deflection: {needed} {basis}, the row marked <")
+    typer.echo(f"Required deflection: {needed} {basis}, {_governed(result)}")
     if result.limit is not None and result.survivable_peak is not None:
         word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
         largest = abs(deg(result.survivable_peak))
@@ -194,6 +196,16 @@ def _print_boundaries(result: "Study") -> None:
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _governed(result: "Study") -> str:
+    """By what the required deflection is governed, and where it stands in the table."""
+    from tvclin.boundary import BOUNDARY
+
+    by = result.requirement.governs
+    if by == BOUNDARY and result.switch == "literal":
+        return "the row marked <"
+    return f"governed by {by}" + (", literal switch" if by == BOUNDARY else "")
 
 
 def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[str]]:

@@ -168,7 +168,7 @@ def _peaks(plant: Plant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
     try:
-        found = boundary_limit(plant, wind, np.array(DEAD_BANDS))
+        found = boundary_limit(plant, wind, np.array(DEAD_BANDS), "literal")
         limits = found.deflection
         notes += _boundary_notes(found.status)
     except InputError as error:

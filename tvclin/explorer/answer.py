@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from tvclin.explorer import parts
 from tvclin.explorer.choices import DEAD_BAND, GAINS, REPORT, Choices
 from tvclin.margins import Margins
+from tvclin.requirement import covers
 
 FloatArray = NDArray[np.float64]
 
@@ -91,8 +92,7 @@ def _verdict(c: Choices, required: float | None, motion: parts.Motion | None) ->
     if required is None:
         return "No answer for these choices."
     have, need = float(np.degrees(c.limit)), float(np.degrees(required))
-    # As is_sufficient, for which rounding does not decide.
-    enough = c.limit >= required * (1.0 - 4.0 * np.finfo(float).eps)
+    enough = covers(c.limit, required)
     if not required:
         said = "No deflection is needed: no unstable pole that a wind could excite."
     else:

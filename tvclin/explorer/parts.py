@@ -14,12 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator, Autopilot
-from tvclin.boundary import boundary_limit
-from tvclin.closed_forms import (
-    rectangular_limit,
-    triangular_limit,
-    triangular_limit_with_drift,
-)
+from tvclin.closed_forms import rectangular_limit, triangular_limit
 from tvclin.closed_loop import fly
 from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_then_hold
@@ -30,6 +25,7 @@ from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, 
 from tvclin.laws.law import seen_coordinates
 from tvclin.margins import Margins
 from tvclin.plant import Plant
+from tvclin.requirement import required_deflection
 from tvclin.response import attitude_responses
 from tvclin.study import SHAPES
 from tvclin.vehicle import Vehicle
@@ -131,22 +127,16 @@ def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
         return np.abs(plant.coefficients.B * limit)
     peak = 0.1
     wind = SHAPES[shape](peak=peak, duration=duration)
-    return np.abs(boundary_limit(plant, wind, dead_band).deflection) / peak
+    return np.abs(required_deflection(plant, wind, dead_band).deflection) / peak
 
 
 def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
-    """y_BR by eq (7), (12), (16) or (18), at once; NaN where none of them is for this plant."""
-    c, drift = plant.coefficients, plant.model == "drift"
-    if float(c.mu_alpha) <= 0.0 or plant.model not in ("fixed-path", "drift"):
+    """y_BR by eq (7), (12) or (16), at once; NaN for other plants than those on a fixed path."""
+    c = plant.coefficients
+    if float(c.mu_alpha) <= 0.0 or plant.model != "fixed-path":
         return np.nan
     x = c.beta * np.asarray(duration)
-    if shape == "rectangular":
-        return rectangular_limit(x, c.K1 if drift else 1.0)
-    if not drift:
-        return triangular_limit(x, dead_band)
-    if c.beta + min(c.b1, c.b2) <= 0.0:
-        return np.nan
-    return triangular_limit_with_drift(x, dead_band, c.beta, c.b1, c.b2)
+    return rectangular_limit(x) if shape == "rectangular" else triangular_limit(x, dead_band)
 
 
 @_part

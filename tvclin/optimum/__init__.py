@@ -4,10 +4,11 @@
 
 for every unstable pole, not only the fastest; `boundary_limit` asks less, and for a given kind
 of control. The rooms inside: `constraints` states the moments, `two_poles` holds (C5) to (C9),
-`dual` solves the general problem, `minimum_peak` puts the answers together, and `rate_limit` adds a
-limit of the deflection rate.
+`dual` solves the general problem, `minimum_peak` puts the answers together, `least_peaks` finds the
+peak alone for a batch, and `rate_limit` adds a limit of the deflection rate.
 """
 
+from tvclin.optimum.least_peaks import least_peaks
 from tvclin.optimum.minimum_peak import (
     NOT_CONVERGED,
     Certificate,
@@ -32,6 +33,7 @@ __all__ = [
     "RateLimitedOptimum",
     "early_switch",
     "late_switch",
+    "least_peaks",
     "longest_single_pole_duration",
     "neglecting_the_fast_pole",
     "optimum_deflection",

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from tvclin.errors import InputError, number, single
 from tvclin.histories import History
-from tvclin.modes import Modes, unstable_modes
+from tvclin.modes import parted, unstable_poles, wind_strength
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -120,8 +120,8 @@ def constraints_of(
     ------
     InputError
         For batches, a wind that is zero or never ends, a horizon not after the start or before
-        the end of the wind, a start so late that the deflection would overflow, unstable poles
-        that repeat, and those that the deflection cannot reach.
+        the end of the wind, a start so late that the deflection would overflow, and unstable
+        poles that the deflection cannot reach.
 
     Notes
     -----
@@ -130,13 +130,16 @@ def constraints_of(
     """
     _check_single(plant, wind)
     start, end = _check_times(wind, start, horizon)
-    modes = unstable_modes(plant)
-    _check_modes(modes)
-    upper = np.imag(modes.poles) >= 0.0
-    poles = modes.poles[upper]
+    poles = parted(unstable_poles(plant))
+    poles = poles[np.imag(poles) >= 0.0]
+    strength = wind_strength(plant, poles)
+    if not np.all(np.isfinite(strength)):
+        lost = poles[~np.isfinite(strength)][0]
+        raise InputError(
+            f"the deflection must reach every unstable pole; it has no effect at {lost:.6g} 1/s"
+        )
     with np.errstate(over="ignore", invalid="ignore"):
-        transform = wind.shift(-start).laplace(poles)
-        demands = -(modes.wind_residues / modes.deflection_residues)[upper] * transform
+        demands = -strength * wind.shift(-start).laplace(poles)
     if not np.all(np.isfinite(demands)):
         raise InputError(f"start is so late that no deflection can make up for it; got {start} s")
     bare = Constraints(poles, np.zeros(0), end - start)
@@ -164,16 +167,3 @@ def _check_times(wind: History, start: float, horizon: float | None) -> tuple[fl
             f"horizon must not be before the wind ends at {wind.end:.6g} s; got {end:.6g} s"
         )
     return begin, end
-
-
-def _check_modes(modes: Modes) -> None:
-    poles = modes.poles
-    repeated = np.isnan(modes.deflection_residues) | np.isnan(modes.wind_residues)
-    if np.any(repeated):
-        raise InputError(f"unstable poles must not repeat; got {poles[repeated][0]:.6g} 1/s twice")
-    lost = modes.deflection_residues == 0.0
-    if np.any(lost):
-        raise InputError(
-            f"the deflection must reach every unstable pole; it has no effect at"
-            f" {poles[lost][0]:.6g} 1/s"
-        )

@@ -23,6 +23,7 @@ STABLE = "no unstable pole: no deflection is needed"
 UNTOUCHED = "the wind excites no unstable pole: no deflection is needed"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 _GAP = 1e-9
+_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +122,7 @@ def optimum_deflection(
     InputError
         For a batch, a wind that is zero or never ends, a horizon that is not after the start or
         before the end of the wind, a start too late to be made up for, and unstable poles that
-        repeat or that the deflection does not reach.
+        the deflection does not reach.
 
     Notes
     -----
@@ -202,7 +203,8 @@ def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
     """The one switch of eqs (C5), and multipliers whose sum changes its sign there."""
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
-    if np.isinf(time):  # one constant meets both conditions; the faster pole alone proves it
+    # Without a switch before the end one constant meets both; the faster pole alone proves it.
+    if np.isinf(time) or time >= c.horizon * (1.0 - _ROUNDING):
         return np.zeros(0), np.where(poles == poles.max(), np.sign(demands), 0.0)
     growth = np.exp((poles - poles.max()) * time)
     multipliers = np.array([growth[0], -growth[1]])

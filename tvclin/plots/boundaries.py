@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.boundary import boundary_limit
 from tvclin.closed_forms import rectangular_limit, triangular_limit, triangular_limit_with_drift
 from tvclin.coefficients import Coefficients
 from tvclin.plant import Plant
@@ -28,6 +27,7 @@ from tvclin.plots.style import (
     fine_grid,
     new_axes,
 )
+from tvclin.requirement import required_deflection
 from tvclin.study import Study
 from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import load_vehicle
@@ -178,7 +178,7 @@ def _study_curves(study: Study, durations: FloatArray) -> Curves:
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     columns = []
     for model in study.boundaries:
-        found = boundary_limit(Plant(study.coefficients, model), wind, shown)
+        found = required_deflection(Plant(study.coefficients, model), wind, shown)
         sizes = np.abs(np.degrees(found.deflection)).T
         columns += [
             Column(f"K = {K:g}, {model}", y, "deg") for K, y in zip(shown, sizes, strict=True)

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import boundary_limit
 from tvclin.forecast_free import forecast_free_limit
 from tvclin.laws import Law
 from tvclin.optimum import optimum_deflection
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
+from tvclin.requirement import required_deflection
 from tvclin.trials import law_curve
 from tvclin.winds import TriangularWind
 
@@ -24,8 +24,8 @@ FloatArray = NDArray[np.float64]
 TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
 _FREE, _KNOWN = "any law, no forecast", "wind known (C)"
 _OPEN: dict[str, Style] = {
-    "open loop K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
-    "open loop K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
+    "required, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
+    "required, K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
     _FREE: {"color": INK, "ls": "-", "lw": 2.4},
     _KNOWN: {"color": INK, "ls": ":", "lw": 2.0},
 }
@@ -51,8 +51,8 @@ def laws_chart(
     winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
     trim = abs(float(plant.coefficients.B) * peak)
     rows = {
-        "open loop K = 1": [abs(float(boundary_limit(plant, w).limit)) for w in winds],
-        "open loop K = 0.5": [abs(float(boundary_limit(plant, w, 0.5).limit)) for w in winds],
+        "required, K = 1": [required_deflection(plant, w).limit for w in winds],
+        "required, K = 0.5": [required_deflection(plant, w, 0.5).limit for w in winds],
         _FREE: [forecast_free_limit(plant, w).limit for w in winds],
         _KNOWN: [optimum_deflection(plant, w).peak / trim for w in winds],
     }

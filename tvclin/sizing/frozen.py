@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import OK, STABLE, boundary_limit
+from tvclin.boundary import OK, STABLE
 from tvclin.closed_loop import closed_loop_boundary
 from tvclin.errors import InputError
 from tvclin.forecast_free import forecast_free_limit
 from tvclin.histories import History
 from tvclin.laws import RecoverableAttitudeLaw
 from tvclin.modes import unstable_modes
-from tvclin.optimum import optimum_deflection
+from tvclin.optimum import least_peaks
 from tvclin.plant import Plant
+from tvclin.requirement import required_deflection
 
 FloatArray = NDArray[np.float64]
 
@@ -34,8 +35,8 @@ class FrozenNeed:
     ----------
     trim : float
         |B alpha_w,max|, ideal trim without drift.
-    boundary : ndarray
-        The report's control at each dead band, ``(k,)``.
+    required : ndarray
+        What the control needs at each dead band, ``(k,)``; see `required_deflection`.
     no_forecast : float
         Laws that do not know when the wind will stop.
     minimum : float
@@ -47,16 +48,14 @@ class FrozenNeed:
     """
 
     trim: float
-    boundary: FloatArray
+    required: FloatArray
     no_forecast: float
     minimum: float
     slow_mode: float
     said: tuple[str, ...]
 
 
-def frozen_need(
-    plant: Plant, wind: History, dead_bands: FloatArray, switch: str, law: str
-) -> FrozenNeed:
+def frozen_need(plant: Plant, wind: History, dead_bands: FloatArray, law: str) -> FrozenNeed:
     """Return what a plant needs in a wind.
 
     Parameters
@@ -67,8 +66,6 @@ def frozen_need(
         One wind that ends.
     dead_bands : ndarray
         K, ``(k,)``.
-    switch : {"report", "literal"}
-        As of `boundary_limit`.
     law : {"bound", "flown"}
         Whether `no_forecast` is the bound of all such laws or what the recoverable-attitude law
         needs when it is flown.
@@ -82,8 +79,8 @@ def frozen_need(
             said.append(str(error))
             return missing
 
-    def report() -> FloatArray:
-        found = boundary_limit(plant, wind, dead_bands, switch)
+    def needed() -> FloatArray:
+        found = required_deflection(plant, wind, dead_bands)
         statuses = dict.fromkeys(np.ravel(found.status).tolist())
         said.extend(one for one in statuses if one not in (OK, STABLE))
         return np.abs(np.asarray(found.deflection))
@@ -91,11 +88,14 @@ def frozen_need(
     slow = slow_mode(plant, wind)
     exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
     two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
+    minimum = asked(lambda: float(least_peaks(two, wind)), np.nan)
     return FrozenNeed(
         trim=abs(float(plant.coefficients.B * wind.peak)),
-        boundary=asked(report, np.full(dead_bands.shape, np.nan)),
+        required=np.maximum(
+            asked(needed, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
+        ),
         no_forecast=asked(lambda: _no_forecast(plant, wind, law), np.nan),
-        minimum=asked(lambda: optimum_deflection(two, wind, float(wind.onset)).peak, np.nan),
+        minimum=minimum,
         slow_mode=slow,
         said=tuple(dict.fromkeys(said)),
     )

@@ -73,7 +73,7 @@ class Sizing:
     law : str
         What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
         the recoverable-attitude law needs in flight.
-    model, plane, switch : str
+    model, plane : str
         As of `boundary_limit` and `Plant`.
     begins, ends : ndarray
         When each wind blows [s], ``(n, m)``; NaN in a calm.
@@ -98,7 +98,6 @@ class Sizing:
     law: str
     model: str
     plane: str
-    switch: str
     begins: FloatArray
     ends: FloatArray
     change: FloatArray
@@ -219,7 +218,7 @@ class Sizing:
         for name, (values, unit) in self._others().items():
             data[name] = (("time", "wind"), values, {"units": unit})
         data["single_pole_edge"] = ("time", self.edge, {"units": "s"})
-        about = {k: getattr(self, k) for k in ("model", "plane", "switch", "law")}
+        about = {k: getattr(self, k) for k in ("model", "plane", "law")}
         return xarray.Dataset(
             data,
             coords={

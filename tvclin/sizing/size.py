@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.deflections import SWITCHES
 from tvclin.errors import InputError, finite, instance, one_of, within
 from tvclin.optimum import single_pole_validity
 from tvclin.plant import MODELS, Plant
@@ -23,7 +22,7 @@ from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-_WORDS = {"model": MODELS, "plane": PLANES, "switch": SWITCHES, "law": LAWS}
+_WORDS = {"model": MODELS, "plane": PLANES, "law": LAWS}
 _LOOKS = 33
 """Parameters are looked at so many times while a wind blows."""
 
@@ -36,7 +35,6 @@ def size(
     dead_bands: ArrayLike = (1.0, 0.5),
     model: str = "drift-exact",
     plane: str = "pitch",
-    switch: str = "report",
     placing: str | Mapping[str, str] = "peak",
     window: float = 20.0,
     law: str = "bound",
@@ -58,8 +56,6 @@ def size(
         K of the report's control, in [0, 1].
     model, plane : str
         As of `Plant`.
-    switch : {"report", "literal"}
-        What leaves the dead band, as in `trim_then_hold`.
     placing : {"peak", "flight"} or mapping of str to these
         Whether a wind is moved so that its peak meets the flight time, or blows in flight time
         already: then what blows within half a `window` [s] of the flight time counts. For all
@@ -75,7 +71,7 @@ def size(
     Returns
     -------
     Sizing
-        Frozen at each flight time, as `boundary_limit`, `forecast_free_limit` and
+        Frozen at each flight time, as `required_deflection`, `forecast_free_limit` and
         `optimum_deflection` say it.
 
     Raises
@@ -94,7 +90,7 @@ def size(
     array([0.42 , 0.351, 0.26 ])
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
-    for name, value in (("model", model), ("plane", plane), ("switch", switch), ("law", law)):
+    for name, value in (("model", model), ("plane", plane), ("law", law)):
         one_of(name, value, _WORDS[name])
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
@@ -108,7 +104,7 @@ def size(
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
     needs = [
-        [_frozen(Plant.from_vehicle(v, model, plane), w, bands, switch, law) for w in row]
+        [_frozen(Plant.from_vehicle(v, model, plane), w, bands, law) for w in row]
         for v, row in zip(vehicles, placed, strict=True)
     ]
     required = _frozen_columns(needs, bands)
@@ -116,7 +112,7 @@ def size(
     said = [one for row in needs for need in row for one in need.said]
     if varying:
         mode = _growing(schedule, model, plane, placed)
-        required |= _varying_columns(mode, placed, bands, switch)
+        required |= _varying_columns(mode, placed, bands)
         required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
         said += _missing(required, bands)
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
@@ -129,7 +125,6 @@ def size(
         law=law,
         model=model,
         plane=plane,
-        switch=switch,
         slow_mode=slow,
         edge=np.array(edges),
         said=tuple(dict.fromkeys(said)),
@@ -157,16 +152,16 @@ def _circumstances(
     }
 
 
-def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, switch: str, law: str) -> FrozenNeed:
+def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenNeed:
     if wind.calm:
         return FrozenNeed(0.0, np.zeros(bands.shape), 0.0, 0.0, np.nan, ())
-    return frozen_need(plant, wind.history, bands, switch, law)
+    return frozen_need(plant, wind.history, bands, law)
 
 
-def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray, switch: str) -> VaryingNeed:
+def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray) -> VaryingNeed:
     if wind.calm:
         return VaryingNeed(0.0, np.zeros(bands.shape), 0.0)
-    return varying_need(mode, wind.in_flight, bands, switch)
+    return varying_need(mode, wind.in_flight, bands)
 
 
 def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
@@ -197,9 +192,9 @@ def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[st
 
 
 def _varying_columns(
-    mode: GrowingMode, placed: list[list[PlacedWind]], bands: FloatArray, switch: str
+    mode: GrowingMode, placed: list[list[PlacedWind]], bands: FloatArray
 ) -> dict[str, FloatArray]:
-    needs = [[_varying(mode, wind, bands, switch) for wind in row] for row in placed]
+    needs = [[_varying(mode, wind, bands) for wind in row] for row in placed]
     return {
         f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
         **_bands(needs, bands, VARYING),
@@ -209,7 +204,7 @@ def _varying_columns(
 
 def _bands(needs: Any, bands: FloatArray, ending: str) -> dict[str, FloatArray]:
     return {
-        f"K = {K:g}{ending}": _table(needs, lambda need, k=k: need.boundary[k])
+        f"K = {K:g}{ending}": _table(needs, lambda need, k=k: need.required[k])
         for k, K in enumerate(bands)
     }
 

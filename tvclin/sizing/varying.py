@@ -37,20 +37,19 @@ class VaryingNeed:
     ----------
     trim : float
         Largest |B(t) alpha_w(t)|, ideal trim without drift.
-    boundary : ndarray
-        The report's control at each dead band, ``(k,)``; NaN for a wind that changes its sign.
+    required : ndarray
+        What the control needs at each dead band, ``(k,)``, at least the minimum; NaN for a wind
+        that changes its sign.
     minimum : float
         The whole wind being known: least peak that leaves nothing of the fastest growing part.
     """
 
     trim: float
-    boundary: FloatArray
+    required: FloatArray
     minimum: float
 
 
-def varying_need(
-    mode: GrowingMode, wind: History, dead_bands: FloatArray, switch: str = "report"
-) -> VaryingNeed:
+def varying_need(mode: GrowingMode, wind: History, dead_bands: FloatArray) -> VaryingNeed:
     """Return what a wind asks of a vehicle whose parameters vary.
 
     Parameters
@@ -61,25 +60,25 @@ def varying_need(
         One wind in flight time, within the span of `mode`.
     dead_bands : ndarray
         K, ``(k,)``.
-    switch : {"report", "literal"}
-        Whether the dead band is left when |B(t) alpha_w(t)| reaches K times the limit, or when the
-        trim deflection does.
+
+    Notes
+    -----
+    The dead band is left when the trim deflection reaches K times the limit, as in a flight.
     """
     times = np.unique(wind.probe_times(_BETWEEN))
     times = times[(times >= wind.onset) & (times < wind.end)]
-    course = _Course.of(mode, wind, switch == "literal")
+    course = _Course.of(mode, wind)
     trim = np.abs(mode.trim_per_wind(times) * wind(times))
     minimum = abs(course.demand(float(wind.onset)))
     side = -float(np.sign(wind.peak * mode.trim_per_wind(times[0])))
     blows = side * -mode.trim_per_wind(times) * wind(times)
     if np.any(blows < -_EDGE * trim.max()):
-        boundary = np.full(dead_bands.shape, np.nan)
+        required = np.full(dead_bands.shape, np.nan)
     else:
-        driver = blows
-        if course.literal:
-            driver = np.array([side * course.trim(t) for t in times.tolist()])
-        boundary = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
-    return VaryingNeed(float(trim.max()), boundary, minimum)
+        driver = np.array([side * course.trim(t) for t in times.tolist()])
+        each = [_boundary(course, times, driver, side, K) for K in dead_bands]
+        required = np.maximum(each, minimum)
+    return VaryingNeed(float(trim.max()), required, minimum)
 
 
 def _boundary(
@@ -107,7 +106,7 @@ def _boundary(
     floor = float(driver[new[last]])
 
     def over(t: float) -> float:
-        return max(side * course.driver(t), floor) - K * side * course.demand(t)
+        return max(side * course.trim(t), floor) - K * side * course.demand(t)
 
     low, high = (float(times[new[i]]) for i in (last, last + 1))
     return side * course.demand(brentq(over, low, high, xtol=1e-12))
@@ -121,10 +120,9 @@ class _Course:
     wind: History
     drifted: Callable[[float], FloatArray]
     future: Callable[[float], FloatArray]
-    literal: bool
 
     @classmethod
-    def of(cls, mode: GrowingMode, wind: History, literal: bool) -> _Course:
+    def of(cls, mode: GrowingMode, wind: History) -> _Course:
         knots = np.unique(wind.knots)
         knots = knots[(knots >= wind.onset) & (knots <= wind.end)]
         size = mode.matrices(float(knots[0]))[0].shape[-1] - 2
@@ -143,7 +141,6 @@ class _Course:
             wind,
             _swept(drift, wind, pieces, np.zeros(size)),
             _swept(ahead, wind, [(b, a) for a, b in reversed(pieces)], np.zeros(1)),
-            literal,
         )
 
     def demand(self, t: float) -> float:
@@ -154,12 +151,6 @@ class _Course:
     def trim(self, t: float) -> float:
         """The deflection of ideal trim [rad]."""
         return _trim(*self.mode.matrices(t), self.drifted(t), float(self.wind(t)))
-
-    def driver(self, t: float) -> float:
-        """What leaves the dead band [rad]: -B(t) alpha_w(t), or the trim itself."""
-        if self.literal:
-            return self.trim(t)
-        return -float(self.mode.trim_per_wind(t) * self.wind(t))
 
 
 def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: float) -> float:

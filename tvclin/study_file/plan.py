@@ -146,7 +146,7 @@ class StudyPlan:
     gust: History | None = None
     limit: float | None = None
     dead_band: float = 1.0
-    switch: str = "report"
+    switch: str = "literal"
     laws: LawsAsked | None = None
     gains: GainsAsked | None = None
     criteria: Criteria | None = None

@@ -18,7 +18,7 @@ from tvclin.study_file.read_sizing import gust_of, sizing_of
 from tvclin.study_file.sizing import SizingAsked
 from tvclin.vehicle_file import parse_vehicle, vehicle_text
 
-_ALSO_OF_A_FLIGHT = ("model", "plane", "switch")
+_ALSO_OF_A_FLIGHT = ("model", "plane")
 
 
 def load_study(source: str | PathLike[str]) -> StudyPlan:

@@ -37,7 +37,7 @@ def sizing_of(
     gust : History, optional
         On top of the winds.
     **study
-        Model, plane, switch and limit of the study, which count for the flight as well.
+        Model, plane and limit of the study, which count for the flight as well.
 
     Raises
     ------

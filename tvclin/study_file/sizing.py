@@ -85,7 +85,7 @@ class SizingAsked:
         Time between flight times [s].
     dead_bands : tuple of float
         K of the report's control.
-    model, plane, switch, law, varying
+    model, plane, law, varying
         As of `size`.
     count : str, optional
         The requirement that counts as the wind's; the first dead band where it is not given.
@@ -112,7 +112,6 @@ class SizingAsked:
     dead_bands: tuple[float, ...] = (1.0, 0.5)
     model: str = "drift-exact"
     plane: str = "pitch"
-    switch: str = "report"
     law: str = "bound"
     varying: bool = False
     count: str | None = None
@@ -191,7 +190,6 @@ class SizingAsked:
             dead_bands=self.dead_bands,
             model=self.model,
             plane=self.plane,
-            switch=self.switch,
             law=self.law,
             varying=self.varying,
         )

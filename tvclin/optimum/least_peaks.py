@@ -1,0 +1,134 @@
+"""The least peak of appendix C for a batch: a formula for one pole, for two, and for one pair.
+
+Control begins with the wind. Only the peak is found, not the deflection that has it; other plants
+go one by one through `optimum_deflection`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.errors import InputError, broadcast, ending, instance
+from tvclin.histories import History
+from tvclin.modes import parted, unstable_poles, wind_strength
+from tvclin.optimum.minimum_peak import optimum_deflection
+from tvclin.plant import Plant
+from tvclin.recoverable import least_reach
+
+FloatArray = NDArray[np.float64]
+
+_DIRECTIONS = 128
+"""Directions of lambda in which the dual of a pair is looked at before the best is refined."""
+
+
+def least_peaks(plant: Plant, wind: History) -> FloatArray:
+    """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    wind : History
+        One wind or a batch, of winds that end; batches broadcast.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of the batch; zero without an unstable pole, and infinite where the
+        deflection does not reach one.
+
+    Raises
+    ------
+    InputError
+        For a wind that is zero or never ends.
+
+    Notes
+    -----
+    With z_i = p_i d_i, d_i of eq (C1): one pole needs ``|z|``, two real ones the reach on whose
+    edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
+    lambda . e, over the directions of lambda.
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    shape = broadcast(plant=plant.batch, wind=wind.batch)
+    if np.any(np.isneginf(wind.end)):
+        raise InputError("wind must differ from zero; got a history that is zero throughout")
+    ending("wind", wind.end)
+    poles = parted(unstable_poles(plant))
+    count = poles.shape[-1]
+    if not count:
+        return np.zeros(shape)
+    from_onset = wind.shift(-wind.onset)
+    known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
+    moments = [from_onset.laplace(known[..., i]) for i in range(count)]
+    strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
+    poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
+    moments = [np.broadcast_to(m, shape).ravel() for m in moments]
+    with np.errstate(invalid="ignore"):
+        demands = -strength * np.stack(moments, axis=-1)
+    there = ~np.isnan(poles)
+    lost = np.any(there & ~np.isfinite(demands), axis=-1)
+    number = there.sum(axis=-1)
+    pair = (number == 2) & (np.imag(poles[:, 0]) != 0.0)
+    found = np.where(lost, np.inf, 0.0)
+    one = (number == 1) & ~lost
+    found[one] = np.abs(np.real(poles[one, 0] * demands[one, 0]))
+    two = (number == 2) & ~pair & ~lost
+    if np.any(two):
+        p, d = np.real(poles[two, :2]), np.real(demands[two, :2])
+        z = p * d
+        found[two] = least_reach(z[:, 0], z[:, 1], p[:, 1] / p[:, 0])
+    pair &= ~lost
+    if np.any(pair):
+        found[pair] = _of_pairs(poles[pair, 0], demands[pair, 0])
+    for k in np.flatnonzero((number > 2) & ~lost):
+        alone = wind.one(int(k), shape)
+        found[k] = optimum_deflection(plant.one(int(k), shape), alone, float(alone.onset)).peak
+    return found.reshape(shape)
+
+
+def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+    """The least peaks of complex pairs ``(n,)``, by the dual.
+
+    For lambda of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
+
+        peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
+    """
+    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
+
+    k = np.real(poles) / np.imag(poles)
+
+    def negative(left: FloatArray, i: NDArray[np.intp]) -> FloatArray:
+        """Minus the quotient at phi = pi/2 - left, times sigma^2 + omega^2 over omega."""
+        toward = np.abs(np.real(demands[i] * np.exp(1j * (left - 0.5 * np.pi))))
+        return -toward / _norm(left, k[i])
+
+    # Pairs that are nearly real turn within about 1/k of phi = pi/2.
+    near = np.geomspace(1e-8, np.pi, _DIRECTIONS)
+    grid = np.sort(np.concatenate([np.linspace(0.0, np.pi, _DIRECTIONS), near]))
+    everyone = np.arange(k.size)
+    looked = np.stack([negative(np.full(k.size, left), everyone) for left in grid], axis=-1)
+    best = np.argmin(looked, axis=-1)
+    value = looked[everyone, best]
+    inner = np.flatnonzero((best > 0) & (best < grid.size - 1))
+    bracket = [grid[best[inner] + step] for step in (-1, 0, 1)]
+    strict = (value[inner] < looked[inner, best[inner] - 1]) & (
+        value[inner] < looked[inner, best[inner] + 1]
+    )
+    inner, bracket = inner[strict], [edge[strict] for edge in bracket]
+    if inner.size:
+        refined = find_minimum(negative, bracket, args=(inner,))
+        value[inner] = np.minimum(value[inner], refined.f_x)
+    return -value * np.imag(poles) * (1.0 + k**2)
+
+
+def _norm(left: FloatArray, k: FloatArray) -> FloatArray:
+    """The integral of e^(-k x) ``|cos(x + phi)|`` over x > 0, times 1 + k^2; phi = pi/2 - left.
+
+    Up to the first zero at x = left, and from there on a geometric series of half waves.
+    """
+    whole = (1.0 + np.exp(-k * np.pi)) / -np.expm1(-k * np.pi)
+    return np.exp(-k * left) * (1.0 + whole) - np.cos(left) + k * np.sin(left)

@@ -1,0 +1,255 @@
+"""What a deflection limit must be: the largest of all that a control in a flight needs.
+
+The report's boundary is one requirement, and not always the largest. A limit is sufficient when it
+is none of these too low for
+
+- the boundary of the control, with the dead band left by trim itself, as in a flight;
+- the minimum over all unstable poles, appendix C, which nothing undercuts;
+- for K = 1, which claims to need no forecast, the bound without one, and the trim law flown where
+  a second mode grows beside the first, for (4b) then speaks of the first alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.autopilot import Autopilot
+from tvclin.boundary import (
+    BOUNDARY,
+    COMPARABLE,
+    MINIMUM,
+    NO_FORECAST,
+    ROUNDING,
+    boundary_alone,
+    open_loop_needs,
+)
+from tvclin.cards import Row, card
+from tvclin.closed_loop import fly_many
+from tvclin.coefficients import Coefficients
+from tvclin.deflections import trim_deflection
+from tvclin.errors import instance, nonzero, plain, within
+from tvclin.histories import History, Piecewise
+from tvclin.kernels import pieces as kernel
+from tvclin.modes import unstable_poles
+from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+TRIM_LAW = "the trim law flown"
+NOTHING = "nothing"
+_GAIN = 10.0
+"""Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
+_TRIES = 12
+_ROUNDS = 3
+_MORE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Requirement:
+    """The deflection limit that is required, of one case or a batch ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        Over the trim deflection B alpha_w,max without drift.
+    deflection : float or ndarray
+        The same [rad], -limit B alpha_w,max; its sign opposes the wind.
+    governs : str or ndarray of str
+        Which of `needs` is the largest; "nothing" where no deflection is needed.
+    needs : dict of str to float or ndarray
+        All requirements by their names, as sizes [rad]; zero where one does not apply.
+    status : str or ndarray of str
+        That of the boundary with the literal switch; see `BoundaryLimit`.
+    """
+
+    limit: Any
+    deflection: Any
+    governs: Any
+    needs: dict[str, Any]
+    status: Any
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [
+            ("required limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("governed by", self.governs, ""),
+        ]
+        rows += [(name, np.degrees(need), "deg") for name, need in self.needs.items()]
+        return card("Required deflection", rows)
+
+
+def required_deflection(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Requirement:
+    """Return the deflection limit that a control needs in a wind of one sign.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch, of any model.
+    wind : History
+        Wind angle of attack that does not change its sign; batches broadcast.
+    dead_band : array_like
+        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+
+    Returns
+    -------
+    Requirement
+        The largest of all requirements, and which one it is.
+
+    Raises
+    ------
+    InputError
+        For a wind that changes sign, never ends or is zero, and a dead band outside [0, 1].
+
+    Notes
+    -----
+    The eqs (4b), (17) and (C1). Where two real modes grow, the slower at more than a twentieth of
+    the faster one's rate, the condition of the faster is not enough: the trim law is flown there
+    with limits up to the largest trim deflection, with which it is never limited, and the least
+    above which all that were tried survive is required for K = 1. For a pair it is that largest
+    trim deflection, whatever K is.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> long = tv.TriangularWind(peak=np.radians(5), duration=60.0)
+    >>> found = tv.required_deflection(plant, long, dead_band=0.5)
+    >>> found.governs, round(found.limit, 3), round(tv.boundary_limit(plant, long, 0.5).limit, 3)
+    ('the minimum over all unstable poles', 0.211, 0.117)
+    """
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    boundary = boundary_alone(plant, wind, K, "literal")
+    needs = open_loop_needs(plant, wind, K, boundary)
+    needs[TRIM_LAW] = _trim_law_flown(plant, wind, K, np.max(list(needs.values()), axis=0))
+    governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
+    most = np.array(needs[BOUNDARY])
+    for name in (MINIMUM, NO_FORECAST, TRIM_LAW):
+        larger = needs[name] > most * (1.0 + ROUNDING)
+        governs, most = np.where(larger, name, governs), np.where(larger, needs[name], most)
+    governs = np.where(most == 0.0, NOTHING, governs)
+    full = -np.asarray(plant.coefficients.B) * wind.peak
+    with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
+        limit = np.where(most == 0.0, 0.0, most / np.abs(full))
+    return Requirement(
+        plain(limit),
+        plain(np.asarray(np.copysign(most, full))),
+        governs.astype(str) if governs.ndim else str(governs),
+        {name: plain(np.asarray(need)) for name, need in needs.items()},
+        boundary.status,
+    )
+
+
+def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:
+    """Return whether a deflection capability is all that a control needs.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `required_deflection`.
+    limit : array_like
+        Capability delta_max [rad]; its sign is ignored.
+
+    Returns
+    -------
+    bool or ndarray of bool
+        Whether it is at or above `required_deflection`. A real autopilot lets go of deflection it
+        no longer needs, so every capability above that is sufficient. (A history that *holds*
+        more than the boundary for ever is not stable by (4b); that is the question of `judge`.)
+
+    Raises
+    ------
+    InputError
+        As `required_deflection`, and for a limit of zero.
+    """
+    capability = np.abs(nonzero("limit", limit, "rad"))
+    needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    enough = np.asarray(covers(capability, needed))
+    return enough if enough.ndim else bool(enough)
+
+
+def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
+    """Return whether a limit is as large as what is needed, but for rounding; sizes both."""
+    return np.asarray(limit) >= np.asarray(needed) * (1.0 - 4.0 * np.finfo(float).eps)
+
+
+def survivable_peak(
+    plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0
+) -> Any:
+    """Return the largest peak [rad] of a wind of this shape that a given limit survives.
+
+    The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind. Infinite
+    where no deflection is needed. The theory is linear; read a value of many degrees as
+    "more than the small-angle model can say".
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `required_deflection`; only the shape of the wind counts.
+    limit : array_like
+        Capability delta_max [rad]; its sign is ignored.
+
+    Raises
+    ------
+    InputError
+        As `required_deflection`, and for a limit of zero.
+    """
+    capability = np.abs(nonzero("limit", limit, "rad"))
+    needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    with np.errstate(divide="ignore"):
+        return plain(np.asarray(wind.peak * (capability / needed)))
+
+
+def _trim_law_flown(plant: Plant, wind: History, K: FloatArray, least: FloatArray) -> FloatArray:
+    """What the trim law needs flown [rad], at least `least`, where two real modes grow; else 0."""
+    shape = least.shape
+    found = np.zeros(shape)
+    asked = np.broadcast_to((K == 1.0) & _two_grow(plant), shape)
+    if not np.any(asked):
+        return found
+    trim = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape)
+    which = np.flatnonzero(asked)
+    held = {
+        name: np.broadcast_to(getattr(plant.coefficients, name), shape).ravel()[which]
+        for name in Coefficients.__dataclass_fields__
+    }
+    some = Plant(Coefficients(**held), plant.model)
+    winds = Piecewise(kernel.take(kernel.spread(wind.pieces, shape), which))
+    found.ravel()[which] = _least_flown(some, winds, least.ravel()[which], trim.ravel()[which])
+    return found
+
+
+def _two_grow(plant: Plant) -> NDArray[np.bool_]:
+    """Whether two real modes grow, the second at a rate that counts beside the first's."""
+    poles = unstable_poles(plant)
+    if poles.shape[-1] < 2:
+        return np.zeros(poles.shape[:-1], dtype=bool)
+    real = np.all((np.imag(poles) == 0.0) | np.isnan(poles), axis=-1)
+    with np.errstate(invalid="ignore"):
+        second = np.real(poles[..., 1]) > COMPARABLE * np.real(poles[..., 0])
+    held = np.asarray(plant.coefficients.mu_alpha) > 0.0
+    return np.asarray(real & second & held)
+
+
+def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
+    """The least limit [rad] above which all that are tried survive, from `low` to `high`.
+
+    The law is delta = B (alpha + gain (theta + theta'/beta)), which `high` does not limit.
+    """
+    c = plant.coefficients
+    law = Autopilot(attitude_gain=_GAIN * c.B, rate_gain=_GAIN * c.B / c.beta, alpha_gain=c.B)
+    parts = np.linspace(0.0, 1.0, _TRIES)[:, np.newaxis]
+    high = np.maximum(high * (1.0 + _MORE), low)
+    for _ in range(_ROUNDS):
+        tried = low + parts * (high - low)
+        lost = fly_many(plant, law, wind, deflection_limit=tried).status != "survived"
+        last = np.where(lost.any(axis=0), _TRIES - 1 - np.argmax(lost[::-1], axis=0), -1)
+        everyone = np.arange(low.size)
+        high = tried[np.minimum(last + 1, _TRIES - 1), everyone]
+        low = tried[np.maximum(last, 0), everyone]
+    return high
