@@ -30,8 +30,8 @@ def document(*arguments):
 def case(model="fixed-path", factor=1.1, dead_band=1.0, duration=7.5, shape=tv.TriangularWind):
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
     wind = shape(peak=np.radians(5), duration=duration)
-    limit = factor * tv.boundary_limit(plant, wind, dead_band).deflection
-    return plant, tv.trim_then_hold(plant, wind, limit, dead_band), wind, limit
+    limit = factor * tv.required_deflection(plant, wind, dead_band).deflection
+    return plant, tv.trim_then_hold(plant, wind, limit, dead_band, "literal"), wind, limit
 
 
 def attitude(parts, *times):
@@ -134,7 +134,7 @@ def test_the_csv_is_the_exact_response(tmp_path):
     values = np.array([row.split(",") for row in rows], dtype=float)
     expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, 15.0, 31))
     assert "Configuration I" in comment
-    assert "model drift, K = 1, limit 0.3911 deg" in comment
+    assert "model drift, K = 1, limit 0.3912 deg" in comment
     assert headings == (
         "time [s],attitude [deg],attitude_rate [deg/s],flight_path_angle [deg],"
         "angle_of_attack [deg],deflection [deg],wind [deg]"

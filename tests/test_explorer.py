@@ -56,7 +56,7 @@ def wind_of(choices: Choices) -> Any:
 def test_the_boundary_is_that_of_the_library(shape: str, model: str, plane: str) -> None:
     c = asked(shape=shape, model=model, plane=plane, duration=11.0, peak=0.04, dead_band=0.6)
     found = answer(c)
-    needed = tv.boundary_limit(plant_of(c), wind_of(c), 0.6).deflection
+    needed = tv.required_deflection(plant_of(c), wind_of(c), 0.6).deflection
     longer = replace(c, duration=float(found.durations[20]))
 
     assert found.required == pytest.approx(abs(needed), rel=1e-12)

@@ -282,7 +282,7 @@ def test_a_batch_gives_what_each_case_gives_alone():
     winds = TriangularWind(peak=[[0.08], [-0.05]], duration=durations)
     for model in tv.plant.MODELS:
         plant = Plant.from_vehicle(vehicle.replace(velocity=slow), model)
-            found = tv.forecast_free_limit(plant, winds)
+        found = tv.forecast_free_limit(plant, winds)
         for i, peak in enumerate((0.08, -0.05)):
             for k, V in enumerate(slow):
                 one = Plant.from_vehicle(vehicle.replace(velocity=V), model)
