@@ -103,7 +103,7 @@ def expected_boundaries(study: tv.Study) -> dict[str, float]:
     for name in ("fixed-path", "drift"):
         plant = tv.Plant.from_vehicle(study.vehicle, name)
         for i, K in enumerate((1.0, 0.75, 0.5, 0.25, 0.0)):
-            one = tv.boundary_limit(plant, study.wind, K)
+            one = tv.boundary_limit(plant, study.wind, K, "literal")
             found[f"boundary.{i}.K"] = K
             found[f"boundary.{name}.{i}.limit"] = one.limit
             found[f"boundary.{name}.{i}_deg"] = abs(np.degrees(one.deflection))
@@ -143,6 +143,7 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
     need = np.degrees(study.required_deflection)
     plant = tv.Plant.from_vehicle(study.vehicle)
     return {
+        "asked.required_deg": need,
         "verdict.limit_deg": 0.4,
         "basis.required_deg": need,
         "basis.dead_band": 1.0,
@@ -206,6 +207,7 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
         found
         | {f"wind.{name}_deg": np.degrees(angle) for name, angle in angles.items()}
         | {
+            "asked.autopilot_deg": np.degrees(c.peak_deflection),
             "wind.relative": c.relative,
             "gains.attitude": 2.0 * study.coefficients.B,
             "gains.rate": study.coefficients.B / study.coefficients.beta,
@@ -222,6 +224,8 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
 def expected_dispersed(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
     d = tv.disperse_study(study, plan.dispersions, cases=300, seed=1)
     return {
+        "asked.probability": 99.865,
+        "asked.covers_deg": np.degrees(d.required.upper),
         "basis.success": 100.0 * d.success.estimate,
         "facts.covers_deg": np.degrees(d.required.upper),
         "dispersed.cases": 300.0,
@@ -274,6 +278,7 @@ def expected_flight(plan: tv.StudyPlan) -> dict[str, float]:
     found |= {f"total.{name}_deg": value for name, value in worst.items()}
     return found | {
         "total.reserve_percent": 10.0,
+        "asked.flight_deg": worst["total"] / 0.9,
         "total.required_deg": worst["total"] / 0.9,
         "verdict.flight_deg": worst["total"] / 0.9,
         "verdict.flight_short_deg": worst["total"] / 0.9 - 0.4,
@@ -553,8 +558,9 @@ def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
     html = tv.report_html(replace(plan, vehicle=stable))
 
-    assert "No deflection is needed" in html
+    assert "Not enough: the whole flight" in html
     assert html.count("There is no answer:") == 2
+    assert "No deflection is needed" in tv.report_html(tv.StudyPlan(vehicle=stable, limit=0.01))
 
 
 def test_the_command_writes_the_page_and_exits_by_the_verdict(tmp_path: Path) -> None:

@@ -86,7 +86,7 @@ if TYPE_CHECKING:
     from tvclin.plant import Plant as Plant
     from tvclin.plant import available_models as available_models
     from tvclin.report import report_html as report_html
-    from tvclin.requirement import Requirement as Requirement
+    from tvclin.requirement import RequiredDeflection as RequiredDeflection
     from tvclin.requirement import is_sufficient as is_sufficient
     from tvclin.requirement import required_deflection as required_deflection
     from tvclin.requirement import survivable_peak as survivable_peak
@@ -217,7 +217,7 @@ _ROOMS = {
     "plant": ("Plant", "available_models"),
     "report": ("report_html",),
     "requirement": (
-        "Requirement",
+        "RequiredDeflection",
         "is_sufficient",
         "required_deflection",
         "survivable_peak",

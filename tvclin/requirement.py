@@ -49,7 +49,7 @@ _MORE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Requirement:
+class RequiredDeflection:
     """The deflection limit that is required, of one case or a batch ``(...)``.
 
     Attributes
@@ -82,7 +82,9 @@ class Requirement:
         return card("Required deflection", rows)
 
 
-def required_deflection(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Requirement:
+def required_deflection(
+    plant: Plant, wind: History, dead_band: ArrayLike = 1.0
+) -> RequiredDeflection:
     """Return the deflection limit that a control needs in a wind of one sign.
 
     Parameters
@@ -96,7 +98,7 @@ def required_deflection(plant: Plant, wind: History, dead_band: ArrayLike = 1.0)
 
     Returns
     -------
-    Requirement
+    RequiredDeflection
         The largest of all requirements, and which one it is.
 
     Raises
@@ -136,7 +138,7 @@ def required_deflection(plant: Plant, wind: History, dead_band: ArrayLike = 1.0)
     full = -np.asarray(plant.coefficients.B) * wind.peak
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
         limit = np.where(most == 0.0, 0.0, most / np.abs(full))
-    return Requirement(
+    return RequiredDeflection(
         plain(limit),
         plain(np.asarray(np.copysign(most, full))),
         governs.astype(str) if governs.ndim else str(governs),

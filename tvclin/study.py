@@ -20,7 +20,7 @@ from tvclin.histories import History
 from tvclin.modes import Modes, unstable_modes
 from tvclin.optimum import Optimum, optimum_deflection, single_pole_validity
 from tvclin.plant import MODELS, Plant, available_models
-from tvclin.requirement import Requirement, covers, required_deflection
+from tvclin.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.vehicle import Vehicle
 from tvclin.winds import RectangularWind, TriangularWind
 
@@ -65,7 +65,7 @@ class Study:
         K, falling; the dead band of the verdict is among them.
     dead_band : float
         K of the verdict.
-    requirement : Requirement
+    requirement : RequiredDeflection
         What a limit must be at `model` and `dead_band`, and what governs it.
     limit : float or None
         The capability [rad] in question.
@@ -96,7 +96,7 @@ class Study:
     boundaries: dict[str, BoundaryLimit]
     dead_bands: NDArray[np.float64]
     dead_band: float
-    requirement: Requirement
+    requirement: RequiredDeflection
     limit: float | None
     sufficient: bool | None
     survivable_peak: float | None
@@ -250,7 +250,7 @@ def _needed(
     }
 
 
-def _judged(required: Requirement, wind: History, limit: float | None) -> dict[str, Any]:
+def _judged(required: RequiredDeflection, wind: History, limit: float | None) -> dict[str, Any]:
     """Whether a limit is enough, and what it survives; None without one."""
     if limit is None:
         return {"sufficient": None, "survivable_peak": None}
@@ -292,7 +292,7 @@ def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
         )
 
 
-def _notes(plant: Plant, wind: Any, required: Requirement) -> Iterator[str]:
+def _notes(plant: Plant, wind: Any, required: RequiredDeflection) -> Iterator[str]:
     if required.status == PAIR:
         yield (
             "two unstable modes grow together here, which trim and one limit cannot both meet:"

@@ -27,7 +27,7 @@ class Case:
     required, limit : float
         Deflection that is required, and the limit in question [rad], both without sign.
     governs : str
-        What requires it, as of `Requirement`.
+        What requires it, as of `RequiredDeflection`.
     """
 
     vehicle: str

@@ -21,11 +21,12 @@ def report(
 ) -> None:
     """Write the whole answer of a study as one HTML page, which needs no network.
 
-    Exit code 0: sufficient in the wind and over the flight, or no limit was given; 1: not
-    sufficient; 2: bad input.
+    Exit code 0: every question of the file is answered with yes, or no limit was given; 1: one is
+    not; 2: bad input.
     """
     from tvclin.files import write_whole
     from tvclin.report import page_of
+    from tvclin.report.questions import sufficient as worst
     from tvclin.study_file import example_plan, load_study
 
     plan = example_plan() if source is None else load_study(source)
@@ -36,7 +37,7 @@ def report(
         nonlocal sufficient
         page, found = page_of(plan)
         Path(target).write_text(page, encoding="utf-8", newline="")
-        sufficient = found.sufficient
+        sufficient = worst(found)
 
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}

@@ -1,6 +1,6 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -14,11 +14,6 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plot,
 )
-
-if TYPE_CHECKING:
-    from tvclin.campaign import DispersedStudy
-    from tvclin.study import Study
-    from tvclin.study_file import StudyPlan
 
 
 def study(
@@ -71,17 +66,25 @@ def study(
 
     What stands in a study file counts where no option is given.
 
-    Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
+    Exit code 0: every question that is asked is answered with yes, or no limit was given; 1: one
+    is not; 2: bad input. A study file may ask of the whole flight, of dispersed vehicles, and of an
+    autopilot, beside the wind.
     """
     from dataclasses import replace
 
+    from tvclin.campaign import DEFAULT_DISPERSIONS
     from tvclin.cli.output import print_json
     from tvclin.cli.study_tables import (
         dispersed_document,
         print_dispersed,
+        print_questions,
         print_study,
+        questions_document,
         study_document,
     )
+    from tvclin.errors import InputError
+    from tvclin.report.findings import find
+    from tvclin.report.questions import sufficient
     from tvclin.study_file import load_study
 
     given = {
@@ -98,31 +101,23 @@ def study(
     if gust is not None:
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
-    result = plan.study()
-    dispersed = _dispersed(plan, result) if disperse else None
+    if disperse and plan.dispersions is None:
+        plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
+    found = find(replace(plan, laws=None))
+    result, dispersed = found.study, found.dispersed
+    if disperse and dispersed is None:
+        raise InputError(found.reasons["dispersed"])
     if plot is not None:
         from tvclin.plots import save_figure, study_chart
 
         save_figure(study_chart(result), plot)
     if as_json:
         extra = {} if dispersed is None else {"dispersed": dispersed_document(dispersed)}
-        print_json(study_document(result) | extra)
+        print_json(study_document(result) | extra | questions_document(found))
     else:
         print_study(result, source)
         if dispersed is not None:
             print_dispersed(dispersed)
-    if result.sufficient is False:
+        print_questions(found)
+    if sufficient(found) is False:
         raise typer.Exit(1)
-
-
-def _dispersed(plan: "StudyPlan", result: "Study") -> "DispersedStudy":
-    from tvclin.campaign import DEFAULT_DISPERSIONS, disperse_study
-
-    return disperse_study(
-        result,
-        plan.dispersions or DEFAULT_DISPERSIONS,
-        cases=plan.cases,
-        seed=plan.seed,
-        probability=plan.probability,
-        confidence=plan.confidence,
-    )

@@ -8,6 +8,7 @@ from tvclin.cli.inputs import gust_words
 
 if TYPE_CHECKING:
     from tvclin.campaign import DispersedStudy
+    from tvclin.report.findings import Findings
     from tvclin.study import Study
 
 
@@ -155,6 +156,37 @@ def dispersed_document(found: "DispersedStudy") -> dict[str, Any]:
         "drivers": found.drivers,
         "success": None if found.success is None else vars(found.success),
         "dispersions": [vars(one) for one in found.dispersions.each],
+    }
+
+
+def print_questions(found: "Findings") -> None:
+    """Print every question with its answer, where more than one is asked."""
+    from tvclin.cli.output import print_pairs
+    from tvclin.report.questions import questions, sufficient
+
+    each = questions(found)
+    if len(each) < 2:
+        return
+    pairs = [(one.name, f"{one.answer}: {one.text}") for one in each]
+    print_pairs("\nIs it enough? Every question, and its answer", pairs, columns=1)
+    others = ", ".join(one.name for one in each if one.yes is not True)
+    said = {
+        True: "SUFFICIENT in all",
+        False: f"NOT SUFFICIENT: {others}",
+        None: "no limit was given",
+    }
+    typer.echo(f"Verdict: {said[sufficient(found)]}")
+
+
+def questions_document(found: "Findings") -> dict[str, Any]:
+    """Return the same as a document for JSON."""
+    from tvclin.report.questions import questions, sufficient
+
+    return {
+        "questions": [
+            {"name": one.name, "yes": one.yes, "why": one.text} for one in questions(found)
+        ],
+        "sufficient": sufficient(found),
     }
 
 

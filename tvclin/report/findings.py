@@ -61,13 +61,6 @@ class Findings:
     warnings: tuple[str, ...]
 
     @property
-    def sufficient(self) -> bool | None:
-        """Whether the limit is enough in the wind and over the flight; None without a limit."""
-        if self.study.sufficient and self.flight is not None:
-            return self.flight[1].sufficient
-        return self.study.sufficient
-
-    @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
         return sha256(

@@ -9,6 +9,7 @@ from tvclin.errors import missing
 from tvclin.report import basis, control, flight, sections, verdict
 from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import Findings, find
+from tvclin.report.questions import sufficient
 from tvclin.study import Study
 from tvclin.study_file import StudyPlan, load_study
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
+    verdict.asked,
     sections.boundaries,
     sections.response,
     flight.over_flight,
@@ -74,7 +76,7 @@ def _render(found: Findings, template: "Template") -> str:
     made = [section for make in SECTIONS if (section := make(found)) is not None]
     return template.render(
         name=found.study.vehicle.name or "unnamed vehicle",
-        state={True: "yes", False: "no", None: "open"}[found.sufficient],
+        state={True: "yes", False: "no", None: "open"}[sufficient(found)],
         verdict=verdict.sentence(found),
         basis=verdict.basis(found),
         facts=verdict.facts(found),

@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from tvclin.report.blocks import Line, degrees, number, significant
+from tvclin.boundary import BOUNDARY
+from tvclin.report.blocks import Line, Section, Table, degrees, number, significant
 from tvclin.report.findings import Findings
 from tvclin.report.flight import whose
+from tvclin.report.questions import Question, questions, sufficient
 from tvclin.report.sections import gust_words
 from tvclin.sizing import DeflectionTotal
 from tvclin.study import outlasts_one_pole
@@ -17,31 +19,60 @@ _SENSIBLE = 1000.0
 
 
 def sentence(found: Findings) -> Line:
-    """Return the verdict: enough or not, and by how much."""
+    """Return the verdict, that of the worst question: enough or not, and by how much."""
     study = found.study
-    need, limit = study.required_deflection, study.limit
-    needed = degrees("verdict.required", need, unit="deg")
-    if not need:
+    failed = next((one for one in questions(found) if one.yes is not True), None)
+    if failed is not None and failed.name != "wind":
+        return _not_only_wind(found, failed)
+    if not study.required_deflection:
         return (_NOTHING,)
-    if limit is None:
+    if study.limit is None:
+        needed = degrees("verdict.required", study.required_deflection, unit="deg")
         return ("This wind needs ", *needed, " of deflection.")
-    surplus = abs(limit - need)
-    if study.sufficient and found.flight is not None and not found.sufficient:
+    return _in_this_wind(study.required_deflection, study.limit, failed is None)
+
+
+def _not_only_wind(found: Findings, failed: Question) -> Line:
+    """The answer to a question beyond the wind that is not yes."""
+    limit = found.study.limit
+    if limit is not None and failed.name == "whole flight" and found.flight is not None:
         return _short_over_flight(found.flight[1], limit, whose(found))
-    by = degrees("verdict.surplus", surplus, unit="deg")
-    percent = 100.0 * surplus / need
+    word = "Not enough" if failed.yes is False else "Not shown to be enough"
+    if limit is None:
+        return (f"{word}: {failed.text}.",)
+    have = degrees("verdict.limit", limit, unit="deg")
+    return (f"{word}: {failed.text}; the limit is ", *have, ".")
+
+
+def _in_this_wind(need: float, limit: float, enough: bool) -> Line:
+    """By how much a limit is enough, or not."""
+    needed = degrees("verdict.required", need, unit="deg")
+    have = degrees("verdict.limit", limit, unit="deg")
+    by = degrees("verdict.surplus", abs(limit - need), unit="deg")
+    percent = 100.0 * abs(limit - need) / need
     part: Line = (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
     if percent > _SENSIBLE:
         part = ()
-    have = degrees("verdict.limit", limit, unit="deg")
-    if study.sufficient:
-        tail = (*by, *part, " more than the ", *needed, " that this wind needs.")
-        return ("Enough: the limit of ", *have, " is ", *tail)
-    tail = (*by, *part, " short of the ", *needed, " that this wind needs.")
-    return ("Not enough: the limit of ", *have, " is ", *tail)
+    word, side = ("Enough", "more than") if enough else ("Not enough", "short of")
+    tail = (*by, *part, f" {side} the ", *needed, " that this wind needs.")
+    return (f"{word}: the limit of ", *have, " is ", *tail)
+
+
+def asked(found: Findings) -> Section | None:
+    """Return every question with its answer; None where only one is asked."""
+    each = questions(found)
+    if len(each) < 2:
+        return None
+    rows: tuple[tuple[Line, ...], ...] = tuple(
+        ((one.name,), (one.answer,), one.line) for one in each
+    )
+    table = Table("Every question, and its answer", ("question", "enough?", "why"), rows)
+    return Section("asked", "What was asked", (table,))
 
 
 def _short_over_flight(total: DeflectionTotal, limit: float, of: str) -> Line:
+    if total.sufficient is None:
+        return (f"Not shown to be enough: what the whole flight{of} needs is not known.",)
     needed = degrees("verdict.flight", total.required, unit="deg")
     by = degrees("verdict.flight_short", total.required - limit, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
@@ -53,7 +84,7 @@ def basis(found: Findings) -> Line:
     """Return on what the verdict rests."""
     s = found.study
     alone: Line = ()
-    if s.sufficient and not found.sufficient:
+    if s.sufficient and not sufficient(found):
         needed = degrees("basis.required", s.required_deflection, unit="deg")
         alone = ("The wind of this study alone needs ", *needed, ", which the limit covers. ")
     line: Line = (
@@ -66,6 +97,8 @@ def basis(found: Findings) -> Line:
         *significant("basis.duration_s", s.wind.duration, unit="s"),
         f"{gust_words(s)}.",
     )
+    if s.required_deflection and s.requirement.governs != BOUNDARY:
+        line += (f" What is required is governed by {s.requirement.governs}.",)
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
