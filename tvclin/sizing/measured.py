@@ -103,7 +103,10 @@ def fly_through(
 
 
 def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
-    """Samples from one time to another, with the ends and every change of sign among them."""
+    """Samples from one time to another, with the ends and every change of sign among them.
+
+    A change of sign within rounding of a sample is at the sample.
+    """
     low, high = max(low, float(wind.time[0])), min(high, float(wind.time[-1]))
     if not low < high:
         return np.empty(0), np.empty(0)
@@ -113,4 +116,6 @@ def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
     turns = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)
     part = angles[turns] / (angles[turns] - angles[turns + 1])
     calm = times[turns] + part * (times[turns + 1] - times[turns])
-    return np.insert(times, turns + 1, calm), np.insert(angles, turns + 1, 0.0)
+    apart = (times[turns] < calm) & (calm < times[turns + 1])
+    after = turns[apart] + 1
+    return np.insert(times, after, calm[apart]), np.insert(angles, after, 0.0)
