@@ -22,7 +22,7 @@ def report(
     """Write the whole answer of a study as one HTML page, which needs no network.
 
     Exit code 0: sufficient in the wind and over the flight, or no limit was given; 1: not
-    sufficient; 2: bad input.
+    sufficient, or not known to be; 2: bad input.
     """
     from tvclin.files import write_whole
     from tvclin.report import page_of
@@ -40,8 +40,10 @@ def report(
 
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
+    if plan.limit is not None:
+        said[None] = "NOT known to be sufficient"
     typer.echo(f"Wrote {output}: {said[sufficient]}.")
     for doubt in doubts:
         typer.echo(f"Note: {doubt}.")
-    if sufficient is False:
+    if plan.limit is not None and not sufficient:
         raise typer.Exit(1)

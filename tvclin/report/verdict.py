@@ -42,6 +42,10 @@ def sentence(found: Findings) -> Line:
 
 
 def _short_over_flight(total: DeflectionTotal, limit: float, of: str) -> Line:
+    if total.sufficient is None:
+        where = f"the whole flight{of} is not sized {', '.join(total.not_sized)}"
+        have = degrees("verdict.limit", limit, unit="deg")
+        return ("The limit of ", *have, f" is not known to be enough: {where}.")
     needed = degrees("verdict.flight", total.required, unit="deg")
     by = degrees("verdict.flight_short", total.required - limit, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")

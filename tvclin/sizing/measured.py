@@ -21,7 +21,8 @@ class MeasuredWind:
     of one sign, and what blows to the other side relieves. The vehicle is that of the flight time,
     the wind where the flight met it. With a window only what blows within half of it counts; such
     a wind begins with a jump, and what drift had relieved before is forgotten. Give it to `size` as
-    a wind; its placing is its own.
+    a wind; its placing is its own. Before the first and after the last of its samples the wind is
+    not known: `size` leaves these flight times open.
 
     Attributes
     ----------
@@ -41,6 +42,11 @@ class MeasuredWind:
     def __post_init__(self) -> None:
         if self.window is not None:
             number("window", self.window, positive, "s")
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """The first and the last flight time [s] at which the wind is known."""
+        return float(self.wind.time[0]), float(self.wind.time[-1])
 
     def __call__(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
