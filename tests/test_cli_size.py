@@ -80,7 +80,7 @@ def test_a_wind_beyond_one_pole_is_marked(tmp_path) -> None:
     assert "parameters varying" in result.output
 
 
-def test_soundings_stand_beside_the_pulse_and_gusts_on_both() -> None:
+def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() -> None:
     """Flown through along the schedule; the wind of this file blows to one side."""
     schedule = tv.load_schedule("configuration-i")
     whole = tv.read_sounding(WIND).to_wind(schedule, azimuth=np.radians(90))
@@ -90,10 +90,11 @@ def test_soundings_stand_beside_the_pulse_and_gusts_on_both() -> None:
         "wyoming.txt": lambda vehicle: whole + gust.shift(float(vehicle.time) - 1.0),
     }
     placing = {"wyoming.txt": "flight"}  # of the history; a measured wind places itself
-    options = {"times": [60.0, 70.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
+    options = {"times": [55.0, 65.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
-    given = ("--to", "70", "--window", "16", "--gust", "1", "2", "--json")
-    document = json.loads(run("size", "configuration-i", *FLOWN, *FAST, *given).output)
+    given = ("--from", "55", "--to", "65", "--window", "16", "--gust", "1", "2", "--json")
+    pulse = ("--duration", "7.5")
+    document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).output)
 
     assert document["winds"][1] == "wyoming.txt"
     for name, values in expected.required.items():
@@ -101,17 +102,53 @@ def test_soundings_stand_beside_the_pulse_and_gusts_on_both() -> None:
             document["required_deg"][name], np.degrees(values), rtol=1e-9, err_msg=name
         )
     assert any("geopotential heights made geometric" in note for note in document["notes"])
-    yaw = json.loads(
-        run(
-            "size", "configuration-i", *FLOWN, *FAST, "--to", "60", "--plane", "yaw", "--json"
-        ).output
-    )
+    side = ("--to", "60", "--plane", "yaw", "--json")
+    yaw = json.loads(run("size", "configuration-i", *FLOWN, *FAST, *side).output)
     across = tv.read_sounding(WIND).to_wind(schedule, azimuth=np.radians(90), plane="yaw")
     B = tv.Coefficients.from_vehicle(schedule.at(60.0), "yaw").B
     at = across(np.linspace(*schedule.span, 40001))
-    assert yaw["required_deg"]["trim"][0][1] == pytest.approx(
+    assert yaw["winds"] == ["wyoming.txt"]
+    assert yaw["required_deg"]["trim"][0][0] == pytest.approx(
         np.degrees(abs(B) * np.abs(at).max()), rel=1e-4
     )
+
+
+def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tmp_path) -> None:
+    """Enough where the wind is known is not enough; a pulse joins only where one is named."""
+    given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
+    enough = run(*given, "--limit-deg", "0.7")
+    lower = run(*given, "--limit-deg", "0.7", "--to", "65", "--json")
+    short, unasked = run(*given, "--limit-deg", "0.3", "--json"), run(*given, "--json")
+    other = run(*given, "--peak-deg", "2", "--to", "65")
+
+    assert (enough.exit_code, short.exit_code) == (1, 1)
+    assert (lower.exit_code, unasked.exit_code) == (0, 0)
+    assert "deg: NOT KNOWN to be sufficient; where the winds are known 0.2" in enough.output
+    assert "\nNOT SIZED above 12.0 km (66.19 s)\n" in enough.output
+    document, below = json.loads(short.output), json.loads(lower.output)
+    assert document["winds"] == ["wyoming.txt"]
+    assert document["times_s"] == [41.0, 60.0, 80.0, 100.0, 116.0]
+    assert [row[0] for row in document["known"]] == [True, True, False, False, False]
+    assert [row[0] is None for row in document["required_deg"]["K = 1"]] == [False] * 2 + [True] * 3
+    assert document["verdict"]["sufficient"] is False
+    assert json.loads(unasked.output)["verdict"]["not_sized"] == ["above 12.0 km (66.19 s)"]
+    assert (below["verdict"]["sufficient"], below["verdict"]["not_sized"]) == (True, [])
+    assert below["known_times_s"][0][1] == pytest.approx(66.19, abs=0.01)
+    assert "by wind" in other.output
+    assert "by wind" not in enough.output
+    rows = [line.split() for line in other.output.splitlines() if line.startswith("  wyoming.txt")]
+    worst = below["worst_by_wind"]["wyoming.txt"]["K = 1"]
+    assert float(rows[0][2]) == pytest.approx(worst["deflection_deg"], abs=0.01)
+
+
+def test_flight_times_include_both_ends_of_the_flight() -> None:
+    """A pulse of 7.5 s fits whole into 41 to 116 s from 44.75 to 112.25 s."""
+    document = json.loads(run("size", "configuration-i", "--every", "20", "--json").output)
+    assert document["times_s"] == [44.75, 60.0, 80.0, 100.0, 112.25]
+    assert any("first flight time, 44.75 s; before it" in note for note in document["notes"])
+    given = ("--from", "50", "--to", "51", "--every", "0.1", "--json")
+    times = json.loads(run("size", "configuration-i", *given).output)["times_s"]
+    assert times == pytest.approx(np.arange(500, 511) / 10)
 
 
 def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
@@ -136,8 +173,8 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
     schedule = tv.load_schedule(f"configuration-{name}")
     time = float(tv.load_vehicle(f"configuration-{name}").time)
     middle = np.interp(time, schedule.time, schedule.height)
-    height = middle + np.array([-5e3, 0.0, 5e3])
-    jet = tv.WindProfile(height=height, east=[0.0, 69.4, 0.0], north=np.zeros(3))
+    height = np.concatenate([middle + np.array([-5e3, 0.0, 5e3]), [60e3]])
+    jet = tv.WindProfile(height=height, east=[0.0, 69.4, 0.0, 0.0], north=np.zeros(4))
     met = tv.fly_through(jet, schedule, azimuth=np.radians(90))
     found = tv.size(schedule, met, times=[time, 110.0, schedule.span[1]], dead_bands=1.0)
 
@@ -169,6 +206,11 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     ("arguments", "words"),
     [
         (("configuration-i", "--count", "trim", "--disperse", *FAST), "--disperse needs a dead"),
+        (("configuration-i", *FLOWN, "--disperse", "--to", "60"), "the worst wind is wyoming.txt"),
+        (
+            ("configuration-i", *FLOWN, "--from", "90"),
+            "K = 1 is not defined at any flight time: wyoming.txt is known from 3.0 km",
+        ),
         (("nowhere.csv",), "nowhere.csv"),
         (
             ("configuration-i", "--from", "90", "--to", "60"),

@@ -188,7 +188,7 @@ def test_signs_and_peaks_do_not_matter():
         plant = Plant.from_coefficients(Coefficients.from_beta(beta=beta, B=B))
         law = lean(plant, design_peak=peak)
         one = closed_loop_boundary(plant, law, triangle(plant, 4.0, peak), sample_rate=50.0)
-        assert one.deflection == pytest.approx(one.limit * abs(B * peak), rel=1e-12)
+        assert one.deflection == pytest.approx(-one.limit * B * peak, rel=1e-12)
         limits.append(one.limit)
     np.testing.assert_allclose(limits, limits[0], rtol=1e-9)
 
@@ -212,8 +212,8 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
         closed_loop_boundary(plant, lean(plant), SampledWind(time=time, angle=a), sample_rate=50.0)
         for a in (angle, more)
     )
-    assert less.deflection <= larger.deflection * 1.001
-    assert less.deflection < 0.9 * PEAK * plant.coefficients.B
+    assert abs(less.deflection) <= abs(larger.deflection) * 1.001
+    assert abs(less.deflection) < 0.9 * PEAK * plant.coefficients.B
 
 
 @pytest.mark.parametrize(
@@ -231,7 +231,7 @@ def test_the_edge_is_confirmed_by_flights_that_hit_every_event(model, kind, tau_
     edge = closed_loop_boundary(plant, law, wind, sample_rate=50.0)
     modes, times = unstable_coordinates(plant), wind.duration + np.linspace(0.0, 25.0, 51)
     for part in (0.99, 1.01):
-        limit = part * edge.deflection
+        limit = part * abs(edge.deflection)
         flown = fly(plant, law, wind, times, deflection_limit=limit)
         z, D = flown.outputs[: len(plant.states)].T @ modes.rows.T, limit / plant.coefficients.B
         inside = modes.inside(z, np.full(times.size, D))
@@ -276,12 +276,12 @@ def test_the_scan_and_the_ends_of_its_range():
     np.testing.assert_array_equal(inner.survives, inner.scan >= inner.limit)
     assert inner.monotone
     low = closed_loop_boundary(plant, law, wind, sample_rate=50.0, highest=0.65)
-    assert (low.limit, low.deflection) == (np.inf, np.inf)
+    assert (low.limit, low.deflection) == (np.inf, -np.inf)
     assert low.status == "no limit in the range survives"
     assert not low.survives.any()
     high = closed_loop_boundary(plant, law, wind, sample_rate=50.0, lowest=0.75)
     assert high.limit == 0.75
-    assert high.deflection == pytest.approx(0.75 * plant.coefficients.B * PEAK)
+    assert high.deflection == pytest.approx(-0.75 * plant.coefficients.B * PEAK)
     assert high.status == "every limit in the range survives"
 
 

@@ -87,6 +87,32 @@ def test_three_real_poles_far_apart_need_no_special_care():
     assert proof.tail < 1e-12
 
 
+@pytest.mark.parametrize(
+    "poles",
+    [
+        [0.344447710, 0.0296960686, 4.33586171e-05],
+        [0.410531129, 0.00983137471, 1.47505636e-05],
+        [0.484142834, 0.0173333111, 2.28430164e-05],
+        [3.0, 0.02, 1e-6],
+        [3.0, 0.9 + 0.3j, 6e-5],
+    ],
+)
+def test_a_pole_that_counts_only_after_the_others_is_proved_by_the_others(poles):
+    """It is met by a switch so late that the others ask for the same peak without it."""
+    rows = [1 if np.imag(pole) == 0.0 else 2 for pole in poles]
+    decays = np.repeat(np.real(poles), rows)
+    for seed in range(2):
+        demands = np.random.default_rng(seed).uniform(-0.8, 0.8, decays.size)
+        _, others = solved(poles[:-1], demands[:-1])
+        demands[-1] *= others.primal / decays[-1]
+        best, proof = solved(poles, demands)
+
+        assert abs(proof.gap) < 1e-12
+        assert proof.residual < 1e-12
+        assert proof.primal == pytest.approx(others.primal, rel=1e-12)
+        assert np.exp(-decays[-2] * best.zeros[-1]) < 1e-20
+
+
 @pytest.mark.parametrize("angle", [64.0, 75.0, 85.0])
 def test_steep_flight_with_three_real_unstable_poles(angle):
     vehicle = tvclin.load_vehicle(NAMES[0]).replace(attitude=np.radians(angle))

@@ -381,7 +381,7 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
     assert not re.search(r"@import|src=|https?://(?!www\.w3\.org/)", html)
     assert len(ids) == len(set(ids))
     assert {target[1:] for target in targets} <= set(ids)
-    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 10]
+    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 11]
     assert all(one["scope"] in ("row", "col") for one in page.attributes("th"))
     assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
     assert tags.count("svg") == 5
@@ -438,6 +438,28 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     turned = replace(found, plan=tv.load_study(tmp_path / "s.toml"))
     again = replace(found, plan=tv.load_study(tmp_path / "s.toml"))
     assert turned.seal == again.seal != found.seal
+
+
+def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> None:
+    """The wind is known to 12 km, and the limit is enough up to there."""
+    (tmp_path / "w.csv").write_text("height_m,east_m_per_s,north_m_per_s\n0,0,0\n12000,20,0\n")
+    text = (
+        '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 2\nduration_s = 7.5\n'
+        '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[question]\nlimit_deg = 0.6\n'
+        "[size]\nstart_s = 60\nstop_s = 80\nevery_s = 20\n"
+    )
+    (tmp_path / "s.toml").write_text(text)
+    found = find(tv.load_study(tmp_path / "s.toml"))
+    result = CliRunner().invoke(app, ["report", f"{tmp_path}/s.toml", "-o", f"{tmp_path}/p.html"])
+    said = "".join(part for part in verdict.sentence(found) if isinstance(part, str))
+
+    assert (found.study.sufficient, found.sufficient) == (True, None)
+    assert (
+        "is not known to be enough: the whole flight of configuration-i is not sized above" in said
+    )
+    texts = words(flight.over_flight(found))
+    assert any("The flight is not sized above 12.0 km" in one for one in texts)
+    assert (result.exit_code, "NOT known to be sufficient" in result.output) == (1, True)
 
 
 def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyPlan) -> None:

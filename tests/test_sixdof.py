@@ -582,4 +582,6 @@ def test_the_bisection_knows_nothing_of_the_engine(configuration_i):
     assert asked == [(configuration_i, wind, tv.ReportControl(0.3), "pitch", True)]
     assert abs(found.limit - 0.4321) <= found.error <= 1e-3
     assert found.flights == 11
-    assert found.deflection == found.limit * scale
+    assert found.deflection == -found.limit * scale
+    back = tv.flown_boundary(configuration_i, wind * -1.0, 0.3, engine=engine, tolerance=1e-3)
+    assert back.deflection == -found.deflection

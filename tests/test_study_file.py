@@ -138,8 +138,8 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     assert by_file.exit_code == by_options.exit_code
     assert one["times_s"] == [70.0, 90.0]
     assert one["winds"] == ["triangular wind of 4 deg, 7.5 s", "wyoming.txt"]
-    shorter = json.loads(run("size", file, "--every", 50, "--plane", "yaw", "--json").output)
-    assert (shorter["times_s"], shorter["plane"]) == ([70.0], "yaw")
+    wider = json.loads(run("size", file, "--every", 50, "--plane", "yaw", "--json").output)
+    assert (wider["times_s"], wider["plane"]) == ([70.0, 90.0], "yaw")
 
 
 def test_the_same_file_drives_the_study_and_its_gust_blows_in_the_middle(tmp_path: Path) -> None:

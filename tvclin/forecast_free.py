@@ -46,7 +46,7 @@ class ForecastFreeLimit:
     limit : float or ndarray
         y*, over the trim deflection B alpha_w,max without drift.
     deflection : float or ndarray
-        The same as a deflection [rad], -limit B alpha_w,max.
+        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     kind : str
         "exact", or for models with drift "bound of the fast mode": no law needs less.
     foresight : float or ndarray

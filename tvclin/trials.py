@@ -195,7 +195,7 @@ def _trial(
     found = closed_loop_boundary(plant, law[1], wind[1], cuts=cuts, highest=_HIGHEST, **flown)
     largest = (np.nan, np.nan)
     if loads and np.isfinite(found.limit):
-        largest = _loads(plant, law[1], wind[1], _SPARE * found.deflection, flown)
+        largest = _loads(plant, law[1], wind[1], _SPARE * abs(found.deflection), flown)
     return LawTrial(
         law=law[0],
         wind=wind[0],

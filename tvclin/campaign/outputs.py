@@ -174,7 +174,7 @@ def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
         found = flown_boundary(
             vehicle, wind, K, engine="sixdof", plane=campaign.plane, tolerance=_FLOWN_TO
         )
-        return found.deflection
+        return abs(found.deflection)
 
     return {required_name(K, "flown"): flown(K) for K in campaign.dead_bands}
 

@@ -157,7 +157,7 @@ def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | Non
         for name, both in _peaks(flight).items()
     ]
     if found is not None:
-        rows.append(["boundary", *_compared(float(np.degrees(found.deflection)), least)])
+        rows.append(["boundary", *_compared(abs(float(np.degrees(found.deflection))), least)])
     title = f"Limit {limit:.4f} deg, {limit / least:.4g} times the linear boundary"
     print_table(title, ["over the wind, in deg", "flown", "linear", "difference"], rows)
     words = {True: "SURVIVED", False: "NOT SURVIVED"}
@@ -199,6 +199,6 @@ def _document(
         },
         "boundary_deg": {
             "linear": deg(case.boundary),
-            "flown": None if found is None else deg(found.deflection),
+            "flown": None if found is None else deg(abs(found.deflection)),
         },
     }

@@ -41,8 +41,10 @@ def report(
 
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
+    if plan.limit is not None:
+        said[None] = "NOT known to be sufficient"
     typer.echo(f"Wrote {output}: {said[sufficient]}.")
     for doubt in doubts:
         typer.echo(f"Note: {doubt}.")
-    if sufficient is False:
+    if plan.limit is not None and not sufficient:
         raise typer.Exit(1)

@@ -25,7 +25,10 @@ def size(
     ] = "configuration-i",
     wind: Annotated[
         str | None,
-        typer.Option(help="Shape of the pulse: triangular (as without) or rectangular."),
+        typer.Option(
+            help="Shape of the pulse: triangular (as without) or rectangular. Beside --winds a"
+            " pulse blows only where one is asked for."
+        ),
     ] = None,
     duration: Annotated[
         float | None, typer.Option(help="Duration of the pulse, in s; 7.5 if nothing is given.")
@@ -34,9 +37,7 @@ def size(
     peak_speed: PeakSpeed = None,
     winds: Annotated[
         list[Path] | None,
-        typer.Option(
-            metavar="FILE", help="A sounding to fly through as well; may be given several times."
-        ),
+        typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
     ] = None,
     azimuth_deg: Annotated[
         float | None,
@@ -109,7 +110,8 @@ def size(
 
     What stands in a study file counts where no option is given.
 
-    Exit code 0: sufficient, or no limit was given; 1: not sufficient; 2: bad input.
+    Exit code 0: sufficient, or no limit was given; 1: not sufficient, or not known to be, as
+    where a sounding ends below the flight; 2: bad input.
     """
     from dataclasses import replace
 
@@ -117,12 +119,10 @@ def size(
     from tvclin.cli.size_tables import print_sizing, sizing_document
     from tvclin.study_file import load_sizing
 
-    asked = load_sizing(source)
+    asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
     asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed)
-    soundings = _soundings(winds or [], azimuth_deg)
     given = {
         "gust": _gust(asked, gust),
-        "soundings": {**asked.soundings, **soundings} if soundings else None,
         "window": window,
         "start": begin,
         "stop": end,
@@ -153,8 +153,8 @@ def size(
     if as_json:
         print_json(sizing_document(found, total, [*asked.doubts, *asked.notes]))
     else:
-        print_sizing(found, total, source, [*asked.doubts, *asked.notes])
-    if total.sufficient is False:
+        print_sizing(found, total, source, asked.counted, [*asked.doubts, *asked.notes])
+    if asked.limit is not None and not total.sufficient:
         raise typer.Exit(1)
 
 
@@ -165,17 +165,20 @@ def _with_pulse(
     peak_deg: float | None,
     peak_speed: float | None,
 ) -> "SizingAsked":
-    """What was asked, with the first pulse as the options have it."""
+    """What was asked, with the first pulse as the options have it; none where none is named."""
     from dataclasses import replace
 
     from tvclin.errors import InputError
+    from tvclin.study_file.plan import DEFAULT_WIND
 
     if peak_deg is not None and peak_speed is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
     given: dict[str, Any] = {"shape": shape, "duration": duration}
     given["peak"] = _radians("--peak-deg", peak_deg, -90.0)
     given = {name: value for name, value in given.items() if value is not None}
-    first, *others = asked.pulses
+    if not given and peak_speed is None:
+        return asked
+    first, *others = asked.pulses or (DEFAULT_WIND,)
     asked = replace(asked, pulses=(replace(first, **given), *others))
     if peak_deg is not None:
         return replace(asked, peak_speed=None)
@@ -205,8 +208,8 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
 
 
 def _gust(asked: "SizingAsked", given: tuple[float, float] | None) -> Any:
-    """The gust in the middle of the first pulse."""
-    return gust_of(given, 0.5 * asked.pulses[0].duration)
+    """The gust in the middle of the first pulse; in a sounding it is moved to each flight time."""
+    return gust_of(given, 0.5 * asked.pulses[0].duration if asked.pulses else 0.0)
 
 
 def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
@@ -224,16 +227,16 @@ def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
     from tvclin.study import Study
 
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
-    counted, pulse = asked.counted, asked.pulses[0]
+    counted = asked.counted
     if counted not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
     worst = found.worst[counted]
-    if worst.wind != found.winds[0] or asked.gust is not None:
+    if not asked.pulses or worst.wind != found.winds[0] or asked.gust is not None:
         raise InputError(
             f"--disperse knows pulses without a gust, and the worst wind is {worst.wind}; give"
             " --dispersion in its place"
         )
-    vehicle = found.schedule.at(worst.time)
+    vehicle, pulse = found.schedule.at(worst.time), asked.pulses[0]
     nominal = Study.from_vehicle(
         vehicle,
         wind=pulse.shape,

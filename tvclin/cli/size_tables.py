@@ -5,10 +5,12 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.sizing import DeflectionTotal, Sizing
+    from tvclin.sizing import DeflectionTotal, Sizing, Worst
 
 
-def print_sizing(found: "Sizing", total: "DeflectionTotal", source: str, said: list[str]) -> None:
+def print_sizing(
+    found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
+) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
     from tvclin.sizing.record import VARYING
 
@@ -19,8 +21,13 @@ def print_sizing(found: "Sizing", total: "DeflectionTotal", source: str, said: l
     if len(frozen) < len(found.required):
         rest = [name for name in found.required if name not in frozen]
         _print_required(found, "The same, parameters varying while the wind blows [deg]", rest)
-    if not found.steady.all() or found.beyond_one_pole.any():
-        typer.echo("1: beyond one pole; ~: parameters change meanwhile; +: beyond the schedule")
+    if not (found.steady.all() and found.known.all()) or found.beyond_one_pole.any():
+        typer.echo(
+            "1: beyond one pole; ~: parameters change meanwhile; +: beyond the schedule;"
+            " ?: a wind is not known"
+        )
+    if len(found.winds) > 1:
+        _print_by_wind(found, frozen, counted)
     law = "the bound of all such laws" if found.law == "bound" else "the recoverable-attitude law"
     typer.echo(f"no forecast: {law}; minimum: the wind known, appendix C")
     _print_total(total)
@@ -36,10 +43,31 @@ def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
 
     columns = [np.degrees(found.at_times(name)) for name in names]
     rows = [
-        [f"{time:g}", *(f"{column[i]:.4f}" for column in columns), _doubts(found, i)]
+        [f"{time:g}", *(_cell(column[i]) for column in columns), _doubts(found, i)]
         for i, time in enumerate(found.times.tolist())
     ]
     print_table(title, ["time [s]", *(name.removesuffix(VARYING) for name in names), ""], rows)
+
+
+def _print_by_wind(found: "Sizing", names: list[str], counted: str) -> None:
+    """The largest of each requirement in each wind, and when the one that counts is largest."""
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+
+    rows = []
+    for wind in found.winds:
+        worst = found.worst_in(wind)
+        cells = [_cell(np.degrees(worst[k].deflection)) if k in worst else "-" for k in names]
+        rows.append([wind, *cells, f"{worst[counted].time:g}" if counted in worst else "-"])
+    headings = ["wind", *names, f"{counted}: time [s]"]
+    print_table("The largest over the flight, by wind [deg]", headings, rows)
+
+
+def _cell(degrees: float) -> str:
+    from math import isnan
+
+    return "-" if isnan(degrees) else f"{degrees:.4f}"
 
 
 def _print_total(total: "DeflectionTotal") -> None:
@@ -57,24 +85,32 @@ def _print_total(total: "DeflectionTotal") -> None:
     if total.reserve:
         said = f"{np.degrees(total.required):.4f} deg"
         pairs.append((f"limit that keeps {100 * total.reserve:g} % in reserve", said))
-    print_pairs(f"\nThe worst flight time, {total.time:g} s", pairs, columns=1)
+    known = " of those that are known" if total.not_sized else ""
+    print_pairs(f"\nThe worst flight time{known}, {total.time:g} s", pairs, columns=1)
     if total.limit is not None and total.left is not None:
         left, short = np.degrees(abs(total.left)), np.degrees(total.required - total.limit)
         kept = " beside the reserve" if total.reserve else ""
         said = f"SUFFICIENT, {left:.4f} deg left{kept}"
-        if not total.sufficient:
+        if total.sufficient is None:
+            said = (
+                f"NOT KNOWN to be sufficient; where the winds are known {left:.4f} deg left{kept}"
+            )
+        if total.sufficient is False:
             said = f"NOT SUFFICIENT, short by {short:.4f} deg"
         typer.echo(f"Limit {np.degrees(total.limit):.4f} deg: {said}")
+    if total.not_sized:
+        typer.echo(f"NOT SIZED {', '.join(total.not_sized)}")
 
 
 def _doubts(found: "Sizing", i: int) -> str:
     """Marks of a flight time: what is doubtful there in any wind."""
-    from tvclin.sizing.record import STEADY
+    from tvclin.sizing.notes import STEADY
 
     marks = {
         "1": found.beyond_one_pole[i].any(),
         "~": (found.change[i] > STEADY).any(),
         "+": not found.covered[i].all(),
+        "?": not found.known[i].all(),
     }
     return "".join(mark for mark, there in marks.items() if there)
 
@@ -94,11 +130,14 @@ def sizing_document(found: "Sizing", total: "DeflectionTotal", said: list[str]) 
         "ends_s": found.ends,
         "change": found.change,
         "covered": found.covered,
+        "known": found.known,
+        "known_times_s": found.known_times,
         "beyond_one_pole": found.beyond_one_pole,
         "single_pole_edge_s": found.edge,
-        "worst": {
-            name: {"deflection_deg": deg(one.deflection), "time_s": one.time, "wind": one.wind}
-            for name, one in found.worst.items()
+        "worst": {name: _worst(one) for name, one in found.worst.items()},
+        "worst_by_wind": {
+            wind: {name: _worst(one) for name, one in found.worst_in(wind).items()}
+            for wind in found.winds
         },
         "total": {
             "time_s": total.time,
@@ -115,5 +154,13 @@ def sizing_document(found: "Sizing", total: "DeflectionTotal", said: list[str]) 
             "limit_deg": None if total.limit is None else deg(total.limit),
             "sufficient": total.sufficient,
             "left_deg": None if total.left is None else deg(total.left),
+            "not_sized": total.not_sized,
         },
     }
+
+
+def _worst(one: "Worst") -> dict[str, Any]:
+    import numpy as np
+
+    degrees = np.degrees(one.deflection)
+    return {"deflection_deg": degrees, "time_s": one.time, "wind": one.wind}

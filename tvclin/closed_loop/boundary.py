@@ -46,7 +46,7 @@ class ClosedLoopBoundary:
         Least limit above which every limit of the scan survives, over ``|B alpha_w,max|``; infinite
         if the largest does not.
     deflection : float
-        The same [rad].
+        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     scan : ndarray
         The limits that were tried, rising, over ``|B alpha_w,max|``.
     survives : ndarray of bool
@@ -163,7 +163,7 @@ def closed_loop_boundary(
         words.append(f"near rest the law lets a mode of {growth:+.3g} 1/s creep away")
     return ClosedLoopBoundary(
         limit=edge.limit,
-        deflection=edge.limit * B * gust,
+        deflection=-edge.limit * float(plant.coefficients.B) * float(wind.peak),
         scan=edge.scan,
         survives=edge.verdicts == SAVED,
         growth=growth,

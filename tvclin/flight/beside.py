@@ -97,7 +97,7 @@ def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -
         raise InputError(
             f"control must be one that {_HIGHEST:g} times the largest trim deflection lets survive"
         )
-    return limits.deflection
+    return abs(limits.deflection)
 
 
 def fly_beside(

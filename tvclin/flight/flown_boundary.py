@@ -45,7 +45,7 @@ class FlownBoundary:
     limit : float
         y, the least deflection limit that survives over ``|B alpha_w,max|``.
     deflection : float
-        The same [rad].
+        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     error : float
         Half of the last bracket of y.
     flights : int
@@ -131,7 +131,8 @@ def flown_boundary(
     narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
     make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
     survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
-    scale = abs(float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak))
+    trim = -float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak)
+    scale = abs(trim)
     if not survives(top * scale):
         raise InputError(
             f"wind must be one that {top:g} times the largest trim deflection survives"
@@ -142,4 +143,4 @@ def flown_boundary(
         lost, saved = (lost, middle) if survives(middle * scale) else (middle, saved)
         flights += 1
     limit = 0.5 * (lost + saved)
-    return FlownBoundary(limit, limit * scale, 0.5 * (saved - lost), flights)
+    return FlownBoundary(limit, limit * trim, 0.5 * (saved - lost), flights)

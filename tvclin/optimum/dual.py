@@ -46,11 +46,15 @@ def best_multipliers(window: Window) -> SignedSum:
     -----
     Where a real pole p is so fast that the others count only after p t = 700, their multipliers
     cannot be told from zero. What the fast pole does to the peak is then over long before, and
-    a slower pole that asks for the same peak stands in for it.
+    a slower pole that asks for the same peak stands in for it. Where that is so of all poles but
+    the slowest, they alone decide, and the slowest is met by a switch long after.
     """
     best = _from_grid(window)
     if _misfit(window, best) < _ARRIVED:
         return best
+    last = _slowest_last(window)
+    if last is not None and _misfit(window, last) < _ARRIVED:
+        return last
     c = window.constraints
     fast = int(np.argmax(c.decays))
     place = int(np.argmax(np.real(c.poles)))
@@ -62,6 +66,36 @@ def best_multipliers(window: Window) -> SignedSum:
     found = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
     moments = c.moments(np.concatenate([[0.0], found.zeros, [window.end]])) @ found.signs
     return SignedSum(found.multipliers, found.zeros, found.signs, found.norm, moments)
+
+
+def _slowest_last(window: Window) -> SignedSum | None:
+    """The sum without the slowest real pole, and one switch more, which meets that pole.
+
+    No deflection has a smaller peak than the others need. So this is the answer if the conditions
+    at the others do not feel the switch. None where there is no such pole or switch.
+    """
+    c = window.constraints
+    place, row = int(np.argmin(np.real(c.poles))), int(np.argmin(c.decays))
+    poles, demands = np.delete(c.poles, place), np.delete(c.demands, row)
+    if c.pulsations[row] or not np.any(demands):
+        return None
+    poles = poles if np.any(np.imag(poles)) else np.real(poles)
+    found = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
+    pole, end = float(c.decays[row]), window.end
+    moments = c.moments(np.concatenate([[0.0], found.zeros, [end]]))[row]
+    side = found.signs[-1]
+    beyond = 0.5 * side * (moments @ found.signs - c.demands[row] / found.norm)
+    if not 0.0 < beyond < moments[-1]:
+        return None
+    time = -np.log(pole * beyond + np.exp(-pole * end)) / pole
+    zeros, signs = np.append(found.zeros, time), np.append(found.signs, -side)
+    return SignedSum(
+        np.insert(found.multipliers, row, 0.0),
+        zeros,
+        signs,
+        found.norm,
+        c.moments(np.concatenate([[0.0], zeros, [end]])) @ signs,
+    )
 
 
 def _from_grid(window: Window) -> SignedSum:
@@ -127,6 +161,8 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
         first, late = int(later[0]), moments[:, later[0] :]
         cost = -(prices[known] @ late[known])
         unit, sizes = np.abs(cost).sum(), np.abs(late).sum(axis=1)
+        if not np.all(sizes[~known] > 0.0):
+            break
         left = found[0][-1] * demands - moments[:, :first] @ levels[:first]
         rows, left = late[~known] / sizes[~known, None], left[~known] / sizes[~known]
         stage = _linear_program(cost / unit, rows, left)
@@ -238,8 +274,10 @@ def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
 def _misfit(window: Window, found: SignedSum) -> float:
     """Largest violation of a condition by the deflection L1 sgn(lambda . e), relative."""
     demands = window.constraints.demands
-    sizes = found.norm * window.sizes + np.abs(demands)
-    return float((np.abs(found.norm * found.moments - demands) / sizes).max())
+    with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
+        sizes = found.norm * window.sizes + np.abs(demands)
+        misfits = np.abs(found.norm * found.moments - demands) / sizes
+    return float(np.where(np.isnan(misfits), np.inf, misfits).max())
 
 
 def _newton(window: Window, found: SignedSum) -> SignedSum:

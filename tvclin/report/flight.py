@@ -17,7 +17,8 @@ from tvclin.report.blocks import (
 from tvclin.report.figures import inline_svg
 from tvclin.report.findings import Findings
 from tvclin.sizing import DeflectionTotal, Sizing
-from tvclin.sizing.record import STEADY, VARYING
+from tvclin.sizing.notes import STEADY
+from tvclin.sizing.record import VARYING
 
 _TITLE = "The whole flight"
 
@@ -114,22 +115,28 @@ def _total(total: DeflectionTotal, counted: str) -> Table:
     if total.reserve:
         kept = ("limit that keeps ", *number("total.reserve_percent", 100 * total.reserve, 1, "%"))
         rows.append(((*kept, " in reserve"), ("",), degrees("total.required", total.required)))
-    at = f"All that the nozzle has to do at the worst flight time, {total.time:g} s"
+    known = " of those that are known" if total.not_sized else ""
+    at = f"All that the nozzle has to do at the worst flight time{known}, {total.time:g} s"
     return Table(at, ("what", "kind", "[deg]"), tuple(rows))
 
 
 def _verdict(total: DeflectionTotal) -> list[Paragraph]:
+    unknown = f" The flight is not sized {', '.join(total.not_sized)}." if total.not_sized else ""
     if total.left is None or total.limit is None:
-        return []
+        return [Paragraph((unknown.strip(),))] if unknown else []
     line: Line
     if total.sufficient:
         beside = " beside the reserve" if total.reserve else ""
         left = degrees("total.left", abs(total.left), unit="deg")
         line = (f" is enough: it leaves{beside} ", *left)
+    elif total.sufficient is None:
+        beside = " beside the reserve" if total.reserve else ""
+        left = degrees("total.left", abs(total.left), unit="deg")
+        line = (f" is not known to be enough: where the winds are known it leaves{beside} ", *left)
     else:
         of = " of the limit that keeps the reserve" if total.reserve else ""
         short = degrees("total.short", total.required - total.limit, unit="deg")
         line = (" is not enough: it is ", *short, f" short{of}")
     limit = degrees("total.limit", total.limit, unit="deg")
-    rest = ". Systematic lines add, random ones in squares."
+    rest = f". Systematic lines add, random ones in squares.{unknown}"
     return [Paragraph(("Over the whole flight the limit of ", *limit, *line, rest))]

@@ -72,7 +72,9 @@ def asked(found: Findings) -> Section | None:
 
 def _short_over_flight(total: DeflectionTotal, limit: float, of: str) -> Line:
     if total.sufficient is None:
-        return (f"Not shown to be enough: what the whole flight{of} needs is not known.",)
+        where = f"the whole flight{of} is not sized {', '.join(total.not_sized)}"
+        have = degrees("verdict.limit", limit, unit="deg")
+        return ("Not shown to be enough: the limit is ", *have, f", but {where}.")
     needed = degrees("verdict.flight", total.required, unit="deg")
     by = degrees("verdict.flight_short", total.required - limit, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")

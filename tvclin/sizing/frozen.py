@@ -122,7 +122,7 @@ def _no_forecast(plant: Plant, wind: History, law: str) -> float:
         return abs(forecast_free_limit(plant, wind).deflection)
     flown = RecoverableAttitudeLaw(plant, design_peak=abs(float(wind.peak)))
     found = closed_loop_boundary(plant, flown, wind, sample_rate=_RATE, highest=_HIGHEST)
-    return found.deflection
+    return abs(found.deflection)
 
 
 def _unstable(plant: Plant) -> int:

@@ -21,7 +21,8 @@ class MeasuredWind:
     of one sign, and what blows to the other side relieves. The vehicle is that of the flight time,
     the wind where the flight met it. With a window only what blows within half of it counts; such
     a wind begins with a jump, and what drift had relieved before is forgotten. Give it to `size` as
-    a wind; its placing is its own.
+    a wind; its placing is its own. Before the first and after the last of its samples the wind is
+    not known: `size` leaves these flight times open.
 
     Attributes
     ----------
@@ -41,6 +42,11 @@ class MeasuredWind:
     def __post_init__(self) -> None:
         if self.window is not None:
             number("window", self.window, positive, "s")
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """The first and the last flight time [s] at which the wind is known."""
+        return float(self.wind.time[0]), float(self.wind.time[-1])
 
     def __call__(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
@@ -103,7 +109,10 @@ def fly_through(
 
 
 def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
-    """Samples from one time to another, with the ends and every change of sign among them."""
+    """Samples from one time to another, with the ends and every change of sign among them.
+
+    A change of sign within rounding of a sample is at the sample.
+    """
     low, high = max(low, float(wind.time[0])), min(high, float(wind.time[-1]))
     if not low < high:
         return np.empty(0), np.empty(0)
@@ -113,4 +122,6 @@ def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
     turns = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)
     part = angles[turns] / (angles[turns] - angles[turns + 1])
     calm = times[turns] + part * (times[turns + 1] - times[turns])
-    return np.insert(times, turns + 1, calm), np.insert(angles, turns + 1, 0.0)
+    apart = (times[turns] < calm) & (calm < times[turns + 1])
+    after = turns[apart] + 1
+    return np.insert(times, after, calm[apart]), np.insert(angles, after, 0.0)

@@ -29,10 +29,13 @@ class PlacedWind:
         The wind in its own time.
     zero : float
         Flight time [s] at its own zero.
+    known : bool
+        Whether it is known at all; what stands for an unknown wind is calm.
     """
 
     history: History
     zero: float
+    known: bool = True
 
     @property
     def calm(self) -> bool:
@@ -68,6 +71,11 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
     return {name: placing.get(name, PLACINGS[0]) for name in winds}
 
 
+def known_times(wind: WindOf) -> tuple[float, float]:
+    """Return the first and the last flight time [s] at which a wind is known."""
+    return wind.known if isinstance(wind, MeasuredWind) else (-np.inf, np.inf)
+
+
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
     """Return a wind placed at a flight time; a measured one has its place already.
 
@@ -91,6 +99,9 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         For a batch of winds, and one that never ends or is zero.
     """
     if isinstance(wind, MeasuredWind):
+        first, last = wind.known
+        if not first <= time <= last:
+            return PlacedWind(wind.wind * 0.0, 0.0, known=False)
         return PlacedWind(wind(vehicle), 0.0)
     history = wind if isinstance(wind, History) else wind(vehicle)
     if not isinstance(history, History) or history.batch:

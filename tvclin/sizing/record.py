@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.errors import missing, one_of
 from tvclin.files import write_text
+from tvclin.sizing.notes import STEADY, notes_of
 from tvclin.sizing.schedule import FlightSchedule
 
 if TYPE_CHECKING:
@@ -23,8 +25,6 @@ FloatArray = NDArray[np.float64]
 TRIM, NO_FORECAST, MINIMUM = "trim", "no forecast", "minimum"
 VARYING = ", varying"
 """What the name of a requirement ends with when parameters vary while the wind blows."""
-STEADY = 0.1
-"""Frozen parameters are doubted where beta or B changes by more than this part of itself."""
 
 
 def beyond_one_pole(slow_mode: FloatArray) -> NDArray[np.bool_]:
@@ -69,7 +69,8 @@ class Sizing:
         By name, required deflections [rad], ``(n, m)``: "trim", "K = 1" and so on, "no forecast",
         "minimum", and, where it was asked for, the same with ", varying" for parameters that vary
         while the wind blows. NaN where one is not defined; `said` tells why. With varying
-        parameters "minimum" is that of one pole, and not defined beyond it.
+        parameters "minimum" is that of one pole, and not defined beyond it. NaN as well where the
+        wind is not known.
     law : str
         What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
         the recoverable-attitude law needs in flight.
@@ -79,6 +80,9 @@ class Sizing:
         When each wind blows [s], ``(n, m)``; NaN in a calm.
     change : ndarray
         By how much beta or B changes while it blows, over its value at the flight time, ``(n, m)``.
+    known_times : ndarray
+        First and last flight time [s] at which each wind is known, ``(m, 2)``: a sounding ends at
+        its last level. Infinite for others.
     covered : ndarray of bool
         Whether the schedule covers the wind; outside, parameters are those of its nearer end.
     slow_mode : ndarray
@@ -101,10 +105,18 @@ class Sizing:
     begins: FloatArray
     ends: FloatArray
     change: FloatArray
+    known_times: FloatArray
     covered: NDArray[np.bool_]
     slow_mode: FloatArray
     edge: FloatArray
     said: tuple[str, ...]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Where the wind is known, ``(n, m)``."""
+        first, last = self.known_times.T
+        times = self.times[:, np.newaxis]
+        return np.asarray((first <= times) & (times <= last))
 
     @property
     def beyond_one_pole(self) -> NDArray[np.bool_]:
@@ -119,13 +131,17 @@ class Sizing:
     @property
     def worst(self) -> dict[str, Worst]:
         """The largest of each requirement, by name; those defined nowhere are left out."""
-        found = {}
-        for name, values in self.required.items():
-            if np.all(np.isnan(values)):
-                continue
-            i, j = np.unravel_index(int(np.nanargmax(values)), values.shape)
-            found[name] = Worst(float(values[i, j]), float(self.times[i]), self.winds[j])
-        return found
+        return self._largest(range(len(self.winds)))
+
+    def worst_in(self, wind: str) -> dict[str, Worst]:
+        """Return the largest of each requirement in one wind, as `worst` has it for all.
+
+        Raises
+        ------
+        InputError
+            For an unknown wind.
+        """
+        return self._largest([self.winds.index(one_of("wind", wind, self.winds))])
 
     @property
     def freezing_error(self) -> dict[str, FloatArray]:
@@ -141,24 +157,12 @@ class Sizing:
     @property
     def notes(self) -> tuple[str, ...]:
         """What the reader should know before believing the numbers; often nothing."""
-        notes = [*self._beyond(), *self.said]
-        if np.any(self.change > STEADY):
-            i, j = np.unravel_index(int(np.nanargmax(self.change)), self.change.shape)
-            notes.append(
-                f"beta or B changes by up to {100 * self.change[i, j]:.0f} % while {self.winds[j]}"
-                f" blows (at {self.times[i]:.6g} s); frozen parameters are doubtful above"
-                f" {100 * STEADY:.0f} %"
-            )
-        if not np.all(self.covered):
-            first, last = self.schedule.span
-            notes.append(
-                f"winds blow outside the schedule, {first:.6g} to {last:.6g} s; parameters are"
-                " there those of its nearer end"
-            )
-        return tuple(notes)
+        return notes_of(self)
 
     def at_times(self, name: str) -> FloatArray:
         """Return a requirement [rad] in the worst wind of each flight time, ``(n,)``.
+
+        Winds in which it is not known do not count; see `not_sized`.
 
         Raises
         ------
@@ -168,6 +172,26 @@ class Sizing:
         values = self.required[one_of("name", name, self.required)]
         with np.errstate(invalid="ignore"):
             return np.fmax.reduce(values, axis=1)
+
+    def not_sized(self, name: str) -> tuple[str, ...]:
+        """Return in words where a requirement is not known in every wind; nothing if it is.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        values = self.required[one_of("name", name, self.required)]
+        first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
+        early, late = self.times < first, self.times > last
+        rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
+        words = {
+            f"above {self.schedule.place(last)}": np.any(late),
+            f"below {self.schedule.place(first)}": np.any(early),
+            f"from {rest.min(initial=np.inf):.6g} to {rest.max(initial=0):.6g} s": rest.size > 1,
+            f"at {rest.max(initial=0):.6g} s": rest.size == 1,
+        }
+        return tuple(word for word, there in words.items() if there)
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return a line for each flight time and wind as CSV, and write it where a path is given.
@@ -229,19 +253,15 @@ class Sizing:
             attrs={"vehicle": self.schedule.vehicle.name, **about},
         )
 
-    def _beyond(self) -> list[str]:
-        beyond = self.beyond_one_pole
-        notes = []
-        for j, wind in enumerate(self.winds):
-            if np.any(beyond[:, j]):
-                i = int(np.argmax(beyond[:, j]))
-                lasts = self.ends[i, j] - self.begins[i, j]
-                notes.append(
-                    f"{wind} ({lasts:.4g} s at {self.times[i]:.6g} s) is beyond the single-pole"
-                    f" theory, which holds for triangles up to {self.edge[i]:.1f} s there: the"
-                    " minimum is the two-pole result, and the dead bands meet the fast pole only"
-                )
-        return notes
+    def _largest(self, winds: Sequence[int]) -> dict[str, Worst]:
+        found = {}
+        for name, values in self.required.items():
+            part = values[:, winds]
+            if np.all(np.isnan(part)):
+                continue
+            i, j = np.unravel_index(int(np.nanargmax(part)), part.shape)
+            found[name] = Worst(float(part[i, j]), float(self.times[i]), self.winds[winds[int(j)]])
+        return found
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         degrees = {f"{_key(k)}_deg": np.degrees(v) for k, v in self.required.items()}
@@ -253,6 +273,7 @@ class Sizing:
             "begins": (self.begins, "s"),
             "ends": (self.ends, "s"),
             "change": (self.change, "1"),
+            "known": (self.known, "1"),
             "covered": (self.covered, "1"),
             "slow_mode": (self.slow_mode, "1"),
             "beyond_one_pole": (self.beyond_one_pole, "1"),

@@ -140,6 +140,13 @@ class FlightSchedule:
         values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
         return np.interp(np.asarray(time), self.times, values)
 
+    def place(self, time: float) -> str:
+        """Return where the flight is at a time [s], in words: its altitude where that is known."""
+        if self.altitude is None:
+            return f"the height at {time:.4g} s"
+        height = float(np.interp(time, self.times, self.height))
+        return f"{height / 1e3:.1f} km ({time:.4g} s)"
+
     @classmethod
     def from_flight(
         cls,

@@ -14,7 +14,14 @@ from tvclin.optimum import single_pole_validity
 from tvclin.plant import MODELS, Plant
 from tvclin.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.sizing.growing import GrowingMode
-from tvclin.sizing.placing import PlacedWind, WindOf, named_winds, place, placings
+from tvclin.sizing.placing import (
+    PlacedWind,
+    WindOf,
+    known_times,
+    named_winds,
+    place,
+    placings,
+)
 from tvclin.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing, beyond_one_pole
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.sizing.varying import VaryingNeed, varying_need
@@ -72,7 +79,7 @@ def size(
     -------
     Sizing
         Frozen at each flight time, as `required_deflection`, `forecast_free_limit` and
-        `optimum_deflection` say it.
+        `optimum_deflection` say it; NaN where a measured wind is not known.
 
     Raises
     ------
@@ -128,6 +135,7 @@ def size(
         slow_mode=slow,
         edge=np.array(edges),
         said=tuple(dict.fromkeys(said)),
+        known_times=np.array([known_times(wind) for wind in named.values()]),
         **_circumstances(schedule, plane, vehicles, placed),
     )
 
@@ -154,13 +162,15 @@ def _circumstances(
 
 def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenNeed:
     if wind.calm:
-        return FrozenNeed(0.0, np.zeros(bands.shape), 0.0, 0.0, np.nan, ())
+        needs = 0.0 if wind.known else np.nan
+        return FrozenNeed(needs, np.full(bands.shape, needs), needs, needs, np.nan, ())
     return frozen_need(plant, wind.history, bands, law)
 
 
 def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray) -> VaryingNeed:
     if wind.calm:
-        return VaryingNeed(0.0, np.zeros(bands.shape), 0.0)
+        needs = 0.0 if wind.known else np.nan
+        return VaryingNeed(needs, np.full(bands.shape, needs), needs)
     return varying_need(mode, wind.in_flight, bands)
 
 

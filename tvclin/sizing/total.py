@@ -6,7 +6,7 @@ A reserve is a part of the available limit that stays unused: total <= (1 - rese
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -65,12 +65,16 @@ class DeflectionTotal:
         Available deflection [rad].
     time : float or None
         Flight time [s] to which the lines belong.
+    not_sized : tuple of str
+        Where along the flight the total is not known, in words, such as "above 24.9 km"; nothing
+        where it is known throughout.
     """
 
     lines: tuple[Line, ...]
     reserve: float = 0.0
     limit: float | None = None
     time: float | None = None
+    not_sized: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         reserve = number("reserve", self.reserve, nonnegative)
@@ -102,8 +106,14 @@ class DeflectionTotal:
 
     @property
     def sufficient(self) -> bool | None:
-        """Whether the limit covers the total and leaves the reserve; None without a limit."""
-        return None if self.limit is None else bool(self.required <= self.limit * (1.0 + 1e-12))
+        """Whether the limit covers the total and leaves the reserve.
+
+        None without a limit, and where it is enough for what is known and not all is known.
+        """
+        if self.limit is None:
+            return None
+        enough = bool(self.required <= self.limit * (1.0 + 1e-12))
+        return None if enough and self.not_sized else enough
 
     @property
     def left(self) -> float | None:
@@ -197,7 +207,8 @@ def worst_total(
     Parameters
     ----------
     sizing : Sizing
-        The winds' requirements; its schedule gives the vehicle and the nominal deflection.
+        The winds' requirements; its schedule gives the vehicle and the nominal deflection. Where
+        one is not known, the total says so in `not_sized`.
     name : str
         Which of its requirements counts as the wind, such as "K = 1".
     dispersion : float
@@ -213,7 +224,8 @@ def worst_total(
     part = number("dispersion", dispersion, nonnegative)
     winds = sizing.at_times(name)
     if np.all(np.isnan(winds)):
-        raise InputError(f"{name} is not defined at any flight time: {'; '.join(sizing.said)}")
+        why = "; ".join(sizing.said or sizing.notes)
+        raise InputError(f"{name} is not defined at any flight time: {why}")
     totals = [
         total_deflection(
             sizing.schedule.at(t),
@@ -225,4 +237,5 @@ def worst_total(
         for t, wind in zip(sizing.times.tolist(), winds.tolist(), strict=True)
         if not np.isnan(wind)
     ]
-    return max(totals, key=lambda one: one.total)
+    worst = max(totals, key=lambda one: one.total)
+    return replace(worst, not_sized=sizing.not_sized(name))

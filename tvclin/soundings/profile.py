@@ -174,8 +174,8 @@ class WindProfile:
         -------
         SampledWind
             In the flight's time, with knots where the flight meets a level of the profile and at
-            the flight's own times. Where profile and flight have no height in common there is no
-            wind.
+            the flight's own times. Where profile and flight have no height in common it is zero,
+            which nobody has measured: the wind is unknown there, not calm.
 
         Raises
         ------

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -15,7 +16,7 @@ from tvclin.margins import CRITERIA, Criteria
 from tvclin.sizing import load_schedule
 from tvclin.study_file.plan import DEFAULT_WIND, GainsAsked, LawsAsked, StudyPlan
 from tvclin.study_file.read_sizing import gust_of, sizing_of
-from tvclin.study_file.sizing import SizingAsked
+from tvclin.study_file.sizing import SizingAsked, SoundingAsked
 from tvclin.vehicle_file import parse_vehicle, vehicle_text
 
 _ALSO_OF_A_FLIGHT = ("model", "plane")
@@ -56,14 +57,18 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
         raise InputError(f"{name}: {error}") from None
 
 
-def load_sizing(source: str | PathLike[str]) -> SizingAsked:
+def load_sizing(
+    source: str | PathLike[str], soundings: Mapping[str, SoundingAsked] | None = None
+) -> SizingAsked:
     """Return what is asked of a flight: by a study file, or a schedule or vehicle with defaults.
 
     Parameters
     ----------
     source : str or path
-        A study file with [schedule], or what `load_schedule` makes a schedule of: then the wind is
-        a triangle of 5 degrees for 7.5 seconds.
+        A study file with [schedule], or what `load_schedule` makes a schedule of.
+    soundings : dict of str to SoundingAsked, optional
+        Winds over height, beside those of a study file. Where neither gives a wind it is a triangle
+        of 5 degrees for 7.5 seconds.
 
     Raises
     ------
@@ -73,15 +78,18 @@ def load_sizing(source: str | PathLike[str]) -> SizingAsked:
     Examples
     --------
     >>> import tvclin as tv
-    >>> tv.load_sizing("configuration-i").times[[0, -1]]
-    array([ 45., 110.])
+    >>> tv.load_sizing("configuration-i").times[[0, 1, -1]]
+    array([ 44.75,  45.  , 112.25])
     """
+    more = dict(soundings or {})
     if _is_study(source):
         asked = load_study(source).sizing
         if asked is None:
             raise InputError(f"{source} has no flight; add [schedule], see tvclin init --study")
-        return asked
-    return SizingAsked(schedule=load_schedule(source), source=str(source), pulses=(DEFAULT_WIND,))
+        return replace(asked, soundings={**asked.soundings, **more})
+    pulses = () if more else (DEFAULT_WIND,)
+    schedule = load_schedule(source)
+    return SizingAsked(schedule=schedule, source=str(source), pulses=pulses, soundings=more)
 
 
 def _is_study(source: str | PathLike[str]) -> bool:

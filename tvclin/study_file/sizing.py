@@ -32,6 +32,8 @@ from tvclin.study import SHAPES
 from tvclin.vehicle import Vehicle
 from tvclin.winds.speed import angle_in_plane
 
+_APART = 1e-9
+"""Steps by which even flight times must differ from the first and the last."""
 _MOST = 10_000
 """Flight times; more are a step that was given in the wrong unit."""
 
@@ -82,7 +84,7 @@ class SizingAsked:
     start, stop : float, optional
         First and last flight time [s]; as far as the schedule covers the whole of the pulses.
     every : float
-        Time between flight times [s].
+        Time between flight times [s]; the last step may be shorter.
     dead_bands : tuple of float
         K of the report's control.
     model, plane, law, varying
@@ -143,7 +145,7 @@ class SizingAsked:
 
     @property
     def times(self) -> NDArray[Any]:
-        """Even flight times [s]; without ends as many as cover the whole of the pulses.
+        """Flight times [s], the first and the last and even ones between; see `start`.
 
         Raises
         ------
@@ -154,19 +156,20 @@ class SizingAsked:
         first, last = self.schedule.span
         if last - first < 2.0 * half:
             half = 0.0
-        low = np.ceil((first + half) / self.every) * self.every
-        low = low if self.start is None else number("the first flight time", self.start)
+        low = first + half if self.start is None else number("the first flight time", self.start)
         high = last - half if self.stop is None else number("the last one", self.stop)
         if high < low:
             raise InputError(
                 f"the last flight time must not be before the first; got {low:g} to {high:g} s"
             )
-        count = (high - low) / self.every
-        if count > _MOST:
+        if (high - low) / self.every > _MOST:
             raise InputError(
                 f"there may be at most {_MOST} flight times; got one every {self.every:g} s"
             )
-        return np.asarray(low + self.every * np.arange(np.floor(count * (1.0 + 1e-12)) + 1))
+        even = np.ceil(low / self.every) * self.every if self.start is None else low
+        between = np.arange(even, high, self.every)
+        apart = np.abs(between - [[low], [high]]).min(axis=0) > _APART * self.every
+        return np.concatenate([[low], between[apart], [high][: int(high > low)]])
 
     @property
     def winds(self) -> dict[str, WindOf]:

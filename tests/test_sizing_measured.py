@@ -1,0 +1,106 @@
+"""Measured winds in a sizing: levels across the flight, and heights where the wind is not known."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.soundings.levels import towards
+
+EAST = np.radians(90)
+
+
+@pytest.fixture(scope="module")
+def flight() -> tv.FlightSchedule:
+    return tv.load_schedule("configuration-i")
+
+
+def test_a_level_exactly_across_the_flight_is_one_without_wind(flight) -> None:
+    """To rounding: neither sine nor cosine of a whole degree is exactly zero."""
+    height = np.linspace(0.0, 45e3, 31)
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        speed, come = rng.uniform(5.0, 50.0, 31), rng.integers(0, 361, 31)
+        come[::3] = rng.choice([0, 180, 360], 11)
+        east, north = towards(speed, np.radians(come))
+        exact = np.where(come % 180 == 0, 0.0, east)
+        met, clean = (
+            tv.fly_through(tv.WindProfile(height=height, east=e, north=north), flight, azimuth=EAST)
+            for e in (east, exact)
+        )
+        for time in (50.0, 66.0, 90.0):
+            vehicle, at = flight.at(time), np.linspace(41.0, 116.0, 301)
+            assert met(vehicle)(at) == pytest.approx(clean(vehicle)(at), abs=1e-13), seed
+
+
+def low(flight: tv.FlightSchedule, **options: object) -> tv.MeasuredWind:
+    """Return what the flight meets in a wind that is known from 5 to 15 km: 46.5 to 73.9 s."""
+    profile = tv.WindProfile(height=[5e3, 10e3, 15e3], east=[10, 40, 30], north=[0, 0, 0])
+    return tv.fly_through(profile, flight, azimuth=EAST, **options)
+
+
+def test_where_the_wind_is_not_known_nothing_is(flight) -> None:
+    met = low(flight)
+    first, last = met.known
+    times = [first - 1.0, first, 60.0, last, last + 1.0, flight.span[1]]
+    gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0)
+    for wind in (met, low(flight, window=8.0), low(flight, window=8.0, gust=gust)):
+        found = tv.size(flight, wind, times=times, dead_bands=1.0, varying=True)
+        known = [False, True, True, True, False, False]
+
+        assert found.known[:, 0].tolist() == known
+        assert found.known_times.tolist() == [[first, last]]
+        for name, values in found.required.items():
+            assert np.isfinite(values[:, 0]).tolist() == known, name
+    assert np.interp([first, last], flight.times, flight.height) == pytest.approx([5e3, 15e3])
+
+
+@pytest.mark.parametrize(("limit", "verdict"), [(None, None), (0.9, None), (0.2, False)])
+def test_a_flight_above_the_last_level_is_never_called_sized(flight, limit, verdict) -> None:
+    """Not beside a wind that is known throughout either; what is too little stays too little."""
+    winds = {"balloon": low(flight), "pulse": tv.TriangularWind(peak=0.05, duration=7.5)}
+    found = tv.size(flight, winds, times=[50.0, 60.0, 80.0], dead_bands=1.0)
+    total = tv.worst_total(found, "K = 1", limit=limit and np.radians(limit))
+    within = tv.size(flight, winds, times=[50.0, 60.0], dead_bands=1.0)
+
+    assert np.isfinite(found.at_times("K = 1")).all()
+    assert total.not_sized == found.not_sized("K = 1") == ("above 15.0 km (73.92 s)",)
+    assert total.sufficient is verdict
+    assert "balloon is known from 5.0 km" in " | ".join(found.notes)
+    all_known = tv.worst_total(within, "K = 1", limit=limit and np.radians(limit))
+    assert (all_known.not_sized, all_known.total) == ((), total.total)
+    assert all_known.sufficient is (None if limit is None else limit > 0.5)
+
+
+def test_a_requirement_that_is_not_defined_at_a_time_is_not_called_covered(flight) -> None:
+    turns = tv.SampledWind(time=[40.0, 60.0, 62.0, 66.0, 70.0], angle=[0.1, 0.1, 0.0, -0.1, 0.0])
+    found = tv.size(flight, turns, times=[50.0, 62.0, 63.0], placing="flight", window=10.0)
+    total = tv.worst_total(found, "K = 1", limit=1.0)
+
+    assert (total.not_sized, total.sufficient) == (("from 62 to 63 s",), None)
+
+
+def test_each_wind_has_its_own_worst(flight) -> None:
+    winds = {k: tv.TriangularWind(peak=p, duration=7.5) for k, p in (("a", 0.02), ("b", -0.06))}
+    found = tv.size(flight, winds, times=[60.0, 80.0], dead_bands=1.0)
+
+    for j, wind in enumerate(winds):
+        alone = tv.size(flight, winds[wind], times=[60.0, 80.0], dead_bands=1.0)
+        for name, worst in found.worst_in(wind).items():
+            assert worst.deflection == alone.worst[name].deflection == found.required[name][0, j]
+            assert (worst.time, worst.wind) == (60.0, wind)
+    assert found.worst["K = 1"] == found.worst_in("b")["K = 1"]
+    with pytest.raises(tv.InputError, match="wind must be one of a, b"):
+        found.worst_in("c")
+
+
+def test_what_is_largest_at_the_first_or_the_last_time_may_be_larger_beyond(flight) -> None:
+    wind = tv.TriangularWind(peak=0.05, duration=7.5)
+    falls = tv.size(flight, wind, times=[80.0, 60.0, 70.0], dead_bands=1.0)
+    vehicle = tv.load_vehicle("configuration-i")
+    rises = tv.FlightSchedule(vehicle.replace(time=[40.0, 90.0], aerodynamic_arm=[5.0, 9.0]))
+    still = tv.FlightSchedule(vehicle.replace(time=[40.0, 90.0]))
+
+    assert falls.notes[-1].startswith("largest at the first flight time, 60 s; before it there")
+    assert "after it" in tv.size(rises, wind, times=[50.0, 60.0]).notes[-1]
+    for none in (tv.size(still, wind, times=[50.0, 60.0]), tv.size(flight, wind, times=60.0)):
+        assert not [note for note in none.notes if "largest at" in note]
