@@ -79,7 +79,8 @@ def test_what_has_no_answer_is_no_yes() -> None:
 def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
     file = tmp_path / "s.toml"
     file.write_text(
-        f"[study]\nvehicle = 'configuration-i'\n[wind]\npeak_deg = 5\nduration_s = 7.5\n[question]\nlimit_deg = {limit}\n"
+        "[study]\nvehicle = 'configuration-i'\n[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+        f"[question]\nlimit_deg = {limit}\n"
         "probability = 0.99\n[campaign]\ncases = 400\n[[dispersion]]\n"
         "parameter = 'normal_force_slope'\nshape = 'truncated'\npercent = 10\n"
     )

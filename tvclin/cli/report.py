@@ -1,9 +1,12 @@
 """`tvclin report`: the whole answer as one page."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from tvclin.report.findings import Findings
 
 
 def report(
@@ -26,25 +29,25 @@ def report(
     """
     from tvclin.files import write_whole
     from tvclin.report import page_of
-    from tvclin.report.questions import sufficient as worst
+    from tvclin.report.questions import all_yes, sufficient
     from tvclin.study_file import example_plan, load_study
 
     plan = example_plan() if source is None else load_study(source)
-    sufficient, doubts = None, plan.sizing.doubts if plan.sizing is not None else []
+    doubts = plan.sizing.doubts if plan.sizing is not None else []
+    findings: list["Findings"] = []
 
     # The page is made within, so that a place that cannot be written is told before the work.
     def write(target: str) -> None:
-        nonlocal sufficient
         page, found = page_of(plan)
         Path(target).write_text(page, encoding="utf-8", newline="")
-        sufficient = worst(found)
+        findings.append(found)
 
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
     if plan.limit is not None:
         said[None] = "NOT known to be sufficient"
-    typer.echo(f"Wrote {output}: {said[sufficient]}.")
+    typer.echo(f"Wrote {output}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:
         typer.echo(f"Note: {doubt}.")
-    if plan.limit is not None and not sufficient:
+    if not all_yes(findings[0]):
         raise typer.Exit(1)

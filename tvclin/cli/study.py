@@ -84,7 +84,7 @@ def study(
     )
     from tvclin.errors import InputError
     from tvclin.report.findings import find
-    from tvclin.report.questions import sufficient
+    from tvclin.report.questions import all_yes
     from tvclin.study_file import load_study
 
     given = {
@@ -119,5 +119,5 @@ def study(
         if dispersed is not None:
             print_dispersed(dispersed)
         print_questions(found)
-    if sufficient(found) is False:
+    if not all_yes(found):
         raise typer.Exit(1)

@@ -45,14 +45,16 @@ def questions(found: Findings) -> tuple[Question, ...]:
 
 
 def sufficient(found: Findings) -> bool | None:
-    """Return whether every answer is yes; None where no limit was given and none is no.
-
-    An answer that is not known is no yes.
-    """
+    """Return whether every answer is yes; None where one is not known, or no limit was given."""
     answers = [one.yes for one in questions(found)]
-    if found.study.limit is None:
-        return False if False in answers else None
-    return all(yes is True for yes in answers)
+    if False in answers:
+        return False
+    return None if found.study.limit is None or None in answers else True
+
+
+def all_yes(found: Findings) -> bool:
+    """Return whether no question has another answer than yes."""
+    return all(one.yes is True for one in questions(found))
 
 
 def _asked(found: Findings) -> Iterator[Question]:
