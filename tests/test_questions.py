@@ -11,7 +11,7 @@ import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.report import verdict
 from tvclin.report.findings import find
-from tvclin.report.questions import questions, sufficient
+from tvclin.report.questions import all_yes, questions, sufficient
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.Criteria.own("loose", aero_margin_dB=3.0)
@@ -45,7 +45,8 @@ def test_a_limit_that_covers_the_wind_alone_is_not_enough_for_a_probability() ->
 def test_too_few_cases_are_no_yes() -> None:
     plan = plan_of(3.0, dispersions=SPREAD)  # 400 cases cannot speak of 99.865 percent
     assert answers(plan) == {"wind": True, "probability": None}
-    assert sufficient(find(plan)) is False
+    assert sufficient(find(plan)) is None
+    assert not all_yes(find(plan))
     assert headline(plan).startswith("Not shown to be enough: too few cases")
 
 

@@ -1,5 +1,7 @@
 """`tvclin report`: the whole answer as one page."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -34,7 +36,7 @@ def report(
 
     plan = example_plan() if source is None else load_study(source)
     doubts = plan.sizing.doubts if plan.sizing is not None else []
-    findings: list["Findings"] = []
+    findings: list[Findings] = []
 
     # The page is made within, so that a place that cannot be written is told before the work.
     def write(target: str) -> None:
