@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import beta
 from typer.testing import CliRunner
 
 import tvclin as tv
@@ -146,6 +147,86 @@ def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, t
     assert peak == pytest.approx(few["flight_peak_attitude"][case], rel=1e-11)
     refused = CliRunner().invoke(app, ["campaign", "show", str(tmp_path), "--output", "flight"])
     assert refused.exit_code == 2
+
+
+@pytest.fixture(scope="module")
+def flown_only(tmp_path_factory):
+    """Trim in winds of very different length; on a fixed path the speed drives nothing."""
+    pytest.importorskip("pyarrow")
+    rows = [
+        {"parameter": "velocity", "percent": 5},
+        {"parameter": "wind_duration", "shape": "uniform", "percent": 60},
+    ]
+    tables = TABLES | {
+        "campaign": HEAD | {"cases": 60},
+        "outputs": {"names": ["flight"]},
+        "question": {"limit_deg": 0.4},
+        "dispersion": rows,
+    }
+    return tv.run_campaign(parse_campaign(tables), tmp_path_factory.mktemp("flown") / "results")
+
+
+def test_losses_are_counted_with_clopper_and_pearsons_interval(flown_only):
+    survived = flown_only.column("flight_survived")
+    lost = int(np.sum(survived == 0.0))
+    assert 0 < lost < 60
+    assert flown_only.flights == (60 - lost, lost)
+    loss = flown_only.loss()
+    assert loss.estimate == lost / 60
+    ends = beta.ppf(0.05, lost, 61 - lost), beta.ppf(0.95, lost + 1, 60 - lost)
+    assert (loss.lower, loss.upper) == pytest.approx(ends)
+    survival = flown_only.survival()
+    assert (survival.lower, survival.upper) == pytest.approx((1.0 - loss.upper, 1.0 - loss.lower))
+
+
+def test_what_drives_loss_is_asked_of_all_flights(flown_only):
+    """The excess of mean ranks of those that are lost, and chance by permutation."""
+    lost = flown_only.column("flight_survived") == 0.0
+    found = flown_only.loss_drivers()
+    assert list(found) == ["wind_duration", "velocity"]
+    for name, one in found.items():
+        ranks = np.argsort(np.argsort(flown_only.column(name))).astype(float)
+        assert one.rank == pytest.approx(np.corrcoef(ranks, lost)[0, 1])
+        rng = np.random.default_rng(1)
+        means = [ranks[rng.permutation(lost)].mean() for _ in range(4000)]
+        chance = 2 * np.mean(np.abs(np.subtract(means, 29.5)) >= abs(ranks[lost].mean() - 29.5))
+        assert one.sure == pytest.approx(max(1.0 - chance, 0.0), abs=0.05)
+    assert found["wind_duration"].rank > 0.5
+    assert found["velocity"].sure < 0.9
+    peaks = flown_only.drivers()
+    assert abs(peaks["wind_duration"]) > abs(peaks["velocity"])
+
+
+def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflections(flown_only):
+    assert flown_only.angles[0] == "flight_peak_attitude"
+    assert flown_only.success() is None
+    assert flown_only.deflections == ("flight_peak_deflection",)
+    with pytest.raises(tv.InputError, match="limit is a deflection, and flight_peak_attitude is"):
+        flown_only.success(0.007)
+    held = flown_only.success(output="flight_peak_deflection")
+    assert held.estimate == flown_only.survival().estimate  # none is larger than 0.36 deg
+    folder = str(flown_only.folder)
+    for arguments in ([], ["--output", "flight_peak_deflection"]):
+        shown = CliRunner().invoke(app, ["campaign", "show", folder, *arguments])
+        assert shown.exit_code == 0
+        assert "inf" not in shown.output
+        assert "nan" not in shown.output
+        assert "are lost" in shown.output
+        assert "loss is driven by" in shown.output
+        assert "wind_duration (+" in shown.output
+        assert ("are enough in" in shown.output) == bool(arguments)
+    document = json.loads(CliRunner().invoke(app, ["campaign", "show", folder, "--json"]).output)
+    lost = flown_only.flights[1]
+    assert document["flights"] == {"survived": 60 - lost, "lost": lost}
+    assert document["loss"] == pytest.approx(vars(flown_only.loss()))
+    assert document["success"] is None
+    assert document["loss_drivers"]["wind_duration"]["sure"] > 0.99
+    case = int(np.argmin(flown_only.column("flight_survived")))
+    replayed = CliRunner().invoke(app, ["campaign", "replay", folder, str(case)])
+    assert "inf" not in replayed.output
+    refused = CliRunner().invoke(app, ["campaign", "show", folder, "--limit-deg", "0.4"])
+    assert refused.exit_code == 2
+    assert not flown_only.quantile(probability=0.99).within(1.0)
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,7 @@ def test_the_boundary_of_a_law_shows_degrees():
         deflection=np.radians(0.4),
         scan=np.array([0.7, 0.9]),
         survives=np.array([False, True]),
+        looked=((0.01, 0.9), (0.001, 0.83)),
         growth=-0.1,
         creeps=False,
         status="ok",
@@ -83,6 +84,8 @@ def test_the_boundary_of_a_law_shows_degrees():
     assert list(cells(found).values()) == [
         ("0.8", "-"),
         ("0.4", "deg"),
+        ("0.01", "-"),
+        ("0.001", "-"),
         ("-0.1", "1/s"),
         ("ok", ""),
     ]

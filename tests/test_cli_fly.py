@@ -54,6 +54,35 @@ def test_the_report_control_is_flown_beside_the_linear_theory():
             assert both[one] == pytest.approx(peak, rel=1e-9)
 
 
+@pytest.mark.parametrize("engine", ["planar", "sixdof"])
+@pytest.mark.parametrize("until", [2, 6])
+def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_end(
+    engine, until, tmp_path
+):
+    if engine == "sixdof":
+        pytest.importorskip("jsbsim")
+    file = tmp_path / "flight.csv"
+    arguments = ("--engine", engine, "--until", until)
+    result = run(*arguments, "--csv", file)
+    assert result.exit_code == 0
+    assert "SURVIVED" in result.stdout
+    assert "the flight ends" not in result.output
+    assert "let go" in result.stdout
+    when = document(*arguments)["let_go_s"]["flown"]
+    rows = np.genfromtxt(file, delimiter=",", skip_header=2)
+    time, attitude = rows[:, 0], rows[:, 1]
+    assert np.all(np.isnan(attitude) == (time > when))
+    step = time[1]
+    assert np.nanargmin(attitude) < np.flatnonzero(time <= when)[-1]
+    assert abs(attitude[time <= when][-1]) < 3.0 * step  # of some deg/s
+    assert np.nanmax(attitude) < 0.1
+    lost = run(*arguments, "--limit-deg", 0.3)
+    assert lost.exit_code == 1
+    assert "NOT SURVIVED" in lost.stdout
+    assert "let go" not in lost.stdout
+    assert "the flight ends" in lost.output
+
+
 def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
     result = run("--limit-deg", 0.3, "--dead-band", 0.5)
 
@@ -116,8 +145,11 @@ def test_six_degrees_along_the_trajectory_are_those_of_one_plane(tmp_path):
     )
     assert "sixdof" in comment
     assert headings.startswith("time [s],attitude: flown [deg],attitude: linear [deg],angle of")
+    shown = np.isfinite(values[:, 1])  # until the limit is let go
+    assert np.all(np.diff(shown.astype(int)) <= 0)
     for column, name in ((1, "attitude"), (3, "angle_of_attack"), (5, "deflection")):
-        np.testing.assert_allclose(values[:, column], np.degrees(flown.outputs[name]), atol=1e-12)
+        expected = np.degrees(np.asarray(flown.outputs[name]))
+        np.testing.assert_allclose(values[shown, column], expected[shown], atol=1e-12)
 
 
 def test_what_is_printed_fits_a_terminal_and_names_what_is_assumed(tmp_path):

@@ -63,9 +63,38 @@ def test_json_equals_the_library(model, factor):
     assert found["peak_angle_of_attack"]["deg"] == pytest.approx(
         np.degrees(loads.peak_angle_of_attack), rel=1e-14
     )
-    for name, time in (("at_wind_end", 7.5), ("at_end", 22.5)):
-        expected = float(attitude(parts, time)[0])
-        assert found["attitude"][name] == {"deg": pytest.approx(expected), "time_s": time}
+    end = found["shown_until"]["time_s"]
+    assert end <= 22.5
+    assert (end == 22.5) == (found["shown_until"]["why"] == "whole")
+    for name, time in (("at_wind_end", 7.5), ("at_end", end)):
+        expected = pytest.approx(float(attitude(parts, time)[0]), abs=1e-9)
+        assert found["attitude"][name] == {"deg": expected, "time_s": time}
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+@pytest.mark.parametrize("factor", [0.5, 1.0, 1.1, 1.5, 3.0])
+def test_a_response_ends_where_the_limit_is_let_go_or_the_vehicle_has_fallen(
+    model, factor, tmp_path
+):
+    file = tmp_path / "response.csv"
+    asked = ("--model", model, "--capability", factor, "--until", 12)
+    found = document(*asked, "--csv", file)
+    end, why = found["shown_until"]["time_s"], found["shown_until"]["why"]
+    left = float(attitude(case(model, factor), end)[0])
+    if why == "let go":
+        assert found["sufficient"]
+        if found["attitude"]["back_at_zero"] is None:  # never on the side of the wind
+            assert end == 7.5
+        else:
+            assert left == pytest.approx(0.0, abs=1e-8)
+            assert end == found["attitude"]["back_at_zero"]["time_s"]
+    if why == "fallen":
+        assert abs(left) == pytest.approx(90.0)
+        assert not found["sufficient"]
+    rows = np.genfromtxt(file, delimiter=",", skip_header=2)
+    assert np.abs(rows[:, 1]).max() <= 90.0 + 1e-6
+    assert rows[-1, 0] == pytest.approx(end)
+    assert ("lets go" in run(*asked).output) == (why == "let go")
 
 
 def test_the_peak_is_the_one_that_the_report_quotes():
@@ -132,7 +161,8 @@ def test_the_csv_is_the_exact_response(tmp_path):
     assert result.exit_code == 0
     comment, headings, *rows = file.read_text(encoding="utf-8").splitlines()
     values = np.array([row.split(",") for row in rows], dtype=float)
-    expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, 15.0, 31))
+    end = document("--model", "drift", "--until", 2)["shown_until"]["time_s"]
+    expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, end, 31))
     assert "Configuration I" in comment
     assert "model drift, K = 1, limit 0.3912 deg" in comment
     assert headings == (

@@ -28,6 +28,7 @@ from tvclin.recoverable import unstable_coordinates
 PEAK = np.radians(5.0)
 NAME = "configuration-i"
 NONE = np.zeros((0,))
+SLOW = tv.Actuator(natural_frequency=20.0)
 SERVO = tv.Actuator(natural_frequency=20.0, damping=0.7)
 EACH_MODEL = pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 TAUS = (2.0, 4.0, 8.0, 20.0)
@@ -256,8 +257,8 @@ def test_where_survival_falls_again_the_limit_is_above_the_highest_that_is_lost(
     assert edge.status == "ok"
     lost = edge.scan[~edge.survives]
     assert np.any(edge.survives & (edge.scan < lost.max()))
-    assert lost.max() < edge.limit < lost.max() + edge.scan[1] - edge.scan[0]
-    for part in (edge.scan[edge.survives][1], lost.max(), 1.0, 1.02 * edge.limit):
+    assert lost.max() < edge.limit < lost.max() + 1e-4
+    for part in (edge.scan[edge.survives][1], 0.99 * lost.max(), 1.0, 1.02 * edge.limit):
         limit = part * plant.coefficients.B * PEAK
         flown = fly(plant, law, turning, [tau + 15.0], deflection_limit=limit)
         survives = np.abs(flown.outputs["attitude"][0]) < 0.1 * PEAK
@@ -267,12 +268,35 @@ def test_where_survival_falls_again_the_limit_is_above_the_highest_that_is_lost(
     assert capped.limit < 0.6 * edge.limit
 
 
+@pytest.mark.parametrize(("nozzle", "window"), [(SLOW, (0.517, 0.536)), (None, (0.5112, 0.5129))])
+def test_an_edge_is_above_every_loss_that_lies_a_little_above_the_scanned_one(nozzle, window):
+    """Windows of loss narrower than a step of the scan, flown at 50 Hz."""
+    plant = plant_of("drift-exact")
+    law = tv.DeadBandLaw(plant_of(), dead_band=0.5)
+    wind = triangle(plant, 8.0)
+    hardware = {"actuator": nozzle, "sample_rate": 50.0}
+    edge = closed_loop_boundary(plant, law, wind, **hardware)
+    assert edge.limit > window[1]
+    assert not edge.monotone
+    step, end = edge.looked[0]
+    limits = np.append(np.linspace(*window, 9), np.arange(edge.limit, end, step))
+    limits *= abs(plant.coefficients.B * wind.peak)
+    flown = tv.fly_many(plant, law, wind, deflection_limit=limits, **hardware).status
+    assert np.any(flown[:9] == "lost")
+    assert np.all(flown[9:] == "survived")
+
+
 def test_the_scan_and_the_ends_of_its_range():
     plant = plant_of()
     wind, law = triangle(plant, 4.0), TrimLaw(plant)
     inner = closed_loop_boundary(plant, law, wind, sample_rate=50.0, lowest=0.3, highest=0.9)
     assert (inner.scan[0], inner.scan[-1]) == (0.3, 0.9)
-    np.testing.assert_allclose(np.diff(inner.scan), 0.01)
+    assert set(np.linspace(0.3, 0.9, 61).round(9)) <= set(inner.scan.round(9))
+    for k, (step, end) in enumerate(inner.looked, start=1):
+        assert step == pytest.approx(0.01 / 16**k)
+        assert end >= inner.limit + 60 * step
+        above = inner.scan[(inner.scan >= inner.limit) & (inner.scan <= end)]
+        assert np.diff(above).max() <= step * (1.0 + 1e-9)
     np.testing.assert_array_equal(inner.survives, inner.scan >= inner.limit)
     assert inner.monotone
     low = closed_loop_boundary(plant, law, wind, sample_rate=50.0, highest=0.65)

@@ -18,6 +18,12 @@ Function = Callable[[FloatArray], FloatArray]
 _COARSE, _BETWEEN, _FINE, _ROUNDS = 2001, 100, 41, 5
 _NOTHING = 1e-9
 """An attitude error below this part of the wind's peak is rounding."""
+_FLOWN = 1e-3
+"""The same of a flight."""
+_FALLEN = np.pi / 2
+"""An attitude error [rad] beyond which nothing is to be shown."""
+LET_GO, FALLEN, WHOLE = "let go", "fallen", "whole"
+"""Why a response is shown no longer: the limit is let go, 90 degrees are exceeded, it was asked."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +77,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
     -----
     Extremes are sought between the samples; nothing depends on how fine a response is written.
     """
-    turned = float(np.sign(-plant.coefficients.mu_alpha * wind.peak)) or 1.0
+    turned = _turned(plant, wind)
     smallest = _NOTHING * abs(float(wind.peak))
 
     def attitude(times: FloatArray) -> FloatArray:
@@ -91,6 +97,93 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
         at_wind_end=at(float(wind.end)) if wind.end <= length else None,
         at_end=at(length),
     )
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Until when [s] a response says anything, and why; `back_at_zero` if that is its end."""
+
+    time: float
+    why: str
+    back_at_zero: Point | None = None
+
+
+def shown_until(
+    plant: Plant, deflection: History, wind: History, longest: float, *, lets_go: bool = True
+) -> Shown:
+    """Return until when the response to a limit that is held for ever is to be shown.
+
+    A limit that is held for ever drives a survivor over to the other side. An autopilot lets go of
+    it when the attitude is back at zero, and so the response ends there. Where the limit turns the
+    vehicle over to the other side at once, it ends with the wind.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant.
+    deflection, wind : History
+        Its inputs [rad]; the wind ends.
+    longest : float
+        The end that was asked for [s].
+    lets_go : bool
+        Whether the limit is enough, so that the last return to zero is the end of its work.
+    """
+    from scipy.optimize import brentq
+
+    back = extremes(plant, deflection, wind, longest).back_at_zero
+    if lets_go and back is not None:
+        return Shown(back.time, LET_GO, back)
+    times = probe_times(0.0, longest, deflection, wind)
+    towards = _turned(plant, wind) * attitude_responses(plant, deflection, wind, times)["attitude"]
+    over = _over(times, towards, wind, _NOTHING) if lets_go else np.inf
+
+    def left(times: FloatArray) -> FloatArray:
+        return _FALLEN - np.abs(attitude_responses(plant, deflection, wind, times)["attitude"])
+
+    fallen = np.flatnonzero(np.abs(towards) > _FALLEN)
+    if not fallen.size or over <= times[fallen[0] - 1]:
+        return Shown(over, LET_GO) if over < longest else Shown(longest, WHOLE)
+    ends = times[fallen[0] - 1], times[fallen[0]]
+    return Shown(float(brentq(lambda t: float(left(np.array([t]))[0]), *ends)), FALLEN)
+
+
+def let_go(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
+    """Return when a limit that is held for ever is let go in a flight [s]; infinite if never.
+
+    Parameters
+    ----------
+    plant, wind : Plant, History
+        What flies.
+    times, attitude : ndarray
+        Samples of a flight that survives [s, rad], ``(n,)``; NaN where there is none.
+
+    Notes
+    -----
+    As of `shown_until`, but between the samples the attitude is taken for straight.
+    """
+    known = np.isfinite(attitude)
+    times, towards = times[known], _turned(plant, wind) * attitude[known]
+    clear = np.where(np.abs(towards) > _FLOWN * abs(float(wind.peak)), towards, 0.0)
+    back = _last_return(lambda t: np.interp(t, times, towards), times, clear)
+    if back is not None:
+        return back.time
+    return _over(times, towards, wind, _FLOWN)
+
+
+def _turned(plant: Plant, wind: History) -> float:
+    """The sign of the attitudes to which a wind turns a vehicle."""
+    return float(np.sign(-plant.coefficients.mu_alpha * wind.peak)) or 1.0
+
+
+def _over(times: FloatArray, towards: FloatArray, wind: History, smallest: float) -> float:
+    """When an attitude that was never on the wind's side goes over to the other; infinite if not.
+
+    From the end of the wind on, for before it leans into the wind.
+    """
+    still = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
+    if not still.size or still[-1] == times.size - 1:
+        return np.inf
+    return max(float(times[still[-1]]), float(wind.end))
 
 
 def probe_times(start: float, stop: float, *histories: History) -> FloatArray:

@@ -57,7 +57,10 @@ class LawTrial:
     creeps : bool
         Whether the law lets that mode creep away, though it survives the wind.
     monotone : bool
-        Whether every limit above one that survives survives as well.
+        Whether every limit that was tried above one that survives survives as well.
+    looked : tuple of pairs of float
+        Steps in which limits were tried above the boundary, and up to where, as of
+        `ClosedLoopBoundary`.
     peak_angle_of_attack, peak_attitude : float
         Largest of 801 samples of a flight at 1.2 times the boundary, over the peak of the wind;
         NaN where there is no boundary, or where they were not asked for.
@@ -72,6 +75,7 @@ class LawTrial:
     growth: float
     creeps: bool
     monotone: bool
+    looked: tuple[tuple[float, float], ...]
     peak_angle_of_attack: float
     peak_attitude: float
 
@@ -206,6 +210,7 @@ def _trial(
         growth=found.growth,
         creeps=found.creeps,
         monotone=found.monotone,
+        looked=found.looked,
         peak_angle_of_attack=largest[0],
         peak_attitude=largest[1],
     )

@@ -25,8 +25,10 @@ from tvclin.campaign.quick import DispersedStudy, disperse_study
 from tvclin.campaign.replay import Replay, replay_case
 from tvclin.campaign.results import CampaignResults
 from tvclin.campaign.statistics import (
+    Driver,
     Quantile,
     Success,
+    loss_drivers,
     quantile_bound,
     sensitivities,
     success_probability,
@@ -42,6 +44,7 @@ __all__ = [
     "DispersedStudy",
     "Dispersion",
     "Dispersions",
+    "Driver",
     "Flight",
     "Quantile",
     "Replay",
@@ -51,6 +54,7 @@ __all__ = [
     "disperse_study",
     "draw",
     "load_campaign",
+    "loss_drivers",
     "open_campaign",
     "quantile_bound",
     "replay_case",

@@ -26,6 +26,8 @@ COLUMNS = {
     "flight_peak_angle_of_attack": "rad",
     "flight_peak_deflection": "rad",
 }
+MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
+"""Angles that are no deflections, with which a deflection limit is not compared."""
 _PATIENCE = 20.0
 """A replayed flight ends so long after its wind, over the fastest unstable pole."""
 

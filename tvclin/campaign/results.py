@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 from tvclin.campaign.cases import nominal
 from tvclin.campaign.chunks import chunk_file, read_columns
 from tvclin.campaign.dispersions import UNITS_OF
+from tvclin.campaign.flights import MOTIONS
 from tvclin.campaign.manifest import Manifest, read_manifest
 from tvclin.campaign.outputs import columns
 from tvclin.campaign.plan import Campaign, checkpoints
 from tvclin.campaign.replay import Replay, replay_case
 from tvclin.campaign.statistics import (
+    Driver,
     Quantile,
     Success,
+    loss_drivers,
     quantile_bound,
     sensitivities,
     success_probability,
@@ -97,6 +100,11 @@ class CampaignResults:
         """Those of `outputs` that are angles [rad]; the first is the answer."""
         return tuple(name for name, unit in columns(self.campaign).items() if unit == "rad")
 
+    @property
+    def deflections(self) -> tuple[str, ...]:
+        """Those of `angles` that are deflections, with which a limit is compared."""
+        return tuple(name for name in self.angles if name not in MOTIONS)
+
     def column(self, name: str) -> NDArray[Any]:
         """Return one column of all finished cases, in the order of the cases.
 
@@ -156,10 +164,21 @@ class CampaignResults:
         Parameters
         ----------
         limit : float, optional
-            That of the campaign without it.
+            That of the campaign without it, for an output that is a deflection.
         output, confidence
             As of `quantile`.
+
+        Raises
+        ------
+        InputError
+            As `quantile`, and for a limit beside an output that is no deflection.
         """
+        name = self._output(output)
+        if name not in self.deflections:
+            if limit is None:
+                return None
+            others = " or ".join(self.deflections)
+            raise InputError(f"limit is a deflection, and {name} is none; ask it of {others}")
         asked = self.campaign.limit if limit is None else limit
         if asked is None:
             return None
@@ -175,21 +194,55 @@ class CampaignResults:
         confidence : float, optional
             As of `quantile`.
         """
+        return self._part_of_flights(0, confidence)
+
+    def loss(self, confidence: float | None = None) -> Success | None:
+        """Return how probable a flight is lost; None where nothing was flown.
+
+        Parameters
+        ----------
+        confidence : float, optional
+            As of `quantile`.
+        """
+        return self._part_of_flights(1, confidence)
+
+    def _part_of_flights(self, which: int, confidence: float | None) -> Success | None:
+        counts = self.flights
+        if counts is None or not sum(counts):
+            return None
+        sure = self._asked(None, confidence)[1]
+        return success_probability(counts[which], sum(counts), sure)
+
+    @property
+    def flights(self) -> tuple[int, int] | None:
+        """How many flights survived and how many are lost; None where nothing was flown."""
         if self.campaign.flight is None:
             return None
         survived = self.column("flight_survived")
-        known = survived[~np.isnan(survived)]
-        sure = self._asked(None, confidence)[1]
-        return success_probability(int(known.sum()), known.size, sure)
+        return int(np.sum(survived == 1.0)), int(np.sum(survived == 0.0))
+
+    def loss_drivers(self) -> dict[str, Driver]:
+        """Return what drives the loss of flights, over all that were flown, the strongest first.
+
+        Nothing where nothing was flown, no flight is lost, or every one is.
+        """
+        if self.campaign.flight is None:
+            return {}
+        survived = self.column("flight_survived")
+        return loss_drivers(self._inputs(~np.isnan(survived)), survived[~np.isnan(survived)] == 0.0)
 
     def drivers(self, output: str | None = None) -> dict[str, float]:
-        """Return the rank correlation of what was dispersed with an output, the strongest first."""
+        """Return the rank correlation of what was dispersed with an output, the strongest first.
+
+        A flight that is lost counts, as worse than any number.
+        """
         values = self.column(self._output(output))
-        good = np.isfinite(values)
-        if not np.any(good):
-            return {}
-        inputs = {name: self.column(name)[good] for name in self.campaign.dispersions.parameters}
-        return sensitivities(inputs, values[good])
+        good = ~np.isnan(values)
+        return sensitivities(self._inputs(good), values[good]) if np.any(good) else {}
+
+    def _inputs(self, which: NDArray[np.bool_]) -> dict[str, FloatArray]:
+        """What was dispersed, of some cases."""
+        return {name: self.column(name)[which] for name in self.campaign.dispersions.parameters}
 
     def convergence(self, output: str | None = None) -> tuple[Quantile, ...]:
         """Return the quantile of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all."""

@@ -159,8 +159,11 @@ def replay(
         return
     inputs = [(k, f"{v:.7g} {units.get(k, '')}") for k, v in one.inputs.items()]
     print_pairs(f"Case {case}: {one.status}", inputs)
-    angles = [(k, _degrees(v)) for k, v in one.outputs.items() if units[k] == "rad"]
-    print_pairs("\nIt needs", angles, columns=1)
+    angles = {k: _degrees(v) for k, v in one.outputs.items() if units[k] == "rad"}
+    for title, motion in (("It needs", False), ("Flown", True)):
+        shown = [(k, angle) for k, angle in angles.items() if k.startswith("flight_") == motion]
+        if shown:
+            print_pairs(f"\n{title}", shown, columns=1)
     if flown:
         said = [(k.replace("_", " "), f"{v:.4f}") for k, v in flown.items()]
         print_pairs(f"\nResponse on the boundary, K = {one.dead_band:g}", said, columns=1)
@@ -228,6 +231,8 @@ def _print_done(found: "CampaignResults") -> None:
 
 
 def _degrees(value: float) -> str:
-    from math import degrees, isnan
+    from math import degrees, isinf, isnan
 
+    if isinf(value):
+        return "lost"
     return "-" if isnan(value) else f"{degrees(value):.4f} deg"

@@ -19,6 +19,7 @@ def summary(
     plan = found.campaign
     required = found.quantile(output, probability, confidence)
     success = found.success(limit, output, confidence)
+    counts, loss = found.flights, found.loss(confidence)
     name, asked = output or found.angles[0], plan.limit if limit is None else limit
     survival = found.survival(confidence)
     worst = found.worst(5, output)
@@ -41,6 +42,9 @@ def summary(
         "limit_deg": None if asked is None else np.degrees(asked),
         "success": None if success is None else vars(success),
         "survival": None if survival is None else vars(survival),
+        "flights": None if counts is None else dict(zip(("survived", "lost"), counts, strict=True)),
+        "loss": None if loss is None else vars(loss),
+        "loss_drivers": {name: vars(one) for name, one in found.loss_drivers().items()},
         "drivers": found.drivers(output),
         "worst": [
             {"case": int(k), "deg": np.degrees(v)} for k, v in zip(worst, answers, strict=True)
@@ -61,24 +65,34 @@ def print_summary(d: dict[str, Any]) -> None:
     """Print that document."""
     from tvclin.cli.output import print_pairs, print_table
 
+    lost = bool(d["output"].startswith("flight_") and d["flights"]["lost"])
     percent, sure = f"{100 * d['probability']:g} %", f"{100 * d['confidence']:g} %"
     pairs = [
         ("cases", f"{d['cases']} of {d['cases_planned']}{'' if d['complete'] else ', unfinished'}"),
         *((f"  {said.split(';')[0]}", str(count)) for said, count in d["statuses"].items()),
-        *([("nominal", f"{d['nominal_deg']:.4f} deg")] if d["nominal_deg"] is not None else []),
-        ("median", f"{d['median_deg']:.4f} deg"),
-        (f"{percent} of the cases", f"{d['estimate_deg']:.4f} deg"),
-        (f"{percent} of flights, {sure} sure", _bound(d["upper_deg"])),
-        ("driven by", ", ".join(f"{k} ({v:+.2f})" for k, v in list(d["drivers"].items())[:5])),
-        ("worst cases", ", ".join(f"{one['case']} ({one['deg']:.4f} deg)" for one in d["worst"])),
+        *([("nominal", _angle(d["nominal_deg"]))] if d["nominal_deg"] is not None else []),
+        ("median", _angle(d["median_deg"])),
+        (f"{percent} of the cases", _angle(d["estimate_deg"])),
+        (f"{percent} of flights, {sure} sure", _bound(d["upper_deg"], lost)),
     ]
-    said = {"success": f"{d['limit_deg'] or 0.0:.4f} deg are enough in", "survival": "survive"}
-    for key, label in said.items():
-        if d[key] is not None:
-            pairs.insert(-2, (label, _share(d[key])))
+    said = {
+        "success": f"{d['limit_deg'] or 0.0:.4f} deg are enough in",
+        "survival": "survive",
+        "loss": "are lost",
+    }
+    pairs += [(label, _share(d[key])) for key, label in said.items() if d[key] is not None]
+    if d["flights"] is not None:
+        pairs.append(("loss is driven by", _loss_drivers(d)))
+    pairs += [
+        ("driven by", ", ".join(f"{k} ({v:+.2f})" for k, v in list(d["drivers"].items())[:5])),
+        ("worst cases", ", ".join(f"{one['case']} ({_angle(one['deg'])})" for one in d["worst"])),
+    ]
     print_pairs(f"{d['vehicle']}, {d['model']}: {d['output']}", pairs, columns=1)
     rows = [
-        [f"{row['cases']}", *(_bound(row[k]) for k in ("lower_deg", "estimate_deg", "upper_deg"))]
+        [
+            f"{row['cases']}",
+            *(_bound(row[k], lost) for k in ("lower_deg", "estimate_deg", "upper_deg")),
+        ]
         for row in d["convergence"]
     ]
     print_table(
@@ -92,7 +106,30 @@ def _share(s: dict[str, float]) -> str:
     return f"{100 * s['estimate']:.2f} % ({100 * s['lower']:.2f} to {100 * s['upper']:.2f} %)"
 
 
-def _bound(value: float) -> str:
+def _loss_drivers(d: dict[str, Any]) -> str:
+    """What drives the loss of flights, as far as the campaign's confidence reaches."""
+    survived, lost = d["flights"]["survived"], d["flights"]["lost"]
+    if not lost or not survived:
+        return "nothing: every flight is lost" if lost else "nothing: no flight is lost"
+    known = {k: v for k, v in d["loss_drivers"].items() if v["sure"] >= d["confidence"]}
+    shown = [f"{k} ({v['rank']:+.2f}, {_sure(v['sure'])} sure)" for k, v in known.items()]
+    return ", ".join(shown[:5]) or "nothing that stands out from chance"
+
+
+def _sure(sure: float) -> str:
+    return "above 99.9 %" if sure > 0.999 else f"{100 * sure:.1f} %"
+
+
+def _angle(value: float) -> str:
     from math import isinf
 
-    return "too few cases to say" if isinf(value) else f"{value:.4f} deg"
+    return "lost" if isinf(value) else f"{value:.4f} deg"
+
+
+def _bound(value: float, lost: bool) -> str:
+    """An angle; where flights are lost there may be no largest."""
+    from math import isinf
+
+    if not isinf(value):
+        return f"{value:.4f} deg"
+    return "none, flights are lost" if lost and value > 0.0 else "too few cases to say"

@@ -162,6 +162,11 @@ def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | Non
     print_table(title, ["over the wind, in deg", "flown", "linear", "difference"], rows)
     words = {True: "SURVIVED", False: "NOT SURVIVED"}
     typer.echo(f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}.")
+    if np.isfinite(flight.let_go[0]):
+        typer.echo(
+            f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
+            "\nzero or beyond; the flight, and what is largest in it, is shown until then."
+        )
 
 
 def _compared(flown: float, linear: float) -> list[str]:
@@ -193,6 +198,7 @@ def _document(
         "limit_deg": deg(case.limit),
         "survived": flight.survived,
         "predicted": flight.predicted,
+        "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
         "peaks_over_the_wind_deg": {
             name: {"flown": flown, "linear": linear}
             for name, (flown, linear) in _peaks(flight).items()

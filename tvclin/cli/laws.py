@@ -102,6 +102,7 @@ def _print(
     title: str, found: list["LawTrial"], limits: dict[str, float | None], names: list[str]
 ) -> None:
     from tvclin.cli.output import print_table
+    from tvclin.closed_loop.boundary import ABOVE, PARTS, STEPS
 
     headings = ["wind", *names, "any law"]
     table = {(one.wind, one.law): one for one in found}
@@ -123,8 +124,17 @@ def _print(
         "any law: none needs less that has no forecast and must also survive when the wind stops"
         " for good at any instant (--cuts); - where the wind changes its sign."
     )
+    one = found[0]
+    scanned = (one.highest - one.lowest) / STEPS
+    typer.echo(
+        f"Tried: limits from {one.lowest:g} to {one.highest:g} in steps of {scanned:.2g}, and above"
+        f" each edge for {ABOVE * scanned:.2g} in steps of {scanned / PARTS:.2g}, nearer still"
+        " finer. A narrower window of losses would not be seen."
+    )
     if not all(one.monotone for one in found):
-        typer.echo("*: some lower limits survive as well; above this one every limit does.")
+        typer.echo(
+            "*: some lower limits survive as well; above this one every limit does that was tried."
+        )
     for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if _doubtful(one)):
         typer.echo(said)
 

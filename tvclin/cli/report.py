@@ -1,7 +1,5 @@
 """`tvclin report`: the whole answer as one page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 

@@ -1,5 +1,6 @@
 """`tvclin respond`: how the attitude of one vehicle answers a wind, exactly."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,7 +21,7 @@ from tvclin.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from tvclin.extremes import Extremes
+    from tvclin.extremes import Extremes, Shown
     from tvclin.loads import Loads
     from tvclin.verdict import Verdict
 
@@ -60,7 +61,7 @@ def respond(
     """
     from tvclin.cli.output import print_json
     from tvclin.errors import positive, within
-    from tvclin.extremes import extremes
+    from tvclin.extremes import extremes, shown_until
     from tvclin.loads import wind_loads
     from tvclin.vehicle_file import load_vehicle
     from tvclin.verdict import judge
@@ -72,14 +73,18 @@ def respond(
     within("--points", points, 2, 1_000_000)
     case = make_case(loaded, wind, duration, peak, dead_band, capability, limit_deg, model, plane)
     verdict = judge(case.plant, case.deflection, case.wind)
-    found = extremes(case.plant, case.deflection, case.wind, length)
+    lets_go = case.sufficient and not verdict.stable
+    shown = shown_until(case.plant, case.deflection, case.wind, length, lets_go=lets_go)
+    found = extremes(case.plant, case.deflection, case.wind, shown.time)
+    if shown.back_at_zero is not None:
+        found = replace(found, back_at_zero=shown.back_at_zero)
     loads = wind_loads(case.plant, case.deflection, case.wind)
     if csv is not None or plot is not None:
-        _write(case, length, points, csv, plot)
+        _write(case, shown.time, points, csv, plot)
     if as_json:
-        print_json(_document(case, found, loads, verdict))
+        print_json(_document(case, found, loads, verdict, shown))
     else:
-        _print(case, found, loads, verdict)
+        _print(case, found, loads, verdict, shown)
 
 
 def _write(case: Case, length: float, points: int, csv: Path | None, plot: Path | None) -> None:
@@ -110,11 +115,15 @@ def _what(case: Case) -> str:
     )
 
 
-def _print(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") -> None:
+def _print(
+    case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
+) -> None:
     import numpy as np
 
     from tvclin.cli.output import print_table
+    from tvclin.extremes import FALLEN, LET_GO
 
+    whole = _covers_the_wind(case, shown)
     angle, when = float(np.degrees(loads.peak_angle_of_attack)), loads.peak_time
     rows = [
         ["largest error, turned by the wind", *_shown(found.with_wind)],
@@ -122,7 +131,10 @@ def _print(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") ->
         ["last back at zero", *_shown(found.back_at_zero)],
         ["attitude when the wind ends", *_shown(found.at_wind_end)],
         ["attitude at the end", *_shown(found.at_end)],
-        ["largest angle of attack in the wind", f"{angle:.4f}", f"{when:.3f}"],
+        [
+            "largest angle of attack in the wind",
+            *([f"{angle:.4f}", f"{when:.3f}"] if whole else _shown(None)),
+        ],
     ]
     typer.echo(_what(case))
     print_table(case.vehicle, ["exact response", "[deg]", "at [s]"], rows)
@@ -132,10 +144,19 @@ def _print(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") ->
     typer.echo(f"{needed}; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
     stable = "stable" if verdict.stable else "not stable"
     typer.echo(f"Held for ever, this deflection is {stable} by (4b); it leaves {verdict.left_over}")
-    if case.sufficient and not verdict.stable:
+    if shown.why == LET_GO:
         typer.echo(
-            "A real autopilot lets go of what is too much when the attitude is back at zero."
+            "An autopilot lets go of what is too much when the attitude is back at zero, or beyond;"
+            f" the response is shown until then, {shown.time:.3f} s."
         )
+    elif shown.why == FALLEN:
+        typer.echo(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
+
+
+def _covers_the_wind(case: Case, shown: "Shown") -> bool:
+    from tvclin.extremes import WHOLE
+
+    return shown.why == WHOLE or shown.time >= float(case.wind.end)
 
 
 def _shown(entry: Any) -> list[str]:
@@ -146,7 +167,9 @@ def _shown(entry: Any) -> list[str]:
     return [f"{float(np.degrees(entry.value)):.4f}", f"{entry.time:.3f}"]
 
 
-def _document(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict") -> dict[str, Any]:
+def _document(
+    case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
+) -> dict[str, Any]:
     import numpy as np
 
     deg = np.degrees
@@ -168,8 +191,11 @@ def _document(case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict")
         "governed_by": case.governs,
         "limit_deg": deg(case.limit),
         "sufficient": case.sufficient,
+        "shown_until": {"time_s": shown.time, "why": shown.why},
         "attitude": points,
-        "peak_angle_of_attack": {
+        "peak_angle_of_attack": None
+        if not _covers_the_wind(case, shown)
+        else {
             "deg": deg(loads.peak_angle_of_attack),
             "time_s": loads.peak_time,
             "relative_to_wind": loads.relative,

@@ -1,9 +1,9 @@
 """One flight of a law that is computed without pause: event-exact.
 
-Knots of the wind, the limit and the switches of the law are hit, not stepped over: scipy's DOP853
-runs from each to the next, and what it did between two steps is looked at afterwards, so that a
-limit which is touched for a moment is hit as well. Corners that leave everything continuous (the
-rate limit and the stop of an actuator, the ends of a lean) are left to its error control.
+Knots of the wind, the limit and the switches of the law, the rate limit and the stop of an
+actuator are hit, not stepped over: scipy's DOP853 runs from each to the next, and what it did
+between two steps is looked at afterwards, so that a limit which is touched for a moment is hit as
+well. The ends of a lean, corners that leave everything continuous, are left to its error control.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,14 +30,34 @@ FloatArray = NDArray[np.float64]
 
 _RTOL, _ATOL = 1e-9, 1e-12
 """Of the solver; the second over the peak of the wind."""
+_NOZZLE = 0.01
+"""Both are so many times as small with an actuator: between its corners steps are long."""
 _MOST = 5000
-"""Switches of the law in one flight."""
+"""Switches of the law and its nozzle in one flight."""
 _LOOKS = 8
 """Looks between two steps of the solver for a mode that ends and returns there."""
 _NEAR = 0.05
 """A look so near the end of the mode, over the limit, may stand beside a touch."""
 _HAIR = 1e-12
 """A law lets go so little late, over the limit: as it engages it must not be at its end."""
+_GRAZE = 1e-9
+"""A nozzle is at its stop so little beyond it, over the limit, for it may come to rest there."""
+
+
+class _Regime(NamedTuple):
+    """On which side (+1, -1; 0 for none) law, rate and nozzle are held: all is smooth meanwhile."""
+
+    mode: float = 0.0
+    rate: float = 0.0
+    stop: float = 0.0
+
+
+class _End(NamedTuple):
+    """How far a regime is past an end of it, ``f(t, states)``, its size, and what follows."""
+
+    past: Callable[[Any, FloatArray], Any]
+    size: float
+    then: _Regime
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,46 +100,67 @@ class ContinuousFlight:
         """
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
-        state, mode = np.zeros(self._size), 0.0
+        state, regime = np.zeros(self._size), _Regime()
         self._check_law(start, state)
         found: list[Arc] = []
         for first, last in pairwise(edges):
             gust = smooth_piece(self.wind, float(first))
             now = float(first)
-            mode = self._mode(now, state, mode, gust)
+            regime = regime._replace(mode=self._mode(now, state, regime.mode, gust))
+            regime = self._taken_up(now, state, regime, gust)
             while now < last:
                 if len(found) > _MOST:
                     raise InputError(
-                        f"the law switches more than {_MOST} times; give a sample_rate to fly it"
+                        f"the law or its nozzle switches more than {_MOST} times; give a"
+                        " sample_rate to fly it"
                     )
-                result = self._solved((now, float(last)), state, mode, gust)
-                found.append(Arc(now, result.sol, mode))
-                touched = self._touched(result, mode, gust)
+                ends = self._ends(regime, gust)
+                result = self._solved((now, float(last)), state, regime, gust, ends)
+                found.append(Arc(now, result.sol, regime.mode))
+                before = regime
+                touched = _touched(result, ends)
                 if touched is not None:
-                    now, mode = touched
+                    now, regime = touched
                     state = result.sol(now)
-                    continue
-                now, state = float(result.t[-1]), result.y[:, -1]
-                if abs(state[0]) >= self.farthest:
-                    return found
-                if result.status == 1:
-                    mode = self._after(mode, 1.0 if result.t_events[0].size else -1.0)
+                else:
+                    now, state = float(result.t[-1]), result.y[:, -1]
+                    if abs(state[0]) >= self.farthest:
+                        return found
+                    if result.status == 1:
+                        regime = next(
+                            end.then
+                            for end, times in zip(ends, result.t_events, strict=False)
+                            if times.size
+                        )
+                if regime.mode != before.mode:
+                    regime = self._taken_up(now, state, regime, gust)
+                if regime.rate and self._servo > 1:
+                    state = state.copy()
+                    state[self._order + 1] = regime.rate * self.rate_limit
         return found
 
-    def _solved(self, span: tuple[float, float], state: FloatArray, mode: float, gust: Any) -> Any:
-        """What the solver finds from a state on, until the mode seems to end or the span does."""
+    def _solved(
+        self,
+        span: tuple[float, float],
+        state: FloatArray,
+        regime: _Regime,
+        gust: Any,
+        ends: list[_End],
+    ) -> Any:
+        """What the solver finds from a state on, until the regime seems to end or the span does."""
         from scipy.integrate import solve_ivp
 
+        sharp = 1.0 if self.actuator is None else _NOZZLE
         result = solve_ivp(
             self._rates,
             span,
             state,
             method="DOP853",
-            rtol=_RTOL,
-            atol=_ATOL * abs(float(self.wind.peak)),
+            rtol=sharp * _RTOL,
+            atol=sharp * _ATOL * abs(float(self.wind.peak)),
             dense_output=True,
-            events=self._events(mode),
-            args=(mode, gust),
+            events=[*(_event(end) for end in ends), _beyond(self.farthest)],
+            args=(regime, gust),
         )
         time = float(result.t[-1])
         if result.status < 0:
@@ -153,14 +194,18 @@ class ContinuousFlight:
     def _servo(self) -> int:
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
 
-    def _seen(self, t: Any, states: FloatArray, wind: Any) -> Seen:
+    def _seen(self, t: Any, states: FloatArray, wind: Any, regime: _Regime | None = None) -> Seen:
         path = states[2] if self._order > 2 else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self._order], wind)
-        shown = np.nan if self.actuator is None else self._nozzle(states)
+        shown = np.nan if self.actuator is None else self._nozzle(states, regime)
         return Seen(states[0], states[1], path, alpha, shown)
 
-    def _nozzle(self, states: FloatArray) -> Any:
-        return np.clip(states[self._order], -self.limit, self.limit)
+    def _nozzle(self, states: FloatArray, regime: _Regime | None = None) -> Any:
+        """The deflection [rad]; within a regime it is smooth, even a step of the solver too far."""
+        position = states[self._order]
+        if regime is None:
+            return np.clip(position, -self.limit, self.limit)
+        return regime.stop * self.limit + 0.0 * position if regime.stop else position
 
     def _check_law(self, start: float, rest: FloatArray) -> None:
         """Without an actuator the deflection follows from the demand, and not the other way."""
@@ -179,12 +224,11 @@ class ContinuousFlight:
         demand = mode * self.limit if mode else self._demand(states, seen)
         return np.clip(demand, -self.limit, self.limit)
 
-    def _rates(self, t: float, states: FloatArray, mode: float, gust: Any) -> FloatArray:
+    def _rates(self, t: float, states: FloatArray, regime: _Regime, gust: Any) -> FloatArray:
         order = self._order
         wind = gust(t)
-        seen = self._seen(t, states, wind)
-        demand = self._demand(states, seen)
-        command = mode * self.limit if mode else float(demand)
+        seen = self._seen(t, states, wind, regime)
+        command = float(self._command(states, seen, regime))
         if not isfinite(command):
             raise InputError(
                 f"the flight lost its numbers near t = {t:.6g} s: the deflection that the law asks"
@@ -193,9 +237,14 @@ class ContinuousFlight:
         deflection = command
         rates = np.zeros(states.size)
         if self.actuator is not None:
-            servo = states[order : order + self._servo]
             deflection = float(seen.deflection)
-            rates[order : order + self._servo] = self._servo_rates(servo, command)
+            pull = self._pull(states, command)
+            if regime.rate:
+                rates[order] = regime.rate * self.rate_limit
+            elif self._servo == 1:
+                rates[order] = pull
+            else:
+                rates[order : order + 2] = states[order + 1], pull
         rates[:order] = self.equations.rates(t, states[:order], deflection, wind)
         F, G = self._memory
         if len(F):
@@ -203,16 +252,17 @@ class ContinuousFlight:
             rates[order + self._servo :] = F @ memory + G @ np.array([*seen[:4], deflection])
         return rates
 
-    def _servo_rates(self, servo: FloatArray, command: float) -> FloatArray:
+    def _command(self, states: FloatArray, seen: Seen, regime: _Regime) -> Any:
+        return regime.mode * self.limit if regime.mode else self._demand(states, seen)
+
+    def _pull(self, states: FloatArray, command: Any) -> Any:
+        """What the servo does of itself: the rate of its last state."""
         assert self.actuator is not None
-        most, w = self.rate_limit, float(np.asarray(self.actuator.natural_frequency))
+        w, order = float(np.asarray(self.actuator.natural_frequency)), self._order
         if self.actuator.damping is None:
-            return np.clip([w * (command - servo[0])], -most, most)
-        pull = w * w * (command - servo[0])
-        pull -= 2.0 * float(np.asarray(self.actuator.damping)) * w * servo[1]
-        if abs(servo[1]) >= most and pull * servo[1] > 0.0:
-            pull = 0.0
-        return np.array([min(max(servo[1], -most), most), pull])
+            return w * (command - states[order])
+        drag = 2.0 * float(np.asarray(self.actuator.damping)) * w
+        return w * w * (command - states[order]) - drag * states[order + 1]
 
     @cached_property
     def _memory(self) -> tuple[FloatArray, FloatArray]:
@@ -223,60 +273,102 @@ class ContinuousFlight:
         found = switched(self.law, np.asarray(demand), np.asarray(mode), np.asarray(self.limit))
         return float(found)
 
-    def _past(self, t: Any, states: FloatArray, gust: Any, mode: float, side: float) -> Any:
+    def _taken_up(self, t: float, states: FloatArray, regime: _Regime, gust: Any) -> _Regime:
+        """The regime after the command may have jumped: the rate is held at its limit, or not."""
+        if self.actuator is None or self.rate_limit == np.inf:
+            return regime
+        seen = self._seen(t, states, gust(t), regime)
+        pull = float(self._pull(states, self._command(states, seen, regime)))
+        side, rate = np.sign(pull), pull if self._servo == 1 else float(states[self._order + 1])
+        held = side * rate >= self.rate_limit * (1.0 - _HAIR)
+        return regime._replace(rate=float(side) if held else 0.0)
+
+    def _ends(self, regime: _Regime, gust: Any) -> list[_End]:
+        """The ends of a regime."""
+        ends = [self._mode_end(regime, gust, side) for side in _sides(regime.mode)]
+        if self._servo and self.rate_limit < np.inf:
+            ends += [self._rate_end(regime, gust, side) for side in _sides(regime.rate)]
+        if self._servo > 1:  # of first order the nozzle never overshoots its command
+            ends += [self._stop_end(regime, side) for side in _sides(regime.stop)]
+        return ends
+
+    def _mode_end(self, regime: _Regime, gust: Any, side: float) -> _End:
+        then = regime._replace(mode=0.0 if regime.mode else side)
+        return _End(lambda t, x: self._past(t, x, gust, regime, side), self.limit, then)
+
+    def _rate_end(self, regime: _Regime, gust: Any, side: float) -> _End:
+        most, order, first = self.rate_limit, self._order, self._servo == 1
+        then = regime._replace(rate=0.0 if regime.rate else side)
+        if not regime.rate and not first:
+            return _End(lambda t, x: side * x[order + 1] - most, most, then)
+
+        def pull(t: Any, states: FloatArray) -> Any:
+            seen = self._seen(t, states, gust(t), regime)
+            return side * self._pull(states, self._command(states, seen, regime))
+
+        if not regime.rate:
+            return _End(lambda t, x: pull(t, x) - most, most, then)
+        if first:
+            return _End(lambda t, x: most - pull(t, x), most, then)
+        size = self.limit * float(np.asarray(self.actuator.natural_frequency)) ** 2  # type: ignore[union-attr]
+        return _End(lambda t, x: -pull(t, x), size, then)
+
+    def _stop_end(self, regime: _Regime, side: float) -> _End:
+        limit, order = self.limit, self._order
+        if regime.stop:
+            return _End(lambda t, x: limit - side * x[order], limit, regime._replace(stop=0.0))
+        beyond = limit * (1.0 + _GRAZE)
+        return _End(lambda t, x: side * x[order] - beyond, limit, regime._replace(stop=side))
+
+    def _past(self, t: Any, states: FloatArray, gust: Any, regime: _Regime, side: float) -> Any:
         """How far the demand is past the end of the mode [rad]; the mode ends as this rises."""
-        demand = side * self._demand(states, self._seen(t, states, gust(t)))
-        if mode:
+        demand = side * self._demand(states, self._seen(t, states, gust(t), regime))
+        if regime.mode:
             return (self.law.release - _HAIR) * self.limit - demand
         return demand - self.law.engage * self.limit
 
-    def _events(self, mode: float) -> list[Any]:
-        """What rises through zero where the mode ends."""
-        events = []
-        for side in _sides(mode):
 
-            def past(
-                t: float, states: FloatArray, mode: float, gust: Any, side: float = side
-            ) -> float:
-                return float(self._past(t, states, gust, mode, side))
+def _event(end: _End) -> Any:
+    """What rises through zero where the regime ends, as the solver asks for it."""
 
-            past.terminal = True  # type: ignore[attr-defined]
-            past.direction = 1.0  # type: ignore[attr-defined]
-            events.append(past)
-        return [*events, _beyond(self.farthest)]
+    def past(t: float, states: FloatArray, regime: _Regime, gust: Any) -> float:
+        return float(end.past(t, states))
 
-    def _touched(self, result: Any, mode: float, gust: Any) -> tuple[float, float] | None:
-        """When the mode first ends between two steps that do not show it, and the next mode."""
-        from scipy.optimize import brentq, minimize_scalar
+    past.terminal = True  # type: ignore[attr-defined]
+    past.direction = 1.0  # type: ignore[attr-defined]
+    return past
 
-        parts = np.diff(result.t)[:, np.newaxis] * np.arange(_LOOKS) / _LOOKS
-        times = np.append((result.t[:-1, np.newaxis] + parts).ravel(), result.t[-1])
-        found = []
-        for side in _sides(mode):
 
-            def short(t: Any, side: float = side) -> Any:
-                return -self._past(t, result.sol(t), gust, mode, side)
+def _touched(result: Any, ends: list[_End]) -> tuple[float, _Regime] | None:
+    """When a regime first ends between two steps that do not show it, and what follows."""
+    from scipy.optimize import brentq, minimize_scalar
 
-            left = short(times)
-            least = (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
-            for k in 1 + np.flatnonzero(least & (left[1:-1] < _NEAR * self.limit)):
-                around = (times[k - 1], times[k + 1])
-                best = minimize_scalar(short, bounds=around, options={"xatol": 1e-9})
-                before = np.flatnonzero(left[:k] > 0.0)
-                if best.fun < 0.0 and before.size:
-                    end = float(brentq(short, times[before[-1]], best.x, xtol=1e-13))
-                    found.append((end, self._after(mode, side)))
-                    break
-        return min(found, default=None)
+    parts = np.diff(result.t)[:, np.newaxis] * np.arange(_LOOKS) / _LOOKS
+    times = np.append((result.t[:-1, np.newaxis] + parts).ravel(), result.t[-1])
+    states = result.sol(times)
+    found: list[tuple[float, _Regime]] = []
+    for end in ends:
 
-    def _after(self, mode: float, side: float) -> float:
-        return 0.0 if mode else side
+        def short(t: Any, end: _End = end) -> Any:
+            return -end.past(t, result.sol(t))
+
+        left = -end.past(times, states)
+        least = (left[1:-1] <= left[:-2]) & (left[1:-1] <= left[2:])
+        for k in 1 + np.flatnonzero(least & (left[1:-1] < _NEAR * end.size)):
+            around = (times[k - 1], times[k + 1])
+            best = minimize_scalar(short, bounds=around, options={"xatol": 1e-9})
+            before = np.flatnonzero(left[:k] > 0.0)
+            if best.fun < 0.0 and before.size:
+                when = float(brentq(short, times[before[-1]], best.x, xtol=1e-13))
+                found.append((when, end.then))
+                break
+    return min(found, key=lambda one: one[0], default=None)
 
 
 def _beyond(farthest: float) -> Any:
     """What falls through zero where a flight ends: lost, or its attitude a hair beyond."""
 
-    def left(t: float, states: FloatArray, mode: float, gust: Any) -> float:
+    def left(t: float, states: FloatArray, regime: _Regime, gust: Any) -> float:
         lost = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
         return min(lost, farthest * (1.0 + 1e-6) - abs(float(states[0])))
 

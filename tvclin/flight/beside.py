@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from tvclin.boundary import boundary_limit
 from tvclin.closed_loop import closed_loop_boundary, fly
 from tvclin.deflections import trim_then_hold
 from tvclin.errors import InputError, number, one_of, positive
+from tvclin.extremes import let_go
 from tvclin.flight.answer import OUTPUTS
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import ReportControl
@@ -36,6 +38,8 @@ SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
 _FLY: dict[str, Callable[..., TimeResponseData]] = {"planar": fly_planar, "sixdof": fly_sixdof}
 _HIGHEST = 4.0
+_HAIR = 1e-9
+"""A deflection so near the limit, over the limit, is at it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +57,10 @@ class FlightBeside:
         The wind angle [rad].
     survived, predicted : bool
         Whether the flight survives the wind, and whether the linear theory says so.
+    let_go : tuple of float
+        When the limit of the report's control, which would be held for ever, is let go [s], flown
+        and linear: as the attitude is back at zero, if there it survives. Infinite if it is not
+        while it is watched. The rows are NaN from then on.
     """
 
     times: FloatArray
@@ -61,11 +69,12 @@ class FlightBeside:
     wind: History
     survived: bool
     predicted: bool
+    let_go: tuple[float, float]
 
     def peaks(self, name: str) -> tuple[float, float]:
         """Return the largest size of an output over the wind, flown and linear.
 
-        It is taken over the times at which there is a flight.
+        It is taken over the times at which there are both.
 
         Raises
         ------
@@ -73,7 +82,8 @@ class FlightBeside:
             For an unknown output, and where no time lies in the wind.
         """
         row = OUTPUTS.index(one_of("name", name, OUTPUTS))
-        here = (self.times <= float(self.wind.end)) & np.isfinite(self.flown[row])
+        here = self.times <= float(self.wind.end)
+        here &= np.isfinite(self.flown[row] + self.linear[row])
         if not np.any(here):
             raise InputError("timepts must have some time before the wind ends")
         flown, linear = (np.abs(each[row, here]).max() for each in (self.flown, self.linear))
@@ -156,16 +166,31 @@ def fly_beside(
     options: dict[str, Any] = {"plane": plane, "condition": condition}
     fly_there = _FLY[one_of("engine", engine, ENGINES)]
     survives = ENGINES[engine](vehicle, wind, control, frozen=condition is None, **options)
-    flown = fly_there(vehicle, control, wind, timepts, deflection_limit=limit, **options)
-    times = np.asarray(flown.time)
-    return FlightBeside(
-        times,
-        np.asarray(flown.outputs),
-        _linear(plant, control, wind, times, limit),
-        wind,
-        survives(limit),
-        limit >= least,
+    survived, predicted = survives(limit), limit >= least
+    holds = isinstance(control, ReportControl)
+    with warnings.catch_warnings():
+        if survived and holds:  # over to the other side, where the limit has long been let go
+            warnings.filterwarnings("ignore", message="the flight ends")
+        flown = fly_there(vehicle, control, wind, timepts, deflection_limit=limit, **options)
+    times, rows = np.asarray(flown.time), np.array(flown.outputs)
+    linear = _linear(plant, control, wind, times, limit)
+    ends = tuple(
+        _let_go(plant, wind, times, each, limit) if holds and survivor else np.inf
+        for each, survivor in ((rows, survived), (linear, predicted))
     )
+    return FlightBeside(times, rows, linear, wind, survived, predicted, (ends[0], ends[1]))
+
+
+def _let_go(
+    plant: Plant, wind: History, times: FloatArray, rows: FloatArray, limit: float
+) -> float:
+    """When the limit is let go; the rows become NaN from there on."""
+    flown = np.flatnonzero(np.isfinite(rows[0]))
+    if not flown.size or abs(rows[-1, flown[-1]]) < limit * (1.0 - _HAIR):
+        return np.inf
+    when = let_go(plant, wind, times, rows[0])
+    rows[:, times > when] = np.nan
+    return when
 
 
 def _linear(

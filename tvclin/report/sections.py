@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.deflections import trim_then_hold
-from tvclin.extremes import Point, extremes
+from tvclin.extremes import FALLEN, LET_GO, WHOLE, Point, extremes, shown_until
 from tvclin.histories import History
 from tvclin.loads import wind_loads
 from tvclin.plant import Plant
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 
 _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
-_FINE = 2001
-_LOST = np.pi / 2
-"""A vehicle with this attitude error [rad] is lost; linear equations would only go on and on."""
 _ABOVE = 1.1
 """Without a limit in question, the response is that to so many times what is needed."""
 
@@ -154,18 +151,13 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
     """When a response has said all, and why."""
     wind = blown(found.study)
     longest = _TO_SHOW * float(wind.end)
-    back = extremes(plant, deflection, wind, longest).back_at_zero
-    if back is not None:
-        return (
-            back.time,
-            "It is shown until the attitude is back at zero, where an autopilot lets go.",
-        )
-    times = np.linspace(0.0, longest, _FINE)
-    attitude = attitude_responses(plant, deflection, wind, times)["attitude"]
-    lost = np.flatnonzero(np.abs(attitude) > _LOST)
-    if lost.size:
-        return float(times[lost[0]]), "It is shown until the attitude error exceeds 90 degrees."
-    return longest, "The attitude does not come back to zero in this time."
+    shown = shown_until(plant, deflection, wind, longest)
+    words = {
+        LET_GO: "It is shown until the attitude is back at zero, where an autopilot lets go.",
+        FALLEN: "It is shown until the attitude error exceeds 90 degrees.",
+        WHOLE: "The attitude does not come back to zero in this time.",
+    }
+    return shown.time, words[shown.why]
 
 
 def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
