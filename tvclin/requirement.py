@@ -6,7 +6,7 @@ is none of these too low for
 - the boundary of the control, with the dead band left by trim itself, as in a flight;
 - the minimum over all unstable poles, appendix C, which nothing undercuts;
 - for K = 1, which claims to need no forecast, the bound without one, and the trim law flown where
-  a second mode grows beside the first, for (4b) then speaks of the first alone.
+  the path answers nearly as fast as the attitude, for (4b) speaks of the fastest mode alone.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from tvclin.boundary import (
     NO_FORECAST,
     ROUNDING,
     boundary_alone,
+    leading_pole,
     open_loop_needs,
 )
 from tvclin.cards import Row, card
@@ -43,6 +44,8 @@ TRIM_LAW = "the trim law flown"
 NOTHING = "nothing"
 _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
+_QUICK = 0.1
+"""A path that answers with more than this part of the fastest rate has a say beside it."""
 _TRIES = 12
 _ROUNDS = 3
 _MORE = 1e-6
@@ -108,11 +111,12 @@ def required_deflection(
 
     Notes
     -----
-    The eqs (4b), (17) and (C1). Where two real modes grow, the slower at more than a twentieth of
-    the faster one's rate, the condition of the faster is not enough: the trim law is flown there
+    The eqs (4b), (17) and (C1). The condition (4b) of the fastest mode speaks for the trim law as
+    long as the path is slow. Where a second mode grows at more than a twentieth of that rate, b1 is
+    above a tenth of it, or another requirement is larger than that of (4b), the trim law is flown
     with limits up to the largest trim deflection, with which it is never limited, and the least
-    above which all that were tried survive is required for K = 1. For a pair it is that largest
-    trim deflection, whatever K is.
+    above which all that were tried survive is required for K = 1. (The speed is left out in these
+    flights.) For a pair it is that largest trim deflection, whatever K is.
 
     Examples
     --------
@@ -128,7 +132,10 @@ def required_deflection(
     instance("wind", wind, History, "such as TriangularWind")
     boundary = boundary_alone(plant, wind, K, "literal")
     needs = open_loop_needs(plant, wind, K, boundary)
-    needs[TRIM_LAW] = _trim_law_flown(plant, wind, K, np.max(list(needs.values()), axis=0))
+    least = np.max(list(needs.values()), axis=0)
+    beaten = least > needs[BOUNDARY] * (1.0 + ROUNDING)
+    flies = (K == 1.0) & _can_fly(plant) & (_path_counts(plant) | beaten)
+    needs[TRIM_LAW] = _trim_law_flown(plant, wind, flies, least)
     governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
     most = np.array(needs[BOUNDARY])
     for name in (MINIMUM, NO_FORECAST, TRIM_LAW):
@@ -207,35 +214,45 @@ def survivable_peak(
         return plain(np.asarray(wind.peak * (capability / needed)))
 
 
-def _trim_law_flown(plant: Plant, wind: History, K: FloatArray, least: FloatArray) -> FloatArray:
-    """What the trim law needs flown [rad], at least `least`, where two real modes grow; else 0."""
+def _trim_law_flown(
+    plant: Plant, wind: History, flies: NDArray[np.bool_], least: FloatArray
+) -> FloatArray:
+    """What the trim law needs flown [rad], at least `least`, where it flies; else 0."""
     shape = least.shape
     found = np.zeros(shape)
-    asked = np.broadcast_to((K == 1.0) & _two_grow(plant), shape)
-    if not np.any(asked):
+    if not np.any(flies):
         return found
     trim = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape)
-    which = np.flatnonzero(asked)
+    which = np.flatnonzero(np.broadcast_to(flies, shape))
     held = {
         name: np.broadcast_to(getattr(plant.coefficients, name), shape).ravel()[which]
         for name in Coefficients.__dataclass_fields__
     }
-    some = Plant(Coefficients(**held), plant.model)
+    model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
+    some = Plant(Coefficients(**held), model)
     winds = Piecewise(kernel.take(kernel.spread(wind.pieces, shape), which))
     found.ravel()[which] = _least_flown(some, winds, least.ravel()[which], trim.ravel()[which])
     return found
 
 
-def _two_grow(plant: Plant) -> NDArray[np.bool_]:
-    """Whether two real modes grow, the second at a rate that counts beside the first's."""
-    poles = unstable_poles(plant)
-    if poles.shape[-1] < 2:
-        return np.zeros(poles.shape[:-1], dtype=bool)
-    real = np.all((np.imag(poles) == 0.0) | np.isnan(poles), axis=-1)
-    with np.errstate(invalid="ignore"):
-        second = np.real(poles[..., 1]) > COMPARABLE * np.real(poles[..., 0])
+def _can_fly(plant: Plant) -> NDArray[np.bool_]:
+    """Whether flights of the trim law can be judged: the path is free, and no pair grows."""
+    rate, paired = leading_pole(plant)
     held = np.asarray(plant.coefficients.mu_alpha) > 0.0
-    return np.asarray(real & second & held)
+    return np.asarray((plant.model != "fixed-path") & held & ~paired & ~np.isnan(rate))
+
+
+def _path_counts(plant: Plant) -> NDArray[np.bool_]:
+    """Whether the path has a say beside the fastest mode: in a second one, or by its own pace."""
+    poles = unstable_poles(plant)
+    if not poles.shape[-1]:
+        return np.zeros(plant.batch, dtype=bool)
+    fast = np.real(poles[..., 0])
+    with np.errstate(invalid="ignore"):  # NaN stands for a pole that is not there
+        counts = np.abs(plant.coefficients.b1) > _QUICK * fast
+        if poles.shape[-1] > 1:
+            counts = counts | (np.real(poles[..., 1]) > COMPARABLE * fast)
+    return np.asarray(counts)
 
 
 def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
