@@ -16,9 +16,21 @@ from numpy.typing import NDArray
 from tvclin.autopilot import Actuator
 from tvclin.cards import card
 from tvclin.closed_loop.airframe import Nozzle, steps
-from tvclin.closed_loop.checks import check_flight, check_rate_limit, check_sample_rate
+from tvclin.closed_loop.checks import (
+    check_flight,
+    check_rate_limit,
+    check_sample_rate,
+    check_samples,
+)
 from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
-from tvclin.errors import InputError, number, positive, whole_number
+from tvclin.errors import (
+    InputError,
+    between,
+    number,
+    positive,
+    shown,
+    whole_number,
+)
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -30,6 +42,9 @@ OK = "ok"
 NEVER = "no limit in the range survives"
 ALWAYS = "every limit in the range survives"
 OPEN = "undecided: the highest limit that does not survive is not lost either"
+_LIMITS = (1e-6, 1e6)
+"""Limits that may be tried, over the largest trim deflection."""
+_MOST_CUTS = 1000
 _SCAN = 61
 _ROUNDS = 2
 _CREEPS = 1e-5
@@ -142,8 +157,14 @@ def closed_loop_boundary(
     modes = unstable_coordinates(plant)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
     nozzle = Nozzle(actuator, check_rate_limit(rate_limit), length)
+    check_samples(1.0 / float(modes.poles[0]), length)
     stops = whole_number("cuts", cuts)
-    low, high = number("lowest", lowest, positive), number("highest", highest, positive)
+    if stops > _MOST_CUTS:
+        raise InputError(f"cuts must be at most {_MOST_CUTS}; got {shown(cuts)}")
+    low, high = (
+        number(name, number(name, value, positive), between(*_LIMITS))
+        for name, value in (("lowest", lowest), ("highest", highest))
+    )
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
     B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))
