@@ -52,6 +52,8 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 
+_WIDEST = 1e9
+"""Limits beyond this [rad] mean nothing."""
 OK = "ok"
 STABLE = "no real unstable pole: no deflection is needed"
 NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b), a higher one is not needed"
@@ -185,7 +187,7 @@ def is_sufficient(
     InputError
         As `boundary_limit`, and for a limit of zero.
     """
-    capability = np.abs(nonzero("limit", limit, "rad"))
+    capability = _capability(limit)
     needed = np.abs(boundary_limit(plant, wind, dead_band, switch).deflection)
     enough = capability >= needed * (1.0 - 4.0 * np.finfo(float).eps)
     return enough if enough.ndim else bool(enough)
@@ -216,7 +218,7 @@ def survivable_peak(
     InputError
         As `boundary_limit`, and for a limit of zero.
     """
-    capability = np.abs(nonzero("limit", limit, "rad"))
+    capability = _capability(limit)
     needed = np.abs(boundary_limit(plant, wind, dead_band, switch).deflection)
     with np.errstate(divide="ignore"):
         return plain(np.asarray(wind.peak * (capability / needed)))
@@ -242,6 +244,11 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
     true, triangle = (np.asarray(boundary_limit(plant, w, dead_band).deflection) for w in both)
     with np.errstate(invalid="ignore"):
         return plain(np.asarray(triangle / true - 1.0))
+
+
+def _capability(limit: ArrayLike) -> FloatArray:
+    """Return the size of a limit [rad]."""
+    return np.abs(within("limit", nonzero("limit", limit, "rad"), -_WIDEST, _WIDEST, "rad"))
 
 
 def _trim_for_ever(problem: Problem) -> FloatArray:
