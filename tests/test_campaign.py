@@ -247,7 +247,7 @@ def test_a_study_in_which_no_case_can_be_says_so(nominal):
 
 
 def test_bad_input_to_a_dispersed_study(nominal):
-    with pytest.raises(tv.InputError, match="cases must be one or more"):
+    with pytest.raises(tv.InputError, match="cases must be from 1 to 10000000; got 0"):
         tv.disperse_study(nominal, cases=0)
     with pytest.raises(tv.InputError, match="seed must be an integer"):
         tv.disperse_study(nominal, seed=-1)

@@ -177,7 +177,9 @@ def test_probe_times_show_both_sides_of_every_knot_in_order():
 def test_histories_refuse_what_is_no_number():
     with pytest.raises(tv.InputError, match=r"^t must be finite"):
         tri()([np.nan])
-    with pytest.raises(tv.InputError, match=r"^s must be finite"):
+    with pytest.raises(
+        tv.InputError, match=r"^s must be numbers up to 1e\+100 in size, real or complex; got inf$"
+    ):
         tri().laplace(np.inf)
     with pytest.raises(tv.InputError, match=r"^s must be"):
         tri().laplace("fast")
@@ -272,7 +274,7 @@ def test_a_fast_lag_and_a_slow_one_commute_over_long_pieces():
 
 
 def test_a_history_ends_before_no_time_that_is_no_number():
-    with pytest.raises(tv.InputError, match=r"^time must be a number in s, or inf; got nan$"):
+    with pytest.raises(tv.InputError, match=r"^time must be a number; got nan s$"):
         tri().before(np.nan)
     assert tri().before(np.inf).end == tri().end
 

@@ -69,7 +69,7 @@ def test_the_worst_total_is_that_of_the_flight_time_with_most(configuration_i) -
         ({"thrust_offset": 5.0}, "thrust_offset must be between"),
         ({"gravity_offset": np.nan}, "gravity_offset must be finite"),
         ({"wind": np.nan}, "wind must be finite"),
-        ({"others": (3,)}, "others must be lines"),
+        ({"others": (3,)}, "others must be a tuple of Line"),
     ],
 )
 def test_bad_numbers_are_refused(configuration_i, changes, words) -> None:

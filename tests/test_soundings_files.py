@@ -223,8 +223,8 @@ def test_paths_that_are_no_files_are_refused(tmp_path):
     for path, said in (
         (tmp_path, "is a directory"),
         (tmp_path / "none.csv", "does not exist"),
-        ("a\0b", "cannot be read"),
-        (3, "path must name a file"),
+        ("a\0b", "path must be a path that a file can have"),
+        (3, "path must be a path that a file can have; got 3"),
     ):
         with pytest.raises(tv.InputError, match=said):
             tv.read_sounding(path)

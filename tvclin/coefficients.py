@@ -26,12 +26,15 @@ from tvclin.errors import (
     plain,
     positive,
     together,
+    within,
 )
 from tvclin.vehicle import STANDARD_GRAVITY, Vehicle
 
 FloatArray = NDArray[np.float64]
 
 PLANES = ("pitch", "yaw")
+_LARGEST = 1e18
+"""Of every coefficient, and of one over mu_delta: products of several must not overflow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,6 +79,13 @@ class Coefficients:
     def __post_init__(self) -> None:
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
         together(**checked)
+        for name, array in checked.items():
+            within(name, array, -_LARGEST, _LARGEST)
+        least = np.abs(checked["mu_delta"]).min(initial=np.inf)
+        if least < 1.0 / _LARGEST:
+            raise InputError(
+                f"mu_delta must be at least {1.0 / _LARGEST:g} 1/s^2 in size; got {least:.6g}"
+            )
         for name, array in checked.items():
             object.__setattr__(self, name, plain(array))
 
@@ -142,6 +152,7 @@ class Coefficients:
             C1, C2, b1, b2 and q, as of `Coefficients`.
         """
         beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
+        within("beta", beta, 0.0, _LARGEST, "1/s")
         together(beta=beta, B=B)
         return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
 

@@ -8,10 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
+from os import PathLike, fspath
+from pathlib import Path
+from reprlib import Repr
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+MOST_AXES = 16
+"""Axes of an array; numpy broadcasts at most 32, and some are ours."""
+LATEST = 1e9
+"""Times [s] beyond this can no longer be added to each other without loss."""
+_WIDEST = 60
+"""Characters of what came that a message quotes."""
+_LONGEST_NAME = 255
+"""Characters in the name of a file, at most."""
 
 
 class InputError(ValueError):
@@ -28,21 +40,36 @@ def install(*extras: str) -> str:
     return f'pip install "tvclin[{",".join(extras)}]"'
 
 
+def real(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a float array, which may be infinite; `InputError` for all else."""
+    array = numbers(name, value, unit)
+    _require(name, "a number", array, ~np.isnan(array), unit)
+    return array
+
+
 def finite(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return `value` as a read-only float array; `InputError` unless it is real and finite."""
     return _finite(name, value, unit)[0]
 
 
-def _finite(name: str, value: ArrayLike, unit: str) -> tuple[NDArray[np.float64], float, float]:
-    """The array, its smallest and its largest element; of none, numbers that pass every check."""
+def numbers(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
+    """Return `value` as a float array, whatever its numbers; `InputError` if it is none."""
     try:
         array = np.asarray(value)
         if array.dtype.kind in "bcOSUmMV":
             raise TypeError
         array = np.array(array, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number{_in(unit)}; got {_shown(value)}") from None
+    except Exception:  # whatever a stranger's conversion to an array may raise
+        raise InputError(f"{name} must be a number{_in(unit)}; got {shown(value)}") from None
+    if array.ndim > MOST_AXES:
+        raise InputError(f"{name} must have at most {MOST_AXES} axes; got {array.ndim}")
     array.flags.writeable = False
+    return array
+
+
+def _finite(name: str, value: ArrayLike, unit: str) -> tuple[NDArray[np.float64], float, float]:
+    """The array, its smallest and its largest element; of none, numbers that pass every check."""
+    array = numbers(name, value, unit)
     if not array.size:
         return array, np.inf, -np.inf
     low, high = array.min(), array.max()
@@ -95,16 +122,64 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
     names = list(choices)
     if isinstance(value, str) and value in names:
         return value
-    near = get_close_matches(value, names, n=2, cutoff=0.5) if isinstance(value, str) else []
+    word = isinstance(value, str) and len(value) <= _WIDEST
+    near = get_close_matches(str(value), names, n=2, cutoff=0.5) if word else []
     hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""
-    raise InputError(f"{name} must be one of {', '.join(names)}; got {_shown(value)}{hint}")
+    raise InputError(f"{name} must be one of {', '.join(names)}; got {shown(value)}{hint}")
 
 
 def instance(name: str, value: object, kind: type, maker: str) -> None:
     """Raise `InputError` unless `value` is of the kind asked for; `maker` says how to get one."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {_shown(value)}")
+        raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {shown(value)}")
+
+
+def each(name: str, values: object, kind: type, maker: str) -> tuple[Any, ...]:
+    """Return a tuple or list as a tuple; `InputError` unless it holds nothing but this kind."""
+    if isinstance(values, tuple | list) and all(isinstance(one, kind) for one in values):
+        return tuple(values)
+    raise InputError(f"{name} must be a tuple of {kind.__name__} ({maker}); got {shown(values)}")
+
+
+def different(name: str, values: object) -> tuple[Any, ...]:
+    """Return the tuple; `InputError` unless it holds one or more values, no two of them alike."""
+    try:
+        if isinstance(values, tuple) and 0 < len(values) == len(set(values)):
+            return values
+    except TypeError:  # what cannot be told apart
+        pass
+    raise InputError(f"{name} must be a tuple of one or more different values; got {shown(values)}")
+
+
+def text(name: str, value: object) -> str:
+    """Return `value`; `InputError` unless it is a text of printable characters."""
+    if isinstance(value, str) and value.isprintable():
+        return value
+    raise InputError(f"{name} must be a text of printable characters; got {shown(value)}")
+
+
+def flag(name: str, value: object) -> bool:
+    """Return `value`, numpy's too; `InputError` unless it is True or False."""
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    raise InputError(f"{name} must be True or False; got {shown(value)}")
+
+
+def callable_for(name: str, value: object, what: str) -> None:
+    """Raise `InputError` unless `value` can be called; `what` says for what."""
+    if not callable(value):
+        raise InputError(f"{name} must be a function {what}; got {shown(value)}")
+
+
+def path(name: str, value: object, what: str = "a path that a file can have") -> Path:
+    """Return `value` as a path; `InputError` unless a file can have it."""
+    given = fspath(value) if isinstance(value, str | PathLike) else None
+    if isinstance(given, str) and given and "\0" not in given:
+        found = Path(given)
+        if all(len(part) <= _LONGEST_NAME for part in found.parts):
+            return found
+    raise InputError(f"{name} must be {what}; got {shown(value)}")
 
 
 def single(name: str, batch: tuple[int, ...]) -> None:
@@ -123,6 +198,14 @@ def number(
     return float(array)
 
 
+def fraction(name: str, value: ArrayLike) -> float:
+    """Return `value` as a float; `InputError` unless it is one number above 0 and below 1."""
+    part = number(name, value)
+    if not 0.0 < part < 1.0:
+        raise InputError(f"{name} must be above 0 and below 1; got {part:.6g}")
+    return part
+
+
 def one_row(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     """Return `value` as a float array ``(n,)``; `InputError` unless it is one row, not empty."""
     array = finite(name, value, unit)
@@ -131,10 +214,15 @@ def one_row(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
     return array
 
 
+def times_row(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Return times [s] as `one_row`; `InputError` for any beyond 1e9 s, which no flight lasts."""
+    return within(name, one_row(name, value, "s"), -LATEST, LATEST, "s")
+
+
 def whole_number(name: str, value: object) -> int:
     """Return a whole number, zero or positive, numpy's too; `InputError` otherwise."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise InputError(f"{name} must be an integer, zero or positive; got {_shown(value)}")
+        raise InputError(f"{name} must be an integer, zero or positive; got {shown(value)}")
     return int(value)
 
 
@@ -183,6 +271,15 @@ def _in(unit: str) -> str:
     return f" in {unit}" if unit else ""
 
 
-def _shown(value: object) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else text[:57] + "..."
+def shown(value: object) -> str:
+    """Return what came, as a message quotes it: one short line, whatever the value is."""
+    try:
+        text = " ".join(_BRIEF.repr(value).split())
+    except Exception:  # a value that cannot be written down
+        text = f"something of type {type(value).__name__}"
+    return text if len(text) <= _WIDEST else f"{text[: _WIDEST - 3]}..."
+
+
+_BRIEF = Repr()
+_BRIEF.maxstring = _BRIEF.maxlong = _BRIEF.maxother = 4 * _WIDEST
+_BRIEF.maxlist = _BRIEF.maxtuple = _BRIEF.maxdict = _BRIEF.maxset = _BRIEF.maxfrozenset = _WIDEST

@@ -16,13 +16,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite
+from tvclin.errors import (
+    InputError,
+    finite,
+    real,
+    shown,
+    whole_number,
+)
 from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces
 
 FloatArray = NDArray[np.float64]
 
+_FASTEST = 1e100
+"""Laplace variables beyond this [rad/s] would overflow in products."""
 _PROBES = 8192
 """About so many times, over all knots, are looked at for each rate of a curved history."""
 
@@ -125,9 +133,7 @@ class History(ABC):
 
     def before(self, time: ArrayLike) -> History:
         """Return the history up to `time` [s], zero from there on; an infinite time keeps all."""
-        edge = np.asarray(time, dtype=float)
-        if np.any(np.isnan(edge)):
-            raise InputError(f"time must be a number in s, or inf; got {time!r}")
+        edge = np.maximum(real("time", time, "s"), self.knots[..., 0])
         return Piecewise(kernel.before(self.pieces, edge))
 
     def filter(self, numerator: ArrayLike, denominator: ArrayLike) -> History:
@@ -200,10 +206,12 @@ class History(ABC):
         Shape ``(..., m)``, not decreasing. The left side of a knot is the last floating-point
         number before it.
         """
+        if whole_number("between", between) > _PROBES:
+            raise InputError(f"between must be at most {_PROBES}; got {shown(between)}")
         start, stop = self.knots[..., :-1, np.newaxis], self.knots[..., 1:, np.newaxis]
         inside = start + (stop - start) * (np.arange(between + 1) / (between + 1))
         times = np.concatenate([inside, np.maximum(np.nextafter(stop, -np.inf), start)], axis=-1)
-        flat = times.reshape(*times.shape[:-2], -1)
+        flat = times.reshape(*times.shape[:-2], times.shape[-2] * times.shape[-1])
         return np.concatenate([flat, self.knots[..., -1:]], axis=-1)
 
     def _close_probes(self) -> FloatArray:
@@ -273,9 +281,8 @@ class Piecewise(History):
 
     def __repr__(self) -> str:
         n = self.knots.shape[-1]
-        return (
-            f"Piecewise({n} pieces from {np.min(self.knots):.6g} s to {np.max(self.knots):.6g} s)"
-        )
+        low, high = np.min(self.knots, initial=np.inf), np.max(self.knots, initial=-np.inf)
+        return f"Piecewise({n} pieces from {low:.6g} s to {high:.6g} s)"
 
 
 def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pieces:
@@ -309,9 +316,14 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
 
 
 def _laplace_variable(s: ArrayLike) -> NDArray[Any]:
-    array = np.asarray(s)
-    if array.dtype.kind not in "iufc" or not np.all(np.isfinite(array)):
-        raise InputError(f"s must be finite numbers, real or complex; got {s!r}")
+    try:
+        array = np.asarray(s)
+    except Exception:  # whatever a stranger's conversion to an array may raise
+        array = np.asarray(None)
+    if array.dtype.kind not in "iufc" or not np.all(np.abs(array) <= _FASTEST):
+        raise InputError(
+            f"s must be numbers up to {_FASTEST:g} in size, real or complex; got {shown(s)}"
+        )
     return array.astype(complex if array.dtype.kind == "c" else float)
 
 

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError
+from tvclin.errors import (
+    InputError,
+    ending,
+    instance,
+    nonnegative,
+    number,
+)
 from tvclin.extremes import probe_times, summit
 from tvclin.histories import History
 from tvclin.plant import Plant
@@ -42,7 +48,8 @@ class Loads:
 
     def bending_indicator(self, normal_force_slope: float) -> float:
         """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
-        return abs(normal_force_slope * self.peak_angle_of_attack)
+        slope = number("normal_force_slope", normal_force_slope, nonnegative, "N/rad")
+        return slope * abs(self.peak_angle_of_attack)
 
 
 def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
@@ -58,21 +65,25 @@ def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
     Raises
     ------
     InputError
-        For a batch, and for a wind that never ends.
+        For a batch, for a wind that never ends, and where the attitude grows beyond all numbers.
 
     Notes
     -----
     The report's conclusions say that a control below trim reduces angle of attack and bending
     moment. The peaks are sought between the samples of the exact response.
     """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("deflection", deflection, History, "such as HeldDeflection")
+    instance("wind", wind, History, "such as TriangularWind")
     if plant.batch or deflection.batch or wind.batch:
         raise InputError("wind_loads is for one case; take the elements of the batch one by one")
-    if np.isinf(wind.end):
-        raise InputError("wind must end: the last piece of its history must be zero")
+    ending("wind", wind.end)
     start, end = float(wind.onset), float(np.nextafter(wind.end, -np.inf))
     times = probe_times(start, end, deflection, wind)
     summits = [_largest(plant, deflection, wind, name, times) for name in _NAMES]
     (angle, time), (attitude, _) = summits
+    if not np.isfinite([angle, attitude]).all():
+        raise InputError("the attitude grows beyond all numbers before the wind ends")
     return Loads(angle, time, attitude, abs(angle / float(wind.peak)))
 
 

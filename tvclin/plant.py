@@ -33,6 +33,7 @@ FloatArray = NDArray[np.float64]
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 INPUTS = ("deflection", "wind")
+_OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 
 
 @dataclass(frozen=True)
@@ -114,11 +115,11 @@ class Plant:
         InputError
             For an output or an input that the model does not have.
         """
-        if output == "flight_path_angle" and output not in self.outputs:
+        one_of("output", output, _OUTPUTS)
+        if output not in self.outputs:
             raise InputError(
                 f'model "{self.model}" has no flight_path_angle; {", ".join(MODELS[1:])} have it'
             )
-        one_of("output", output, self.outputs)
         one_of("input", input, INPUTS)
         if output == "attitude":
             return self._attitude(input)
@@ -315,6 +316,7 @@ class Plant:
 
 def available_models(coefficients: Coefficients) -> list[str]:
     """Return the models that exist for these coefficients: (B8) needs an aerodynamic moment."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
     return [name for name in MODELS if name != "drift" or not without_moment]
 

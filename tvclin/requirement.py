@@ -42,6 +42,8 @@ FloatArray = NDArray[np.float64]
 
 TRIM_LAW = "the trim law flown"
 NOTHING = "nothing"
+_WIDEST = 1e9
+"""Limits beyond this [rad] mean nothing."""
 _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
 _QUICK = 0.1
@@ -176,7 +178,7 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
     InputError
         As `required_deflection`, and for a limit of zero.
     """
-    capability = np.abs(nonzero("limit", limit, "rad"))
+    capability = _capability(limit)
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
     enough = np.asarray(covers(capability, needed))
     return enough if enough.ndim else bool(enough)
@@ -208,10 +210,15 @@ def survivable_peak(
     InputError
         As `required_deflection`, and for a limit of zero.
     """
-    capability = np.abs(nonzero("limit", limit, "rad"))
+    capability = _capability(limit)
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
     with np.errstate(divide="ignore"):
         return plain(np.asarray(wind.peak * (capability / needed)))
+
+
+def _capability(limit: ArrayLike) -> FloatArray:
+    """Return the size of a limit [rad]."""
+    return np.abs(within("limit", nonzero("limit", limit, "rad"), -_WIDEST, _WIDEST, "rad"))
 
 
 def _trim_law_flown(

@@ -19,7 +19,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, broadcast, instance, one_of, one_row
+from tvclin.errors import (
+    InputError,
+    broadcast,
+    instance,
+    one_of,
+    shown,
+    times_row,
+)
 from tvclin.histories import History
 from tvclin.kernels import responses
 from tvclin.plant import INPUTS, Plant
@@ -146,7 +153,7 @@ def attitude_responses(
         For times that are not finite, not one row, or none at all, for batches that do not
         broadcast, and for outputs that the model does not have.
     """
-    times = one_row("timepts", timepts, "s")
+    times = times_row("timepts", timepts)
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
@@ -163,8 +170,8 @@ def attitude_responses(
 
 
 def _asked(outputs: Sequence[str], known: tuple[str, ...]) -> tuple[str, ...]:
-    if isinstance(outputs, str) or not outputs:
-        raise InputError(f"outputs must be some of {', '.join(known)}; got {outputs!r}")
+    if not isinstance(outputs, tuple | list) or not outputs:
+        raise InputError(f"outputs must be some of {', '.join(known)}; got {shown(outputs)}")
     asked = {one_of("outputs", label, known) for label in outputs}
     return tuple(label for label in known if label in asked)
 

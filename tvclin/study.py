@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tvclin.boundary import BOUNDARY, PAIR, BoundaryLimit, boundary_limit
 from tvclin.cards import Row, card
 from tvclin.coefficients import Coefficients
+from tvclin.deflections import SWITCHES
 from tvclin.errors import InputError, between, instance, number, one_of, positive, single
 from tvclin.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.histories import History
@@ -162,6 +163,8 @@ class Study:
         """
         shape = SHAPES[one_of("wind", wind, SHAPES)]
         one_of("model", model, MODELS)
+        one_of("switch", switch, SWITCHES)
+        peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
         coefficients = Coefficients.from_vehicle(vehicle, plane)
         single("vehicle", coefficients.batch)

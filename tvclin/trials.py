@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import canonical_gains
 from tvclin.closed_loop import closed_loop_boundary, fly
-from tvclin.errors import number, positive
+from tvclin.errors import (
+    each,
+    flag,
+    instance,
+    number,
+    positive,
+)
 from tvclin.histories import History
 from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
 from tvclin.plant import Plant
@@ -90,7 +96,7 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
     duration : float
         Duration [s] of the triangle, and of each half of the double gusts.
     """
-    tau = number("duration", duration, positive, "s")
+    tau, peak = number("duration", duration, positive, "s"), number("peak", peak, unit="rad")
     triangle = TriangularWind(peak=peak, duration=tau)
     back = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
     rise = triangle.before(tau / 2)
@@ -113,6 +119,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
     with drift they would let its slow mode creep away.
     """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
     gains = canonical_gains(plant.coefficients)
     fixed = Plant.from_coefficients(plant.coefficients)
     laws = (
@@ -151,6 +158,10 @@ def law_trials(
     **hardware
         rate_limit and actuator, as of `closed_loop_boundary`.
     """
+    for name, given, kind in (("laws", laws, Law), ("winds", winds, History)):
+        instance(name, given, Mapping, "by name")
+        each(name, tuple(given.values()), kind, "by name")
+    flag("loads", loads)
     flown = {"sample_rate": sample_rate, **hardware}
     return tuple(
         _trial(plant, (law, laws[law]), (wind, winds[wind]), cuts, loads, flown)

@@ -16,6 +16,7 @@ from tvclin.errors import (
     nonzero,
     plain,
     positive,
+    text,
     together,
     within,
 )
@@ -92,8 +93,7 @@ class Vehicle:
     control_force_slope: float | FloatArray | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.isprintable():
-            raise InputError(f"name must be a text of printable characters; got {self.name!r}")
+        text("name", self.name)
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
         for name in ("time", "control_force_slope"):
             given = getattr(self, name)
@@ -157,12 +157,15 @@ class Vehicle:
             "normal_force_coefficient_slope", normal_force_coefficient_slope, "1/rad"
         )
         axial = nonnegative("axial_force_coefficient", axial_force_coefficient)
-        together(
-            dynamic_pressure=pressure,
-            reference_area=area,
-            normal_force_coefficient_slope=slope,
-            axial_force_coefficient=axial,
-        )
+        given = {
+            "dynamic_pressure": pressure,
+            "reference_area": area,
+            "normal_force_coefficient_slope": slope,
+            "axial_force_coefficient": axial,
+        }
+        together(**given)
+        for name, array in given.items():
+            _plausible(name, array)
         force = pressure * area
         return cls(normal_force_slope=force * slope, axial_force=force * axial, **others)
 

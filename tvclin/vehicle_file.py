@@ -4,10 +4,15 @@ import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
 from os import PathLike, fspath
-from pathlib import Path
 from typing import Any
 
-from tvclin.errors import InputError, number, one_of
+from tvclin.errors import (
+    InputError,
+    number,
+    one_of,
+    shown,
+)
+from tvclin.errors import path as a_path
 from tvclin.files import read_text
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
@@ -68,13 +73,10 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
 
 def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
     """Return the text of a vehicle file and what to call it; as `load_vehicle`."""
-    text = fspath(source) if isinstance(source, str | PathLike) else None
-    if not isinstance(text, str) or not text or "\0" in text:
-        raise InputError(f"vehicle must be a name or a path; got {source!r}")
+    path, text = a_path("vehicle", source, "a name or a path"), fspath(source)
     if text in list_vehicles():
         resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
         return resource.read_text(encoding="utf-8"), text
-    path = Path(text)
     looks_like_a_path = isinstance(source, PathLike) or path.suffix or path.name != text
     if not looks_like_a_path and not path.exists():
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
@@ -103,7 +105,7 @@ def table_of(text: str, source: str, heading: str) -> dict[str, Any]:
         raise InputError(f"{source}: unknown heading or key {key!r} outside [vehicle]")
     table = document.get(heading, {})
     if not isinstance(table, dict):
-        raise InputError(f"{source}: {heading} must be a table [{heading}]; got {table!r}")
+        raise InputError(f"{source}: {heading} must be a table [{heading}]; got {shown(table)}")
     return dict(table)
 
 

@@ -24,7 +24,15 @@ from tvclin.autopilot.doubts import pade_misleads, warn_of_doubts
 from tvclin.autopilot.sizes import LARGEST, LEAST_GAIN, zero_or_sized
 from tvclin.autopilot.systems import closed_loop, open_loop, wind_response
 from tvclin.autopilot.wiring import closed, loop_polynomials
-from tvclin.errors import InputError, broadcast, instance, nonnegative, one_row, plain
+from tvclin.errors import (
+    InputError,
+    broadcast,
+    instance,
+    nonnegative,
+    plain,
+    shown,
+    times_row,
+)
 from tvclin.histories import History
 from tvclin.margins import Loop, Margins, loop_margins
 from tvclin.plant import Plant
@@ -97,7 +105,7 @@ class Autopilot:
         for name, array in {**gains, "delay": delay}.items():
             object.__setattr__(self, name, plain(array))
         if not isinstance(self.actuator, Actuator | None):
-            raise InputError(f"actuator must be an Actuator or None; got {self.actuator!r}")
+            raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
         _ = self.batch  # the shapes go together
         if np.any(np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)):
             raise InputError(f"an autopilot needs a gain; {', '.join(GAINS)} are all zero")
@@ -108,7 +116,7 @@ class Autopilot:
         whole = isinstance(order, int | np.integer) and not isinstance(order, bool)
         if not whole or not 1 <= order <= _HIGHEST_PADE:
             raise InputError(
-                f"pade_order must be an integer from 1 to {_HIGHEST_PADE}; got {order!r}"
+                f"pade_order must be an integer from 1 to {_HIGHEST_PADE}; got {shown(order)}"
             )
 
     @property
@@ -319,7 +327,7 @@ class Autopilot:
         InputError
             For a batch, and for times that are not finite or not one row.
         """
-        times = one_row("timepts", timepts, "s")
+        times = times_row("timepts", timepts)
         self._require_single("respond", plant)
         answer = self.answer(plant, wind)
         name = f"{plant.model} with autopilot"

@@ -8,11 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot.feedback import Autopilot
-from tvclin.errors import InputError, instance, nonnegative, number, positive
+from tvclin.errors import (
+    InputError,
+    between,
+    instance,
+    nonnegative,
+    number,
+    positive,
+)
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
+_HEAVIEST = 1e12
+"""Of a weight, and of one over another."""
 _NEGLIGIBLE = 1e-8
 """A pole nearer to the axis than this part of the largest is left without a cost."""
 
@@ -63,6 +72,10 @@ def lqr_gains(
     }
     costs = [number(name, value, nonnegative) for name, value in weights.items()]
     cost = number("deflection_weight", deflection_weight, positive)
+    for name, weight in zip((*weights, "deflection_weight"), (*costs, cost), strict=True):
+        number(name, weight, between(0.0, _HEAVIEST))
+    if cost * _HEAVIEST < max(costs):
+        raise InputError(f"deflection_weight must be at least 1/{_HEAVIEST:g} of the others")
     on_attitude, on_rate, *on_path = (-_optimal_feedback(plant, costs, cost)).tolist()
     path = sum(on_path)
     return Autopilot(

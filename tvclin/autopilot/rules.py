@@ -12,7 +12,14 @@ from tvclin.autopilot.gains import (
     load_minimum_gains,
 )
 from tvclin.autopilot.optimal import lqr_gains
-from tvclin.errors import InputError, nonnegative, number, one_of
+from tvclin.errors import (
+    InputError,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    single,
+)
 from tvclin.plant import Plant
 
 DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
@@ -61,6 +68,8 @@ def designed_autopilot(
         For a rule and gains together, one gain alone, an unknown rule, a rule with too few numbers
         or too many, and as the rule itself.
     """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    single("plant", plant.batch)
     options["actuator"] = _actuator(actuator_frequency, actuator_damping)
     rule = design, natural_frequency, damping
     if all(gain is None for gain in (attitude_gain, rate_gain, alpha_gain)):

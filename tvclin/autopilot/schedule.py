@@ -12,7 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.autopilot.doubts import warn_of_doubts
 from tvclin.autopilot.feedback import GAINS, Autopilot
 from tvclin.coefficients import Coefficients
-from tvclin.errors import InputError, finite, instance
+from tvclin.errors import (
+    InputError,
+    callable_for,
+    finite,
+    instance,
+)
 from tvclin.margins import Margins, loop_margins
 from tvclin.plant import Plant
 
@@ -83,6 +88,7 @@ class GainSchedule:
         >>> schedule.margins(tv.Plant.from_coefficients(c)).stable.all().item()
         True
         """
+        callable_for("rule", rule, "from coefficients to an Autopilot, such as design_gains")
         return cls(finite("time", time, "s"), rule(coefficients, **arguments))
 
     def at(self, time: ArrayLike) -> Autopilot:

@@ -7,7 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, number, one_of, positive
+from tvclin.errors import (
+    InputError,
+    each,
+    finite,
+    flag,
+    instance,
+    number,
+    one_of,
+    positive,
+)
 from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -44,6 +53,7 @@ class Dispersion:
         one_of("parameter", self.parameter, PARAMETERS)
         one_of("shape", self.shape, SHAPES)
         object.__setattr__(self, "spread", number("spread", self.spread, positive))
+        flag("relative", self.relative)
 
     def deviates(self, normal: FloatArray) -> FloatArray:
         """Return deviations in units of the spread from standard normal ones, ``(n,)``."""
@@ -94,6 +104,8 @@ class Dispersions:
     correlation: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
+        every = each("each", self.each, Dispersion, "one for each parameter")
+        object.__setattr__(self, "each", every)
         names = [one.parameter for one in self.each]
         if len(set(names)) < len(names):
             raise InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
@@ -122,7 +134,16 @@ class Dispersions:
         """
         from scipy.special import ndtri
 
-        normal = ndtri(finite("numbers", numbers))
+        instance("nominal", nominal, Mapping, "of parameters to numbers")
+        drawn = finite("numbers", numbers)
+        if drawn.ndim != 2 or drawn.shape[-1] != len(self.each):
+            raise InputError(
+                f"numbers must have a row of {len(self.each)} for each case; got an array of shape"
+                f" {drawn.shape}"
+            )
+        if np.any((drawn <= 0.0) | (drawn >= 1.0)):
+            raise InputError("numbers must all be above 0 and below 1")
+        normal = ndtri(drawn)
         if self.correlation is not None:
             normal = normal @ self._factor.T
         values, possible = {}, np.ones(len(normal), dtype=bool)
@@ -140,7 +161,7 @@ class Dispersions:
     def _centre(nominal: Mapping[str, Any], one: Dispersion) -> float:
         if nominal.get(one.parameter) is None:
             raise InputError(f"{one.parameter} is dispersed, but has no nominal value here")
-        centre = float(nominal[one.parameter])
+        centre = number(one.parameter, nominal[one.parameter])
         if one.relative and centre == 0.0:
             raise InputError(
                 f"{one.parameter} is zero, and no part of zero can be its spread; give one in"
@@ -150,7 +171,7 @@ class Dispersions:
 
     @property
     def _factor(self) -> FloatArray:
-        matrix = finite("correlation", self.correlation or ())
+        matrix = finite("correlation", () if self.correlation is None else self.correlation)
         size = len(self.each)
         if matrix.shape != (size, size) or not np.allclose(matrix, matrix.T):
             raise InputError(f"correlation must be a symmetric matrix of {size} rows")

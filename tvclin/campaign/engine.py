@@ -17,7 +17,14 @@ from tvclin.campaign.chunks import arrow, chunk_file, flaw, run_chunk, sweep
 from tvclin.campaign.manifest import Manifest, begin, check_versions, read_manifest
 from tvclin.campaign.plan import Campaign, checkpoints
 from tvclin.campaign.results import CampaignResults
-from tvclin.errors import InputError
+from tvclin.errors import (
+    InputError,
+    callable_for,
+    flag,
+    instance,
+    path,
+    shown,
+)
 
 Progress = Callable[[int, int], None]
 Shard = tuple[int, int]
@@ -82,7 +89,10 @@ def run_campaign(
     ...     found.cases, found.complete, round(float(np.degrees(found.quantile().estimate)), 3)
     (300, True, 0.388)
     """
-    place = Path(folder)
+    place = _door(folder, executor, progress)
+    instance("campaign", campaign, Campaign, "see load_campaign")
+    if compiled is not None:
+        flag("compiled", compiled)
     arrow()
     nominal(campaign)
     return _work(begin(campaign, place, compiled), place, executor, shard, progress)
@@ -107,7 +117,7 @@ def resume_campaign(
     InputError
         As `run_campaign`, and when the folder holds no campaign or its manifest was changed.
     """
-    place = Path(folder)
+    place = _door(folder, executor, progress)
     return _work(read_manifest(place), place, executor, shard, progress)
 
 
@@ -124,13 +134,22 @@ def open_campaign(folder: str | PathLike[str]) -> CampaignResults:
     InputError
         When the folder holds no campaign or its manifest was changed.
     """
-    return CampaignResults.read(Path(folder))
+    return CampaignResults.read(path("folder", folder))
 
 
 def damaged(folder: Path, manifest: Manifest) -> dict[int, str]:
     """Return what is wrong with the chunks that are there but cannot be used."""
     there = (k for k in range(manifest.campaign.chunks) if chunk_file(folder, k).exists())
     return {k: said for k in there if (said := flaw(folder, manifest, k)) is not None}
+
+
+def _door(folder: object, executor: object, progress: object) -> Path:
+    """Return the folder as a path; `InputError` unless these are what a run can use."""
+    if executor is not None:
+        instance("executor", executor, Executor, "such as ProcessPoolExecutor")
+    if progress is not None:
+        callable_for("progress", progress, "of the cases done and of all cases")
+    return path("folder", folder)
 
 
 def _work(
@@ -207,8 +226,8 @@ def _shard(text: str | None) -> Shard:
     """Which chunk is the first, and how many further each next one lies."""
     if text is None:
         return 0, 1
-    found = re.fullmatch(r"(\d+)/(\d+)", text)
+    found = re.fullmatch(r"(\d{1,12})/(\d{1,12})", text) if isinstance(text, str) else None
     index, count = (int(part) for part in found.groups()) if found else (0, 0)
     if not 1 <= index <= count:
-        raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {text!r}")
+        raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {shown(text)}")
     return index - 1, count

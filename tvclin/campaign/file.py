@@ -16,6 +16,7 @@ from tvclin.campaign.plan import Campaign
 from tvclin.campaign.tables import dispersions_of, question_of, read_tables, subject_of, winds_of
 from tvclin.campaign.winds import WindEnsemble
 from tvclin.errors import InputError, number
+from tvclin.errors import path as a_path
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
@@ -47,7 +48,7 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
         For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
         offered), and as `Campaign`. One sentence says which and how to mend it.
     """
-    file = Path(path)
+    file = a_path("path", path)
     document = read_tables(file, "write a campaign file with: tvclin campaign init")
     try:
         return parse_campaign(document, file.parent)

@@ -7,8 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator, Autopilot, canonical_gains
+from tvclin.campaign.dispersions import GAINS
 from tvclin.closed_loop import fly
-from tvclin.errors import InputError, number, one_of, positive
+from tvclin.closed_loop.checks import check_rate_limit
+from tvclin.errors import (
+    InputError,
+    instance,
+    number,
+    one_of,
+    positive,
+    single,
+)
 from tvclin.histories import History
 from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
 from tvclin.modes import unstable_modes
@@ -73,8 +82,10 @@ class Flight:
         one_of("law", self.law, LAWS)
         for name in ("deflection_limit", "sample_rate"):
             object.__setattr__(self, name, number(name, getattr(self, name), positive))
-        if self.rate_limit != np.inf:
-            object.__setattr__(self, "rate_limit", number("rate_limit", self.rate_limit, positive))
+        object.__setattr__(self, "rate_limit", check_rate_limit(self.rate_limit))
+        for name in GAINS:
+            if getattr(self, name) is not None or name.startswith(("alpha", "integral")):
+                object.__setattr__(self, name, number(name, getattr(self, name)))
         if (self.attitude_gain is None) != (self.rate_gain is None):
             raise InputError("give attitude_gain and rate_gain, or neither of them")
         if self.law != "autopilot" and (
@@ -92,6 +103,8 @@ class Flight:
 
     def gains(self, plant: Plant) -> dict[str, float]:
         """Return the nominal gains; nothing for a law that has none."""
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        single("plant", plant.batch)
         if self.law != "autopilot":
             return {}
         attitude, rate = self.attitude_gain, self.rate_gain

@@ -14,10 +14,13 @@ from tvclin.coefficients import Coefficients
 from tvclin.errors import (
     InputError,
     between,
+    different,
+    fraction,
     instance,
     number,
     one_of,
     positive,
+    shown,
     single,
     whole_number,
 )
@@ -95,17 +98,22 @@ class Campaign:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         single("vehicle", Coefficients.from_vehicle(self.vehicle, self.plane).batch)
         one_of("model", self.model, MODELS)
+        if not isinstance(self.wind, ShapedWind | WindEnsemble):
+            raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
+        instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
+        if self.flight is not None:
+            instance("flight", self.flight, Flight, "which says how each case is flown")
         self._check_outputs()
         self._check_numbers()
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
 
     def _check_outputs(self) -> None:
-        _some("outputs", self.outputs)
+        different("outputs", self.outputs)
         for name in self.outputs:
             one_of("outputs", name, OUTPUTS)
         if ("flight" in self.outputs) != (self.flight is not None):
             raise InputError('the output "flight" and a [flight] belong together: give both')
-        _some("dead_bands", self.dead_bands)
+        different("dead_bands", self.dead_bands)
         bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
 
@@ -114,12 +122,11 @@ class Campaign:
         whole_number("seed", self.seed)
         for name in ("cases", "chunk"):
             if not 0 < whole_number(name, getattr(self, name)) <= _MOST:
-                raise InputError(f"{name} must be from 1 to 1e10; got {getattr(self, name)}")
+                raise InputError(f"{name} must be from 1 to 1e10; got {shown(getattr(self, name))}")
         if self.method == "latin" and self.cases > _MOST_LATIN:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         for name in ("probability", "confidence"):
-            if not 0.0 < number(name, getattr(self, name)) < 1.0:
-                raise InputError(f"{name} must be above 0 and below 1; got {getattr(self, name)}")
+            fraction(name, getattr(self, name))
         for name in ("limit", "until"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name), positive))
@@ -144,6 +151,8 @@ class Campaign:
 
     def span(self, chunk: int) -> tuple[int, int]:
         """Return the first case of a chunk and how many it has."""
+        if whole_number("chunk", chunk) >= self.chunks:
+            raise InputError(f"chunk must be below {self.chunks}; got {shown(chunk)}")
         first = chunk * self.chunk
         return first, min(self.chunk, self.cases - first)
 
@@ -157,8 +166,3 @@ def checkpoints(chunks: int) -> Iterator[int]:
     while end < chunks:
         end = min(max(end + 1, end + end // 10), chunks)
         yield end
-
-
-def _some(name: str, given: tuple[Any, ...]) -> None:
-    if not isinstance(given, tuple) or not given or len(set(given)) < len(given):
-        raise InputError(f"{name} must be a tuple of one or more different values; got {given!r}")

@@ -18,10 +18,19 @@ from tvclin.campaign.statistics import (
     success_probability,
 )
 from tvclin.campaign.winds import ShapedWind
-from tvclin.errors import InputError, whole_number
+from tvclin.errors import (
+    InputError,
+    fraction,
+    instance,
+    shown,
+    whole_number,
+)
 from tvclin.study import Study
 
 FloatArray = NDArray[np.float64]
+
+_MOST = 10_000_000
+"""Cases that are held in memory at once; a campaign has more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +122,10 @@ def disperse_study(
     >>> bool(found.required.upper > nominal.required_deflection)
     True
     """
-    found = evaluate(_campaign(study, dispersions, cases, seed, method), 0, cases)
+    campaign = _campaign(study, dispersions, cases, seed, method)
+    for name, part in (("probability", probability), ("confidence", confidence)):
+        fraction(name, part)
+    found = evaluate(campaign, 0, cases)
     deflection = found[required_name(study.dead_band)]
     good = ~np.isnan(deflection)
     if not np.any(good):
@@ -136,10 +148,11 @@ def disperse_study(
 def _campaign(
     study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
 ) -> Campaign:
+    instance("study", study, Study, "see Study.from_vehicle")
     if study.gust is not None:
         raise InputError("a study with a gust cannot be dispersed; leave the gust out")
-    if whole_number("cases", cases) == 0:
-        raise InputError("cases must be one or more; got 0")
+    if not 1 <= whole_number("cases", cases) <= _MOST:
+        raise InputError(f"cases must be from 1 to {_MOST}; got {shown(cases)}")
     return Campaign(
         vehicle=study.vehicle,
         wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),

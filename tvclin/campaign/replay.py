@@ -11,7 +11,11 @@ from tvclin.campaign.flights import Flight, flight_response
 from tvclin.campaign.outputs import law_of
 from tvclin.campaign.plan import Campaign
 from tvclin.deflections import trim_then_hold
-from tvclin.errors import InputError, whole_number
+from tvclin.errors import (
+    InputError,
+    shown,
+    whole_number,
+)
 from tvclin.histories import History
 from tvclin.kernels.choice import pinned
 from tvclin.laws import Law
@@ -127,7 +131,7 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     """
     if whole_number("case", case) >= campaign.cases:
         raise InputError(
-            f"case must be below {campaign.cases}, the size of the campaign; got {case}"
+            f"case must be below {campaign.cases}, the size of the campaign; got {shown(case)}"
         )
     with pinned(compiled):
         row = evaluate(campaign, case, 1)

@@ -25,7 +25,14 @@ from tvclin.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.errors import InputError, missing, one_of
+from tvclin.errors import (
+    InputError,
+    missing,
+    number,
+    one_of,
+    path,
+    whole_number,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -54,6 +61,7 @@ class CampaignResults:
     @classmethod
     def read(cls, folder: Path) -> "CampaignResults":
         """Return what lies in a folder; see `open_campaign`."""
+        folder = path("folder", folder)
         manifest = read_manifest(folder)
         every = range(manifest.campaign.chunks)
         return cls(folder, manifest, tuple(k for k in every if chunk_file(folder, k).exists()))
@@ -182,9 +190,10 @@ class CampaignResults:
         asked = self.campaign.limit if limit is None else limit
         if asked is None:
             return None
+        most = number("limit", asked, unit="rad")
         found = self.answers(output)
         sure = self._asked(None, confidence)[1]
-        return success_probability(int(np.sum(found <= asked)), found.size, sure)
+        return success_probability(int(np.sum(found <= most)), found.size, sure)
 
     def survival(self, confidence: float | None = None) -> Success | None:
         """Return how probable a flight survives; None where nothing was flown.
@@ -252,8 +261,9 @@ class CampaignResults:
 
     def worst(self, count: int = 5, output: str | None = None) -> NDArray[np.int64]:
         """Return the numbers of the cases that need the most, the worst first."""
+        most = whole_number("count", count)
         values = self.column(self._output(output))
-        order = np.argsort(-np.nan_to_num(values, nan=-np.inf), kind="stable")[:count]
+        order = np.argsort(-np.nan_to_num(values, nan=-np.inf), kind="stable")[:most]
         return np.asarray(self.column("case")[order[~np.isnan(values[order])]])
 
     def replay(self, case: int) -> Replay:

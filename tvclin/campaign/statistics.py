@@ -6,7 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.cards import card
-from tvclin.errors import InputError, number, whole_number, within
+from tvclin.errors import (
+    InputError,
+    fraction,
+    whole_number,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -114,8 +118,8 @@ def zero_failure_size(probability: float, consumer_risk: float = 0.1) -> int:
     >>> [zero_failure_size(p) for p in (0.95, 0.99, 0.9973, 0.99865)]
     [45, 230, 852, 1705]
     """
-    p = _fraction("probability", probability)
-    return int(np.ceil(np.log(_fraction("consumer_risk", consumer_risk)) / np.log(p) - 1e-12))
+    p = fraction("probability", probability)
+    return int(np.ceil(np.log(fraction("consumer_risk", consumer_risk)) / np.log(p) - 1e-12))
 
 
 def quantile_bound(
@@ -145,7 +149,7 @@ def quantile_bound(
     sample = np.sort(np.asarray(values, dtype=float).ravel())
     if not sample.size or np.any(np.isnan(sample)):
         raise InputError("values must be a sample of one number or more, without NaN")
-    p, c = _fraction("probability", probability), _fraction("confidence", confidence)
+    p, c = fraction("probability", probability), fraction("confidence", confidence)
     n = sample.size
     upper = int(binom.ppf(c, n, p))  # counted from zero, as `sample` is
     lower = int(binom.ppf(1.0 - c, n, p))
@@ -180,7 +184,7 @@ def success_probability(successes: int, cases: int, confidence: float = 0.9) -> 
     k, n = whole_number("successes", successes), whole_number("cases", cases)
     if not 0 < n or k > n:
         raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
-    c = _fraction("confidence", confidence)
+    c = fraction("confidence", confidence)
     interval = binomtest(k, n).proportion_ci(c, method="exact")
     return Success(k / n, float(interval.low), float(interval.high), c)
 
@@ -256,11 +260,3 @@ def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Dr
 
     ranks = sensitivities(inputs, which)
     return {k: Driver(rank, max(1.0 - chance(inputs[k]), 0.0)) for k, rank in ranks.items()}
-
-
-def _fraction(name: str, value: float) -> float:
-    inside = number(name, value)
-    if not 0.0 < inside < 1.0:
-        within(name, value, 0.0, 1.0)
-        raise InputError(f"{name} must be above 0 and below 1; got {inside:.6g}")
-    return inside

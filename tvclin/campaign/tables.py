@@ -12,7 +12,12 @@ import numpy as np
 from tvclin.campaign.dispersions import PARAMETERS, Dispersion, Dispersions
 from tvclin.campaign.keys import PERCENT, SUBJECT, check_keys, known, quantity, spellings
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
-from tvclin.errors import InputError, number, one_of
+from tvclin.errors import (
+    InputError,
+    number,
+    one_of,
+    shown,
+)
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import build_vehicle, list_vehicles, load_vehicle
@@ -138,7 +143,7 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
         except TypeError:
             raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
     if not isinstance(source, str) or not source.isprintable():
-        raise InputError(f"vehicle must be a name or a path; got {source!r}")
+        raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
     beside = folder / source
     return load_vehicle(beside if source not in list_vehicles() and beside.exists() else source)
 

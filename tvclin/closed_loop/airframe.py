@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.closed_loop.checks import check_pace, check_samples
 from tvclin.histories import History
 from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
 from tvclin.plant import Plant
@@ -45,6 +46,8 @@ class Steps:
 
 def steps(plant: Plant, wind: History, start: float, stop: float, length: float) -> Steps:
     """Return the steps of a plant in a wind, of equal length [s], to `stop` or just beyond."""
+    check_samples(stop - start, length)
+    check_pace(plant, length)
     A, inputs, _, _ = plant.matrices()
     count = max(int(np.ceil((stop - start) / length - 1e-9)), 1)
     times: FloatArray = start + length * np.arange(count + 1.0)

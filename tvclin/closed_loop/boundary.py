@@ -18,9 +18,21 @@ from numpy.typing import NDArray
 from tvclin.autopilot import Actuator
 from tvclin.cards import card
 from tvclin.closed_loop.airframe import Nozzle, steps
-from tvclin.closed_loop.checks import check_flight, check_rate_limit, check_sample_rate
+from tvclin.closed_loop.checks import (
+    check_flight,
+    check_rate_limit,
+    check_sample_rate,
+    check_samples,
+)
 from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
-from tvclin.errors import InputError, number, positive, whole_number
+from tvclin.errors import (
+    InputError,
+    between,
+    number,
+    positive,
+    shown,
+    whole_number,
+)
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -36,6 +48,9 @@ STEPS = 60
 """Of the scan."""
 ABOVE, PARTS, LEVELS = 4, 16, 3
 """So many steps above an edge are looked at again, each in so many parts, and that so often."""
+_LIMITS = (1e-6, 1e6)
+"""Limits that may be tried, over the largest trim deflection."""
+_MOST_CUTS = 1000
 _CREEPS = 1e-5
 """A mode that grows more slowly, over the fastest pole of the plant, is held within rounding."""
 
@@ -158,8 +173,14 @@ def closed_loop_boundary(
     modes = unstable_coordinates(plant)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
     nozzle = Nozzle(actuator, check_rate_limit(rate_limit), length)
+    check_samples(1.0 / float(modes.poles[0]), length)
     stops = whole_number("cuts", cuts)
-    low, high = number("lowest", lowest, positive), number("highest", highest, positive)
+    if stops > _MOST_CUTS:
+        raise InputError(f"cuts must be at most {_MOST_CUTS}; got {shown(cuts)}")
+    low, high = (
+        number(name, number(name, value, positive), between(*_LIMITS))
+        for name, value in (("lowest", lowest), ("highest", highest))
+    )
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
     B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))

@@ -6,13 +6,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
-from tvclin.errors import InputError, ending, instance, number, positive, single
+from tvclin.errors import (
+    InputError,
+    between,
+    ending,
+    instance,
+    number,
+    positive,
+    single,
+)
 from tvclin.histories import History
+from tvclin.kernels import polynomials
 from tvclin.laws import Law
 from tvclin.plant import Plant
 
 LOST = 1e100
 """A state beyond this is not flown on."""
+_RATES = (0.01, 1e6)
+"""Sample rates of a law [Hz]."""
+_MOST = 1_000_000
+"""Samples of one flight; more are a rate or a time that was given in the wrong unit."""
+FASTEST = 100.0
+"""Most e-foldings of a plant in a sample of the law."""
+_LONGEST = 1e5
+"""Longest flight [s]."""
 _SAMPLES = 2.0
 """Least samples of the law in the time 1/omega_n of the actuator."""
 
@@ -32,7 +49,8 @@ def check_flight(plant: Plant, law: Law, wind: History) -> None:
 
 def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
     """Return the rate [Hz]; `InputError` if it is too slow for the actuator."""
-    rate = number("sample_rate", sample_rate, positive, "Hz")
+    number("sample_rate", sample_rate, positive, "Hz")
+    rate = number("sample_rate", sample_rate, between(*_RATES), "Hz")
     check_actuator(actuator)
     if actuator is None:
         return rate
@@ -43,6 +61,38 @@ def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
             f" {actuator.natural_frequency:.6g} rad/s; got {rate:.6g} Hz"
         )
     return rate
+
+
+def check_samples(span: float, length: float) -> None:
+    """Raise `InputError` when a time [s] takes too many samples of a length [s]."""
+    if not span / length <= _MOST:
+        raise InputError(
+            f"a flight may have at most {_MOST} samples; {span:.6g} s at {1.0 / length:.6g} Hz are"
+            " more: take a lower sample_rate, or an earlier end"
+        )
+
+
+def check_pace(plant: Plant, length: float) -> None:
+    """Raise `InputError` when a plant moves by far more than a law can follow in a sample [s]."""
+    pace = float(paces(plant))
+    if not pace * length <= FASTEST:
+        raise InputError(
+            f"sample_rate must be at least {pace / FASTEST:.6g} Hz for a plant that moves with"
+            f" {pace:.6g} 1/s; got {1.0 / length:.6g} Hz"
+        )
+
+
+def paces(plant: Plant) -> NDArray[np.float64]:
+    """Return the size of the fastest pole [1/s] of each plant."""
+    return np.asarray(np.abs(polynomials.roots(plant.denominator)).max(axis=-1))
+
+
+def check_span(start: float, stop: float) -> None:
+    """Raise `InputError` when a flight from one time to another [s] is longer than any."""
+    if not stop - start <= _LONGEST:
+        raise InputError(
+            f"a flight may last at most {_LONGEST:g} s; got one from {start:.6g} to {stop:.6g} s"
+        )
 
 
 def check_rate_limit(rate_limit: float) -> float:

@@ -16,11 +16,12 @@ from tvclin.closed_loop.checks import (
     check_not_lost,
     check_rate_limit,
     check_sample_rate,
+    check_span,
 )
 from tvclin.closed_loop.continuous import ContinuousFlight
 from tvclin.closed_loop.equations import LinearEquations
 from tvclin.closed_loop.sampled import Sampler, at_rest
-from tvclin.errors import InputError, number, one_row, positive
+from tvclin.errors import InputError, number, positive, times_row
 from tvclin.histories import History
 from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law
@@ -100,10 +101,11 @@ def fly(
     True
     """
     check_flight(plant, law, wind)
-    times = one_row("timepts", timepts, "s")
+    times = times_row("timepts", timepts)
     limit = number("deflection_limit", deflection_limit, positive, "rad")
     most = check_rate_limit(rate_limit)
     start = float(wind.onset)
+    check_span(start, float(times.max()))
     if sample_rate is None:
         rows = _continuous(plant, law, wind, times, (limit, most), actuator, start)
     else:

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
-from tvclin.errors import InputError
+from tvclin.errors import (
+    MOST_AXES,
+    InputError,
+)
 from tvclin.kernels import flight_table as table
 from tvclin.laws import Law, RecoverableAttitudeLaw, Seen
 from tvclin.laws.law import seen_coordinates
@@ -75,7 +78,7 @@ def law_rows(law: Any, shape: tuple[int, ...]) -> LawRows:
 
 def _laws(law: Any) -> NDArray[Any]:
     laws = np.asarray(law, dtype=object)
-    if not laws.size or not all(isinstance(one, Law) for one in laws.flat):
+    if not laws.size or laws.ndim > MOST_AXES or not all(isinstance(one, Law) for one in laws.flat):
         raise InputError(
             "law must be a Law such as TrimLaw, an array of them, or an Autopilot with a batch of"
             f" gains; got {type(law).__name__}"

@@ -11,12 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.cards import Row, card
-from tvclin.closed_loop.checks import check_sample_rate
+from tvclin.closed_loop.checks import FASTEST, check_sample_rate, check_samples, check_span, paces
 from tvclin.closed_loop.fates import judging_rows
 from tvclin.closed_loop.gusts import polynomial_pieces
 from tvclin.closed_loop.law_rows import LawRows, law_batch, law_rows
 from tvclin.closed_loop.step_matrices import sampled_steps
-from tvclin.errors import InputError, between, broadcast, instance, number, positive
+from tvclin.errors import (
+    LATEST,
+    InputError,
+    between,
+    broadcast,
+    instance,
+    number,
+    numbers,
+    positive,
+)
 from tvclin.histories import History
 from tvclin.kernels import flight_table as table
 from tvclin.kernels.arcs import linear_flights
@@ -28,6 +37,8 @@ from tvclin.plant import Plant
 FloatArray = NDArray[np.float64]
 
 STATUS = ("undecided", "survived", "lost", "no flight")
+_WIDEST = 1e9
+"""A limit of so many radians, or more, is none."""
 _ACCURACIES = (1e-11, 1e-4)
 
 
@@ -179,9 +190,17 @@ def fly_many(
         actuator=() if actuator is None else actuator.batch,
     )
     laws = law_rows(law, shape)
-    stop = np.inf if until is None else number("until", until, unit="s")
+    stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
+    if until is not None:
+        check_span(float(np.min(wind.onset, initial=stop)), stop)
     exact = number("accuracy", accuracy, between(*_ACCURACIES))
     flights, good = _table(plant, laws, wind, (limit, most), actuator, stop, exact, shape)
+    length = np.nan
+    if sample_rate is not None:
+        length = 1.0 / _sample_rate(sample_rate, actuator)
+        good &= np.broadcast_to(paces(plant) * length <= FASTEST, shape).ravel()
+        if until is not None:
+            check_samples(stop - float(np.min(wind.onset, initial=stop)), length)
     out = np.full((table.RESULTS, good.size), np.nan)
     if np.any(good):
         some = flights.take(good)
@@ -189,7 +208,6 @@ def fly_many(
             _check_continuous(laws, most, actuator)
             out[:, good] = _continuous(some)
         else:
-            length = 1.0 / _sample_rate(sample_rate, actuator)
             steps = sampled_steps(plant, laws, actuator, some, shape, good, length)
             out[:, good] = sampled_flights(some, steps)
     return _flown_cases(out, good, shape)
@@ -223,11 +241,10 @@ def _continuous(flights: FlightTable) -> FloatArray:
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
     """A single limit must be positive; among many a bad one is the matter of its case."""
-    array = np.asarray(value)
-    if array.ndim and array.dtype.kind in "iuf":
-        return array.astype(float)
-    endless = name == "rate_limit" and isinstance(value, float) and value == np.inf
-    return np.array(np.inf) if endless else positive(name, value)
+    array = numbers(name, value)
+    if array.ndim or (name == "rate_limit" and array == np.inf):
+        return array
+    return positive(name, value)
 
 
 def _sample_rate(rate: float, actuator: Actuator | None) -> float:
@@ -257,6 +274,7 @@ def _table(
     """The table of all flights, and which of them can be flown."""
     rows = laws.rows
     limit, most = (np.broadcast_to(a, shape).ravel() for a in limits)
+    limit = np.minimum(limit, _WIDEST)
     order = _plant_rows(rows, plant, shape)
     for row, judged in enumerate(judging_rows(plant), start=table.FAST):
         rows[row] = np.broadcast_to(judged, shape).ravel()
@@ -281,7 +299,7 @@ def _table(
         held = table.LARGE * np.abs(rows[table.GUST] / rows[table.MOMENT]) * size
         rows[table.SERVO_SCALE] = 1.0 / np.where(held > 0.0, np.minimum(limit, held), limit)
     rows[table.ACCURACY] = accuracy
-    good = (limit > 0.0) & (limit < np.inf) & (most > 0.0) & np.isfinite(rows[table.END])
+    good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(rows[table.END])
     good &= ~np.isnan(rows[table.REACH]) | (stop < np.inf)
     return FlightTable(rows, order, servo, knots, gust, which, laws.free, laws.driven), good
 

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from tvclin.autopilot import Autopilot
 from tvclin.autopilot.doubts import warn_of_doubts
 from tvclin.autopilot.wiring import closed
-from tvclin.errors import InputError, instance, number, positive
+from tvclin.errors import (
+    InputError,
+    callable_for,
+    instance,
+    number,
+    positive,
+)
 from tvclin.histories import History
 from tvclin.margins import loop_margins
 from tvclin.plant import Plant
@@ -95,6 +101,8 @@ def worst_duration(
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     if plant.batch or autopilot.batch:
         raise InputError("worst_duration is for one case; take those of a batch one by one")
+    callable_for("shape", shape, "of peak and duration, such as TriangularWind")
+    peak = number("peak", peak, unit="rad")
     low = number("shortest", shortest, positive, "s")
     high = number("longest", longest, positive, "s")
     if low >= high:

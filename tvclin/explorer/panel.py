@@ -129,7 +129,8 @@ def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
 def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
     """What the list calls a vehicle, and the vehicle."""
     if not isinstance(vehicle, Vehicle):
-        return str(vehicle), load_vehicle(vehicle)
+        known = load_vehicle(vehicle)  # which refuses what has no name
+        return str(vehicle), known
     if batch := Coefficients.from_vehicle(vehicle).batch:
         raise InputError(f"vehicle must be one vehicle; got a batch of shape {batch}")
     return vehicle.name or "vehicle", vehicle

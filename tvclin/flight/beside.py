@@ -13,7 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.boundary import boundary_limit
 from tvclin.closed_loop import closed_loop_boundary, fly
 from tvclin.deflections import trim_then_hold
-from tvclin.errors import InputError, number, one_of, positive
+from tvclin.errors import (
+    InputError,
+    ending,
+    instance,
+    number,
+    one_of,
+    positive,
+    shown,
+    single,
+)
 from tvclin.extremes import let_go
 from tvclin.flight.answer import OUTPUTS
 from tvclin.flight.condition import FlightCondition
@@ -161,8 +170,16 @@ def fly_beside(
     (True, True, [0.43, 0.43])
     """
     plant = Plant.from_vehicle(vehicle, MODEL, plane)
+    instance("wind", wind, History, "such as TriangularWind")
+    single("wind", wind.batch)
+    ending("wind", wind.end)
+    if not isinstance(control, ReportControl | Law):
+        raise InputError(f"control must be a ReportControl or a Law; got {shown(control)}")
     limit = number("deflection_limit", deflection_limit, positive, "rad")
-    least = linear_boundary(plant, control, wind) if boundary is None else boundary
+    if boundary is None:
+        least = linear_boundary(plant, control, wind)
+    else:
+        least = number("boundary", boundary, positive, "rad")
     options: dict[str, Any] = {"plane": plane, "condition": condition}
     fly_there = _FLY[one_of("engine", engine, ENGINES)]
     survives = ENGINES[engine](vehicle, wind, control, frozen=condition is None, **options)

@@ -1,6 +1,11 @@
 """What every flight is refused for, whichever engine flies it."""
 
-from tvclin.errors import InputError, instance, single
+from tvclin.errors import (
+    InputError,
+    flag,
+    instance,
+    single,
+)
 from tvclin.histories import History
 
 
@@ -18,7 +23,7 @@ def check_one(name: str, history: object, start: float) -> None:
 
 def check_frozen(frozen: bool, condition: object) -> None:
     """Raise `InputError` unless parameters are frozen, or vary in a condition."""
-    if bool(frozen) == (condition is not None):
+    if flag("frozen", frozen) == (condition is not None):
         raise InputError(
             "condition must be given exactly when parameters are not frozen (frozen=False)"
         )

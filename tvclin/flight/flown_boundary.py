@@ -33,7 +33,8 @@ ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType(
 """Engines by name. Each takes a vehicle, a wind and a control, and by name the plane, whether
 parameters are frozen, and options of its own, and it gives the verdict on a limit."""
 
-_FINEST = 1e-7
+_FINEST, _WIDEST = 1e-7, 1e3
+"""Least tolerance and largest limit, over the largest trim deflection."""
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,10 @@ def flown_boundary(
     single("wind", wind.batch)
     ending("wind", wind.end)
     control = ReportControl(dead_band) if law is None else law
-    if law is not None and dead_band != 1.0:
+    if law is not None and ReportControl(dead_band) != ReportControl():
         raise InputError("dead_band belongs to the report's control; leave it out with a law")
     top = number("highest", highest, positive)
+    number("highest", top, between(0.0, _WIDEST))
     narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
     make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
     survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)

@@ -16,7 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance, number, positive, single
+from tvclin.errors import (
+    LATEST,
+    InputError,
+    between,
+    finite,
+    instance,
+    number,
+    positive,
+    single,
+)
 from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at, density_at
 from tvclin.flight.condition import FlightCondition
 from tvclin.histories import History, Piecewise
@@ -255,7 +264,10 @@ def nominal_flight(
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     instance("condition", condition, FlightCondition, "see load_flight_condition")
     single("vehicle", vehicle.batch)
-    begin, end = number("start", start, unit="s"), number("stop", stop, unit="s")
+    begin, end = (
+        number(name, value, between(-LATEST, LATEST), "s")
+        for name, value in (("start", start), ("stop", stop))
+    )
     own = _time_of(vehicle)
     if not begin <= own <= end or begin == end:
         raise InputError(

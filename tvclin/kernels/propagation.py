@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.errors import InputError
 from tvclin.kernels.pieces import Pieces, locate, moved
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +47,7 @@ class Motion:
         index = np.searchsorted(self.knots, times, side="right") - 1
         start = np.where((index < 0)[:, np.newaxis], 0.0, self.starts[np.maximum(index, 0)])
         steps = np.maximum(times - self.knots[np.maximum(index, 0)], 0.0)
-        return applied(exponentials(self.matrix, steps), start)
+        return applied(_countable(self.matrix, steps), start)
 
 
 def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
@@ -64,7 +65,7 @@ def motion(A: FloatArray, B: FloatArray, pieces: Pieces) -> Motion:
     starts = np.zeros((len(inputs), len(matrix)), dtype=np.result_type(matrix, inputs))
     starts[:, order:] = inputs
     widths, which = np.unique(np.diff(pieces.knots), return_inverse=True)
-    steps = exponentials(matrix, widths)
+    steps = _countable(matrix, widths)
     for k, step in enumerate(which):
         starts[k + 1, :order] = (steps[step] @ starts[k])[:order]
     return Motion(matrix, pieces.knots, starts)
@@ -112,7 +113,8 @@ def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
     """Return e^(matrix step) for each of the steps ``(m,)``, shape ``(m, n, n)``.
 
     By Taylor series, scaling and squaring of the balanced matrix, each step with as many
-    squarings as it needs: what it gives does not depend on the others.
+    squarings as it needs: what it gives does not depend on the others. What is beyond
+    all numbers is infinite or NaN.
     """
     from scipy.linalg import matrix_balance  # late: it takes 0.1 s to import
 
@@ -127,10 +129,22 @@ def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
     result = np.broadcast_to(unit, scaled.shape)
     for k in range(_TERMS, 0, -1):
         result = unit + scaled @ result / k
-    for k in range(int(squarings.max(initial=0))):
-        more = squarings > k
-        result[more] = result[more] @ result[more]
-    return np.asarray(scale[:, np.newaxis] * result / scale)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(int(squarings.max(initial=0))):
+            more = squarings > k
+            result[more] = result[more] @ result[more]
+        return np.asarray(scale[:, np.newaxis] * result / scale)
+
+
+def _countable(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
+    """Return `exponentials`; `InputError` where one of them is beyond all numbers."""
+    found = exponentials(matrix, steps)
+    if not np.all(np.isfinite(found)):
+        raise InputError(
+            f"the motion grows beyond all numbers within {float(np.abs(steps).max()):.6g} s; ask"
+            " for an earlier time, or a shorter wind"
+        )
+    return found
 
 
 def applied(matrices: NDArray[Any], states: NDArray[Any]) -> NDArray[Any]:

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import nonnegative, nonzero, number, positive, whole_number
+from tvclin.errors import (
+    instance,
+    nonnegative,
+    nonzero,
+    number,
+    positive,
+    single,
+    whole_number,
+)
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -54,6 +62,8 @@ class WindEstimator:
 
     def states(self, plant: Plant) -> tuple[FloatArray, FloatArray]:
         """Return F and G of the observer's states q^ and d^, for the plant it believes in."""
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        single("plant", plant.batch)
         c, w = plant.coefficients, self.bandwidth
         mu_alpha = float(nonzero("mu_alpha", c.mu_alpha, "1/s^2"))
         gains = np.array([2.0 * _DAMPING * w, -(w**2) / mu_alpha])

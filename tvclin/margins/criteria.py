@@ -5,7 +5,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from tvclin.errors import InputError, instance, nonnegative, number, one_of, plain
+from tvclin.errors import (
+    InputError,
+    each,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    plain,
+    text,
+)
 from tvclin.margins.record import Margins
 
 _UNITS = {
@@ -48,6 +57,7 @@ class Requirement:
 
     def __post_init__(self) -> None:
         one_of("margin", self.margin, _UNITS)
+        text("source", self.source)
         object.__setattr__(self, "limit", number(self.margin, self.limit, nonnegative))
 
     @property
@@ -99,7 +109,10 @@ class Criteria:
     requirements: tuple[Requirement, ...]
 
     def __post_init__(self) -> None:
-        if not self.requirements:
+        text("name", self.name)
+        asked = each("requirements", self.requirements, Requirement, "see Criteria.own")
+        object.__setattr__(self, "requirements", asked)
+        if not asked:
             raise InputError(f"criteria need a limit: one or more of {', '.join(_UNITS)}")
 
     @classmethod

@@ -8,11 +8,20 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, broadcast, finite, nonnegative
+from tvclin.errors import (
+    InputError,
+    broadcast,
+    finite,
+    nonnegative,
+    within,
+)
 from tvclin.kernels.rational import Rational
 
 if TYPE_CHECKING:
     import control
+
+_FASTEST = 1e15
+"""Frequencies beyond this [rad/s] would overflow in polynomials."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +51,8 @@ class Loop(Rational):
         above = np.atleast_1d(finite("numerator", numerator))
         below = np.atleast_1d(finite("denominator", denominator))
         late = nonnegative("delay", delay, "s")
+        if not below.shape[-1]:
+            raise InputError("denominator must have a coefficient")
         if np.any(below[..., 0] == 0.0):
             raise InputError("denominator must not begin with a zero")
         while above.shape[-1] > 1 and not np.any(above[..., 0]):
@@ -107,9 +118,9 @@ class Loop(Rational):
         Raises
         ------
         InputError
-            For frequencies that are not finite.
+            For frequencies that are not finite, or beyond 1e15 rad/s.
         """
-        frequencies = finite("omega", omega, "rad/s")
+        frequencies = within("omega", omega, -_FASTEST, _FASTEST, "rad/s")
         above, below = self.parts(frequencies.ravel())
         pole = (below == 0.0) & (above != 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):

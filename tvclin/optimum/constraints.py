@@ -17,7 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, number, single
+from tvclin.errors import (
+    InputError,
+    instance,
+    number,
+    single,
+)
 from tvclin.histories import History
 from tvclin.modes import parted, unstable_poles, wind_strength
 from tvclin.plant import Plant
@@ -147,6 +152,8 @@ def constraints_of(
 
 
 def _check_single(plant: Plant, wind: History) -> None:
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
     single("plant", plant.batch)
     single("wind", wind.batch)
     if np.isneginf(wind.end):

@@ -11,7 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, number, positive
+from tvclin.errors import (
+    InputError,
+    between,
+    number,
+    positive,
+    shown,
+)
 from tvclin.histories import History, Piecewise, linear_pieces
 from tvclin.optimum.constraints import Constraints, constraints_of
 from tvclin.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
@@ -20,6 +26,10 @@ from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
+_RATES = (1e-15, 1e9)
+"""Rates that the program can tell from none, and from any [rad/s]."""
+_FEWEST, _MOST = 10, 10_000
+"""Steps of the program."""
 _REFINEMENTS = 8
 _SETTLED = 1e-8
 _ACTIVE = 1e-7
@@ -96,8 +106,11 @@ def optimum_with_rate_limit(
     1.3026
     """
     rate = number("rate_limit", rate_limit, positive, "rad/s")
-    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 10:
-        raise InputError(f"steps must be a whole number of 10 or more; got {steps!r}")
+    number("rate_limit", rate, between(*_RATES), "rad/s")
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _FEWEST:
+        raise InputError(f"steps must be a whole number of {_FEWEST} or more; got {shown(steps)}")
+    if steps > _MOST:
+        raise InputError(f"steps must be at most {_MOST}; got {shown(steps)}")
     constraints = constraints_of(plant, wind, start, horizon)
     unlimited = optimum_deflection(plant, wind, start, horizon)
     if unlimited.peak == 0.0:

@@ -5,7 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.errors import InputError, number, positive
+from tvclin.errors import (
+    InputError,
+    ending,
+    instance,
+    number,
+    positive,
+    shown,
+    single,
+)
 from tvclin.histories import History
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.soundings import WindProfile
@@ -40,8 +48,14 @@ class MeasuredWind:
     gust: History | None = None
 
     def __post_init__(self) -> None:
+        instance("wind", self.wind, SampledWind, "see fly_through")
+        single("wind", self.wind.batch)
         if self.window is not None:
             number("window", self.window, positive, "s")
+        if self.gust is not None:
+            instance("gust", self.gust, History, "such as OneMinusCosineGust")
+            single("gust", self.gust.batch)
+            ending("gust", self.gust.end)
 
     @property
     def known(self) -> tuple[float, float]:
@@ -50,6 +64,10 @@ class MeasuredWind:
 
     def __call__(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
+        instance("vehicle", vehicle, Vehicle, "see FlightSchedule.at")
+        single("vehicle", vehicle.batch)
+        if vehicle.time is None:
+            raise InputError("vehicle must have a time [s], at which it meets the wind")
         time = float(np.asarray(vehicle.time))
         half = np.inf if self.window is None else 0.5 * self.window
         times, angles = _cut(self.wind, time - half, time + half)
@@ -102,8 +120,9 @@ def fly_through(
     >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
     array([0.393, 0.37 , 0.332])
     """
+    instance("profile", profile, WindProfile, "see read_sounding")
     if gust is not None and (not isinstance(gust, History) or gust.batch):
-        raise InputError("gust must be one history, such as OneMinusCosineGust")
+        raise InputError(f"gust must be one history, such as OneMinusCosineGust; got {shown(gust)}")
     wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
     return MeasuredWind(wind, window, gust)
 

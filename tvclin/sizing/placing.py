@@ -5,7 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.errors import InputError, number, one_of, positive
+from tvclin.errors import (
+    InputError,
+    instance,
+    number,
+    one_of,
+    positive,
+)
 from tvclin.histories import History
 from tvclin.sizing.measured import MeasuredWind
 from tvclin.vehicle import Vehicle
@@ -65,6 +71,7 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
     """Return the placing of each wind by its name; `InputError` for unknown ones."""
     if isinstance(placing, str):
         return dict.fromkeys(winds, one_of("placing", placing, PLACINGS))
+    instance("placing", placing, Mapping, "of names to peak or flight, or one of these")
     for name, value in placing.items():
         one_of("placing's winds", name, winds)
         one_of(f"placing of {name}", value, PLACINGS)
@@ -103,7 +110,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
         return PlacedWind(wind(vehicle), 0.0)
-    history = wind if isinstance(wind, History) else wind(vehicle)
+    history = wind(vehicle) if not isinstance(wind, History) and callable(wind) else wind
     if not isinstance(history, History) or history.batch:
         raise InputError("each wind must be one history, such as TriangularWind, or give one")
     if not np.isfinite(history.end):

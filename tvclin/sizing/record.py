@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import missing, one_of
+from tvclin.errors import path as a_path
 from tvclin.files import write_text
 from tvclin.sizing.notes import STEADY, notes_of
 from tvclin.sizing.schedule import FlightSchedule
@@ -212,7 +213,7 @@ class Sizing:
                 cells = [values[i, j].item() for values in columns.values()]
                 writer.writerow([repr(time), wind, *(repr(cell) for cell in cells)])
         if path is not None:
-            write_text(path, text.getvalue())
+            write_text(a_path("path", path), text.getvalue())
         return text.getvalue()
 
     def to_xarray(self) -> xarray.Dataset:

@@ -129,16 +129,17 @@ class FlightSchedule:
 
     def held(self, time: ArrayLike) -> Vehicle:
         """Return the vehicle at any time [s]: outside the schedule that of its nearer end."""
+        times = finite("time", time, "s")
         numbers = {
-            name: np.interp(np.asarray(time), self.times, values) if np.ndim(values) else values
+            name: np.interp(times, self.times, values) if np.ndim(values) else values
             for name, values in _numbers(self.vehicle).items()
         }
-        return self.vehicle.replace(**numbers, time=np.asarray(time, dtype=float))
+        return self.vehicle.replace(**numbers, time=times)
 
     def nominal_at(self, time: ArrayLike) -> Any:
         """Return the nominal deflection [rad] at times [s]; outside that of the nearer end."""
         values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
-        return np.interp(np.asarray(time), self.times, values)
+        return np.interp(finite("time", time, "s"), self.times, values)
 
     def place(self, time: float) -> str:
         """Return where the flight is at a time [s], in words: its altitude where that is known."""

@@ -9,7 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.errors import InputError
+from tvclin.errors import (
+    InputError,
+    path,
+    shown,
+)
 from tvclin.flight import load_flight_condition
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.units import UNITS
@@ -56,6 +60,7 @@ def load_schedule(
     >>> tv.load_schedule("configuration-i").span
     (41.0, 116.0)
     """
+    path("source", source, "a name or a path")
     if str(source).lower().endswith(".csv") and not Path(source).exists():
         raise InputError(f"{source} does not exist; name a flight schedule, or a vehicle")
     text, name = vehicle_text(source)
@@ -165,7 +170,7 @@ def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
     if table is not None and others:
         raise InputError(f"{source}: a schedule has nothing beside [schedule]; got {min(others)!r}")
     if table is not None and not isinstance(table, dict):
-        raise InputError(f"{source}: schedule must be a table [schedule]; got {table!r}")
+        raise InputError(f"{source}: schedule must be a table [schedule]; got {shown(table)}")
     return table
 
 

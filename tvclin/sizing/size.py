@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.errors import InputError, finite, instance, one_of, within
+from tvclin.errors import (
+    InputError,
+    finite,
+    flag,
+    instance,
+    one_of,
+    within,
+)
 from tvclin.optimum import single_pole_validity
 from tvclin.plant import MODELS, Plant
 from tvclin.sizing.frozen import LAWS, FrozenNeed, frozen_need
@@ -29,7 +36,7 @@ from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-_WORDS = {"model": MODELS, "plane": PLANES, "law": LAWS}
+WORDS = {"model": MODELS, "plane": PLANES, "law": LAWS}
 _LOOKS = 33
 """Parameters are looked at so many times while a wind blows."""
 
@@ -98,7 +105,8 @@ def size(
     """
     instance("schedule", schedule, FlightSchedule, "see load_schedule")
     for name, value in (("model", model), ("plane", plane), ("law", law)):
-        one_of(name, value, _WORDS[name])
+        one_of(name, value, WORDS[name])
+    flag("varying", varying)
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
     if chosen.ndim != 1 or not chosen.size or not bands.size:

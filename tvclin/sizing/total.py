@@ -13,6 +13,7 @@ import numpy as np
 from tvclin.errors import (
     InputError,
     between,
+    each,
     finite,
     instance,
     nonnegative,
@@ -20,10 +21,14 @@ from tvclin.errors import (
     one_of,
     positive,
     single,
+    text,
+    within,
 )
 from tvclin.sizing.record import Sizing
 from tvclin.vehicle import Vehicle
 
+_WIDEST = 1e9
+"""Deflections beyond this [rad] mean nothing."""
 KINDS = ("systematic", "random")
 
 
@@ -47,7 +52,10 @@ class Line:
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, KINDS)
-        size = number(self.name or "deflection", self.deflection, nonnegative, "rad")
+        text("name of a line", self.name)
+        name = self.name or "deflection"
+        size = number(name, self.deflection, nonnegative, "rad")
+        within(name, size, 0.0, _WIDEST, "rad")
         object.__setattr__(self, "deflection", size)
 
 
@@ -77,11 +85,14 @@ class DeflectionTotal:
     not_sized: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
         reserve = number("reserve", self.reserve, nonnegative)
         if reserve >= 1.0:
             raise InputError(f"reserve must be a part of the limit, below 1; got {reserve:.6g}")
         if self.limit is not None:
             number("limit", self.limit, positive, "rad")
+        if self.time is not None:
+            number("time", self.time, unit="s")
 
     @property
     def systematic(self) -> float:
@@ -180,8 +191,7 @@ def total_deflection(
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     single("vehicle", vehicle.batch)
-    if not all(isinstance(line, Line) for line in others):
-        raise InputError(f"others must be lines, such as Line('wind tunnel', 0.01); got {others!r}")
+    others = each("others", others, Line, "such as Line('wind tunnel', 0.01)")
     thrust, axial, slope, arm = (
         float(np.asarray(x))
         for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
@@ -221,6 +231,7 @@ def worst_total(
     InputError
         For an unknown name, numbers out of range, and a requirement that is defined nowhere.
     """
+    instance("sizing", sizing, Sizing, "see size")
     part = number("dispersion", dispersion, nonnegative)
     winds = sizing.at_times(name)
     if np.all(np.isnan(winds)):

@@ -49,7 +49,7 @@ def angles_along(
         For a flight that is not four arrays of one length, does not ascend, does not reach the
         wind, or is slower than the part of the wind across it.
     """
-    time, path, speed, climb = _checked(flight)
+    time, path, speed, climb = checked_flight(flight)
     low, high = max(height[0], path[0]), min(height[-1], path[-1])
     if not low < high:
         raise InputError(
@@ -73,7 +73,8 @@ def angles_along(
     return when, angle_from_speed(known, flown, angle)
 
 
-def _checked(flight: Flown) -> list[FloatArray]:
+def checked_flight(flight: Flown) -> list[FloatArray]:
+    """Return the four arrays of a flight; raise `InputError` as `angles_along`."""
     try:
         given = {name: getattr(flight, name) for name in _FIELDS}
     except AttributeError:

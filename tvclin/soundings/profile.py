@@ -8,7 +8,16 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, between, finite, number, one_of, within
+from tvclin.errors import (
+    InputError,
+    between,
+    each,
+    finite,
+    number,
+    one_of,
+    text,
+    within,
+)
 from tvclin.soundings.passage import Flown, angles_along
 from tvclin.winds import SampledWind
 
@@ -66,7 +75,8 @@ class WindProfile:
                 f"height must ascend; got {self.height[late]:.6g} m at index {late} after"
                 f" {self.height[late - 1]:.6g} m"
             )
-        object.__setattr__(self, "notes", tuple(self.notes))
+        text("source", self.source)
+        object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
 
     def __repr__(self) -> str:
         low, high = self.height[0], self.height[-1]

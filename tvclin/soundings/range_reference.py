@@ -15,7 +15,11 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, number
+from tvclin.errors import (
+    InputError,
+    each,
+    number,
+)
 from tvclin.soundings.profile import WindProfile
 from tvclin.soundings.text import Text, read_lines
 
@@ -36,6 +40,8 @@ _FIELDS = (
 )
 _SYMMETRIC = 1e-3
 _LARGEST = 1e6
+_RAREST = 1e-6
+"""Percentiles are asked for from here to as far below 100; no table of soundings says more."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -78,7 +84,7 @@ class RangeReference:
         return f"RangeReference({self.site}, {self.month}, {self.height.size} levels)"
 
     def speed(self, percentile: float) -> FloatArray:
-        """Return the wind speed [m/s] that a percentile in (0, 100) of soundings stays below.
+        """Return the wind speed [m/s] that a percentile of soundings stays below.
 
         At each height by itself: the Pearson type III distribution with the mean, the standard
         deviation and the skewness of the table, and zero where that is negative.
@@ -147,6 +153,7 @@ def worst_month(
     InputError
         For no month, and months whose heights differ.
     """
+    months = each("months", months, RangeReference, "see read_range_reference")
     if not months or any(not np.array_equal(m.height, months[0].height) for m in months):
         raise InputError("months must be one or more, all with the same heights")
     return months[0].height, np.max([month.speed(percentile) for month in months], axis=0)
@@ -189,10 +196,12 @@ def _check(text: Text, line: NDArray[np.int64], table: dict[str, FloatArray]) ->
 
 
 def _part(percentile: float) -> float:
-    part = number("percentile", percentile) / 100
-    if not 0.0 < part < 1.0:
-        raise InputError(f"percentile must be above 0 and below 100; got {100 * part:g}")
-    return part
+    part = number("percentile", percentile)
+    if not _RAREST <= part <= 100.0 - _RAREST:
+        raise InputError(
+            f"percentile must be above 0 and below 100, by {_RAREST:g} or more; got {part:g}"
+        )
+    return part / 100
 
 
 def _pearson(part: float, skew: FloatArray) -> FloatArray:

@@ -3,7 +3,11 @@
 import re
 from os import PathLike
 
-from tvclin.errors import InputError, one_of
+from tvclin.errors import (
+    InputError,
+    one_of,
+    shown,
+)
 from tvclin.soundings import columns, igra, rocketpy, wyoming
 from tvclin.soundings.found import Found
 from tvclin.soundings.levels import profile_of
@@ -83,8 +87,8 @@ def _chosen(text: Text, found: list[Found], time: str | None) -> Found:
         note = f"the first of {len(found)} soundings in the file; choose another by its time"
         return found[0].noted(note) if len(found) > 1 else found[0]
     for one in found:
-        if one.time == time:
+        if isinstance(time, str) and one.time == time:
             return one
-    shown = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
+    times = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
     more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
-    raise InputError(f"{text.source} has no sounding of time {time!r}; it has {shown}{more}")
+    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {times}{more}")

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, instance, number, single
+from tvclin.errors import (
+    LATEST,
+    InputError,
+    between,
+    instance,
+    number,
+    single,
+)
+from tvclin.soundings.passage import checked_flight
 from tvclin.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -27,12 +35,22 @@ class Climb:
         [m/s].
     flight_path_angle : ndarray
         [rad].
+
+    Raises
+    ------
+    InputError
+        For arrays of different lengths or of one time, and for numbers that are not finite, times
+        and heights that do not ascend, and speeds that are not positive.
     """
 
     time: FloatArray
     height: FloatArray
     speed: FloatArray
     flight_path_angle: FloatArray
+
+    def __post_init__(self) -> None:
+        for field, array in zip(fields(self), checked_flight(self), strict=True):
+            object.__setattr__(self, field.name, array)
 
 
 def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) -> Climb:
@@ -61,7 +79,10 @@ def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) 
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     single("vehicle", vehicle.batch)
-    begin, end = number("start", start, unit="s"), number("stop", stop, unit="s")
+    begin, end = (
+        number(name, value, between(-LATEST, LATEST), "s")
+        for name, value in (("start", start), ("stop", stop))
+    )
     if not begin < end:
         raise InputError(f"stop must be after start; got {begin:.6g} and {end:.6g} s")
     rate = float(vehicle.velocity * np.sin(vehicle.attitude))

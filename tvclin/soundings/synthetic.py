@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, between, finite, nonnegative, number, positive
+from tvclin.errors import (
+    InputError,
+    between,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    positive,
+)
 from tvclin.soundings.profile import WindProfile
 
 FloatArray = NDArray[np.float64]
@@ -55,6 +63,7 @@ def add_gust(
     The shape is that of `LayeredGust`, over height. No size is suggested: see the criteria that
     you design to.
     """
+    instance("profile", profile, WindProfile, "see read_sounding")
     low, angle = number("base", base, unit="m"), number("azimuth", azimuth, unit="rad")
     flank = number("blend", blend, between(_THINNEST, _THICKEST), "m")
     top = low + flank + number("thickness", thickness, nonnegative, "m")

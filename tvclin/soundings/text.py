@@ -6,12 +6,14 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError
+from tvclin.errors import (
+    InputError,
+)
+from tvclin.errors import path as a_path
 from tvclin.files import read_text
 
 FloatArray = NDArray[np.float64]
@@ -84,9 +86,7 @@ def read_lines(path: str | PathLike[str]) -> Text:
     InputError
         When the file cannot be read, is empty, or is no text.
     """
-    if not isinstance(path, str | PathLike):
-        raise InputError(f"path must name a file; got {path!r}")
-    content = read_text(Path(path), "a file of winds")
+    content = read_text(a_path("path", path), "a file of winds")
     if "\0" in content:
         raise InputError(f"{path} is not a text file")
     return Text(str(path), tuple(re.split(r"\r\n|\r|\n", content)))

@@ -6,9 +6,23 @@ from typing import Self
 import numpy as np
 
 from tvclin.autopilot import Autopilot
+from tvclin.autopilot.feedback import GAINS
 from tvclin.autopilot.rules import DESIGNS, designed_autopilot
 from tvclin.campaign import Dispersions, ShapedWind
-from tvclin.errors import InputError, instance, nonnegative, number, one_of, positive, within
+from tvclin.coefficients import PLANES
+from tvclin.deflections import SWITCHES
+from tvclin.errors import (
+    InputError,
+    between,
+    different,
+    fraction,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    whole_number,
+)
 from tvclin.histories import History
 from tvclin.margins import Criteria
 from tvclin.plant import MODELS, Plant
@@ -17,6 +31,7 @@ from tvclin.study_file.sizing import SizingAsked
 from tvclin.trials import STANDARD_LAWS, standard_winds
 from tvclin.vehicle import Vehicle
 
+_RULE = ("natural_frequency", "damping")
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
 
 
@@ -44,11 +59,7 @@ class LawsAsked:
             ("names", self.names, STANDARD_LAWS),
             ("winds", self.winds, tuple(standard_winds(1.0, 1.0))),
         ):
-            if not isinstance(given, tuple) or not given or len(set(given)) < len(given):
-                raise InputError(
-                    f"{what} of the laws must be one or more different names; got {given!r}"
-                )
-            for name in given:
+            for name in different(f"{what} of the laws", given):
                 one_of(f"{what} of the laws", name, known)
         rate = number("sample rate of the laws", self.sample_rate, positive, "Hz")
         object.__setattr__(self, "sample_rate", rate)
@@ -91,11 +102,25 @@ class GainsAsked:
             one_of("design", self.design, DESIGNS)
         for name in ("actuator_frequency", "delay"):
             object.__setattr__(self, name, number(name, getattr(self, name), nonnegative))
+        for name in (*_RULE, *GAINS, "actuator_damping"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, number(name, getattr(self, name)))
 
     def autopilot(self, plant: Plant) -> Autopilot:
         """Return the autopilot for a plant; raise `InputError` as `designed_autopilot`."""
         asked = {name: value for name, value in vars(self).items() if name != "model"}
         return designed_autopilot(plant, **asked)
+
+
+_PARTS = {
+    "gust": (History, "such as OneMinusCosineGust"),
+    "laws": (LawsAsked, "of the standard laws"),
+    "gains": (GainsAsked, "or a rule for them"),
+    "criteria": (Criteria, "see Criteria.own"),
+    "dispersions": (Dispersions, "of Dispersion values"),
+    "sizing": (SizingAsked, "see load_sizing"),
+}
+"""What may be asked besides, and how to get it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,12 +190,23 @@ class StudyPlan:
             )
         one_of("shape of the wind of a study", self.wind.shape, SHAPES)
         one_of("model", self.model, MODELS)
-        number("dead_band", self.dead_band)
-        within("dead_band", self.dead_band, 0.0, 1.0)
+        one_of("plane", self.plane, PLANES)
+        one_of("switch", self.switch, SWITCHES)
+        number("dead_band", self.dead_band, between(0.0, 1.0))
+        if self.limit is not None:
+            number("limit", self.limit, positive, "rad")
+        for name, (kind, maker) in _PARTS.items():
+            if getattr(self, name) is not None:
+                instance(name, getattr(self, name), kind, maker)
+        for name in ("cases", "seed"):
+            whole_number(name, getattr(self, name))
+        for name in ("probability", "confidence"):
+            fraction(name, getattr(self, name))
 
     @classmethod
     def of_study(cls, study: Study) -> Self:
         """Return the plan of a study that has been made."""
+        instance("study", study, Study, "see Study.from_vehicle")
         return cls(
             vehicle=study.vehicle,
             model=study.model,

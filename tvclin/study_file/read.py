@@ -11,7 +11,11 @@ from typing import Any
 from tvclin.campaign.file import parse_campaign
 from tvclin.campaign.keys import quantities_of
 from tvclin.campaign.tables import dispersions_of, question_of, subject_of, winds_of
-from tvclin.errors import InputError, one_of
+from tvclin.errors import (
+    InputError,
+    one_of,
+    path,
+)
 from tvclin.margins import CRITERIA, Criteria
 from tvclin.sizing import load_schedule
 from tvclin.study_file.plan import DEFAULT_WIND, GainsAsked, LawsAsked, StudyPlan
@@ -94,7 +98,7 @@ def load_sizing(
 
 def _is_study(source: str | PathLike[str]) -> bool:
     """Whether a file is a study, or neither that nor anything that has a flight."""
-    if str(source).lower().endswith(".csv"):
+    if str(path("source", source, "a name or a path")).lower().endswith(".csv"):
         return False
     text, _ = vehicle_text(source)
     try:

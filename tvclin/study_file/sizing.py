@@ -10,11 +10,16 @@ from numpy.typing import NDArray
 from tvclin.campaign import ShapedWind
 from tvclin.errors import (
     InputError,
+    each,
+    finite,
+    flag,
     instance,
     nonnegative,
     number,
     one_of,
     positive,
+    single,
+    text,
     within,
 )
 from tvclin.histories import History
@@ -27,6 +32,7 @@ from tvclin.sizing import (
     worst_total,
 )
 from tvclin.sizing.placing import WindOf
+from tvclin.sizing.size import WORDS
 from tvclin.soundings import WindProfile
 from tvclin.study import SHAPES
 from tvclin.vehicle import Vehicle
@@ -125,11 +131,18 @@ class SizingAsked:
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
+        object.__setattr__(self, "pulses", each("pulses", self.pulses, ShapedWind, "of one shape"))
+        instance("soundings", self.soundings, Mapping, "of names to SoundingAsked")
+        each("soundings", tuple(self.soundings.values()), SoundingAsked, "with their azimuth")
+        if self.gust is not None:
+            instance("gust", self.gust, History, "such as OneMinusCosineGust")
+            single("gust", self.gust.batch)
+        self._check_words()
         if not self.pulses and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
         for pulse in self.pulses:
             one_of("shape of a pulse", pulse.shape, SHAPES)
-        if not self.dead_bands:
+        if not finite("dead_bands", self.dead_bands).size:
             raise InputError("dead_bands must hold one number or more")
         within("dead_bands", self.dead_bands, 0.0, 1.0)
         object.__setattr__(self, "every", number("every", self.every, positive, "s"))
@@ -137,6 +150,18 @@ class SizingAsked:
             number("window", self.window, positive, "s")
         for name in ("dispersion", "reserve"):
             number(name, getattr(self, name), nonnegative)
+        for name in ("peak_speed", "start", "stop", "thrust_offset", "gravity_offset", "limit"):
+            if getattr(self, name) is not None:
+                number(name, getattr(self, name))
+
+    def _check_words(self) -> None:
+        for name in ("source", "another"):
+            text(name, getattr(self, name))
+        if self.count is not None:
+            text("count", self.count)
+        for name, words in WORDS.items():
+            one_of(name, getattr(self, name), words)
+        flag("varying", self.varying)
 
     @property
     def counted(self) -> str:
@@ -199,6 +224,7 @@ class SizingAsked:
 
     def total(self, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
+        instance("found", found, Sizing, "see sizing()")
         return worst_total(
             found,
             one_of("count", self.counted, found.required),
@@ -233,6 +259,8 @@ class SizingAsked:
 
     def peak_at(self, vehicle: Vehicle, pulse: ShapedWind) -> float:
         """Return the peak angle [rad] of a pulse that a vehicle meets."""
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        instance("pulse", pulse, ShapedWind, "one of pulses")
         if self.peak_speed is None:
             return pulse.peak
         at = vehicle.velocity, vehicle.attitude

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, nonzero, plain, positive, together, within
+from tvclin.errors import (
+    InputError,
+    nonnegative,
+    nonzero,
+    plain,
+    positive,
+    together,
+    within,
+)
 from tvclin.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -19,9 +27,10 @@ def checked_peak(peak: ArrayLike) -> FloatArray:
     """Return `peak` as a float array; `InputError` unless it is a wind angle, and not zero."""
     peak = nonzero("peak", peak, "rad")
     if np.any(np.abs(peak) >= np.pi / 2):
+        most = np.abs(peak).max()
+        degrees = f" ({np.degrees(most):.4g} deg)" if most < LONGEST else ""
         raise InputError(
-            "peak must be a wind angle within 90 degrees, in radians; got"
-            f" {np.abs(peak).max():.6g} rad ({np.degrees(np.abs(peak).max()):.4g} deg)"
+            f"peak must be a wind angle within 90 degrees, in radians; got {most:.6g} rad{degrees}"
         )
     if np.any(np.abs(peak) < _FAINTEST):
         raise InputError(f"peak must be at least {_FAINTEST:g} rad in size; got {peak.min():.6g}")
@@ -32,6 +41,16 @@ def checked_span(name: str, value: ArrayLike) -> FloatArray:
     """Return a duration as a float array; `InputError` unless it is between 1 ns and 1e9 s."""
     value = positive(name, value, "s")
     return within(name, value, SHORTEST, LONGEST, "s")
+
+
+def checked_part(name: str, value: ArrayLike) -> FloatArray:
+    """Return a part of a duration, which may be zero; `InputError` if it is shorter than 1 ns."""
+    value = within(name, nonnegative(name, value, "s"), 0.0, LONGEST, "s")
+    if np.any((value > 0.0) & (value < SHORTEST)):
+        raise InputError(
+            f"{name} must be zero, or {SHORTEST:g} s or longer; got {value.min():.6g} s"
+        )
+    return value
 
 
 def keep(wind: History, **checked: FloatArray) -> None:

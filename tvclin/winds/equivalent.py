@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError
+from tvclin.errors import (
+    InputError,
+    instance,
+)
 from tvclin.histories import History
 from tvclin.winds.pulses import TriangularWind
 
@@ -47,6 +50,7 @@ def equivalent_triangle(wind: History) -> History:
     >>> equivalent_triangle(OneMinusCosineGust(peak=0.08, duration=6.0))
     TriangularWind(peak=0.08, duration=6.0)
     """
+    instance("wind", wind, History, "such as OneMinusCosineGust")
     if np.any(wind.end == np.inf):
         raise InputError("wind must end: the last piece of its history must be zero")
     peak, area = np.asarray(wind.peak), wind.laplace(0.0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tvclin.errors import nonnegative
 from tvclin.histories import History
 from tvclin.kernels.pieces import Pieces
-from tvclin.winds.checks import checked_peak, checked_span, keep
+from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 
 FloatArray = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ class LayeredGust(History):
     plateau: float | FloatArray
 
     def __post_init__(self) -> None:
-        peak, blend = checked_peak(self.peak), nonnegative("blend", self.blend, "s")
+        peak, blend = checked_peak(self.peak), checked_part("blend", self.blend)
         plateau = nonnegative("plateau", self.plateau, "s")
         keep(self, peak=peak, blend=blend, plateau=plateau)
         checked_span("blend + plateau", blend + plateau)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.errors import nonnegative
 from tvclin.histories import History
 from tvclin.kernels.pieces import Pieces
-from tvclin.winds.checks import checked_peak, checked_span, keep
+from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.sampled import straight_lines
 
 FloatArray = NDArray[np.float64]
@@ -141,8 +141,8 @@ class TrapezoidalWind(History):
     fall: float | FloatArray
 
     def __post_init__(self) -> None:
-        peak, rise = checked_peak(self.peak), nonnegative("rise", self.rise, "s")
-        hold, fall = nonnegative("hold", self.hold, "s"), nonnegative("fall", self.fall, "s")
+        peak, rise = checked_peak(self.peak), checked_part("rise", self.rise)
+        hold, fall = checked_part("hold", self.hold), checked_part("fall", self.fall)
         keep(self, peak=peak, rise=rise, hold=hold, fall=fall)
         checked_span("rise + hold + fall", rise + hold + fall)
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, positive
+from tvclin.errors import (
+    InputError,
+    finite,
+    positive,
+    together,
+)
 
 
 def angle_from_speed(
@@ -31,7 +36,10 @@ def angle_from_speed(
     """
     speed = finite("speed", speed, "m/s")
     velocity = positive("velocity", velocity, "m/s")
-    sine = speed / velocity * np.sin(finite("flight_path_angle", flight_path_angle, "rad"))
+    path = finite("flight_path_angle", flight_path_angle, "rad")
+    together(speed=speed, velocity=velocity, flight_path_angle=path)
+    with np.errstate(over="ignore"):  # an infinite ratio is refused with the others
+        sine = speed * np.sin(path) / velocity
     if np.any(np.abs(sine) > 1.0):
         raise InputError(
             "speed must stay below velocity / sin(flight_path_angle); got a ratio of"

@@ -14,8 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.closed_loop.checks import check_span
 from tvclin.closed_loop.continuous import Arc, ContinuousFlight, smooth_piece
-from tvclin.errors import InputError, ending, instance
+from tvclin.errors import (
+    InputError,
+    ending,
+    flag,
+    instance,
+)
 from tvclin.flight.answer import FARTHEST
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import ONSET, Command, ReportControl
@@ -150,6 +156,7 @@ def planar_case(
 ) -> PlanarCase:
     """Return the case of a vehicle in a wind over a span of time [s]; as of `fly_planar`."""
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    check_span(*span)
     check_one("wind", wind, span[0])
     ending("wind", wind.end)
     nominal = None
@@ -157,7 +164,7 @@ def planar_case(
         own = 0.0 if vehicle.time is None else float(vehicle.time)
         first, last = min(span[0], own), max(span[1], own) + 1e-3
         nominal = nominal_flight(vehicle, condition, start=first, stop=last)
-    return PlanarCase(PlanarMotion(vehicle, plane, bool(drift), nominal), wind, span)
+    return PlanarCase(PlanarMotion(vehicle, plane, flag("drift", drift), nominal), wind, span)
 
 
 @dataclass(frozen=True)

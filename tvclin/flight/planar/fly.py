@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.autopilot import Actuator
-from tvclin.errors import one_row
+from tvclin.errors import times_row
 from tvclin.flight.answer import flight_response, warn_of_the_end
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Control, command_of, limit_of
@@ -95,7 +95,7 @@ def fly_planar(
     -0.093
     0.091
     """
-    times = one_row("timepts", timepts, "s")
+    times = times_row("timepts", timepts)
     span = (float(times.min()), float(times.max()))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
     command = command_of(control, span[0], actuator, rate_limit)

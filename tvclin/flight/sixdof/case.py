@@ -9,8 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.closed_loop.airframe import Nozzle
+from tvclin.closed_loop.checks import check_span
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.errors import InputError, instance, number, one_of, single, within
+from tvclin.errors import (
+    InputError,
+    flag,
+    instance,
+    number,
+    one_of,
+    single,
+    within,
+)
 from tvclin.flight.answer import OUTPUTS
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Command, ReportControl
@@ -77,6 +86,7 @@ class SixDof:
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         one_of("plane", self.plane, PLANES)
+        flag("drift", self.drift)
         single("vehicle", self.coefficients.batch)
         if self.earth is not None:
             instance("earth", self.earth, Earth, "or None for a flat planet")
@@ -103,6 +113,7 @@ class SixDof:
 
     def air(self, wind: History, start: float, stop: float) -> Air:
         """Return a wind at the steps of a flight from `start` to `stop` [s] or just beyond."""
+        check_span(start, stop)
         check_one("wind", wind, start)
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
@@ -143,7 +154,7 @@ class SixDof:
         if air.course is not None:
             vehicle, place, held = air.course.vehicle, air.course.departure, air.course.rows
         numbers = vehicle.replace(name="", time=None)  # all that the engine knows of it
-        with borrowed(numbers, self.plane, bool(self.drift), self.step, place) as airframe:
+        with borrowed(numbers, self.plane, self.drift, self.step, place) as airframe:
             rows = airframe.fly(steering, air.speeds, air.angles, held)
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:

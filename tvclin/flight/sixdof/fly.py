@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
-from tvclin.errors import one_row
+from tvclin.errors import times_row
 from tvclin.flight.answer import FARTHEST, flight_response, warn_of_the_end
 from tvclin.flight.condition import FlightCondition
 from tvclin.flight.control import Control, command_of, limit_of
@@ -106,7 +106,7 @@ def fly_sixdof(
     0.092
     """
     case = SixDof(vehicle, plane, drift, step, earth, condition)
-    times = one_row("timepts", timepts, "s")
+    times = times_row("timepts", timepts)
     air = case.air(wind, float(times.min()), float(times.max()))
     command = command_of(control, float(times.min()), actuator, rate_limit)
     limit = limit_of(control, deflection_limit)

@@ -1,0 +1,894 @@
+"""Every public name of the package with one good call, and values that no argument expects."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import tvclin as tv
+from tvclin.flight import load_flight_condition
+from tvclin.sizing.total import Line
+
+SOUNDINGS = Path(__file__).parent / "soundings"
+
+ANSWERS = {
+    "BoundaryLimit",
+    "ClosedLoopBoundary",
+    "Crossings",
+    "DispersedStudy",
+    "FlownBoundary",
+    "FlownCases",
+    "ForecastFreeLimit",
+    "LawTrial",
+    "LeftOver",
+    "Margins",
+    "Modes",
+    "Optimum",
+    "RateLimitedOptimum",
+    "RequiredDeflection",
+    "Seen",
+    "TrimComparison",
+    "Verdict",
+    "WorstDuration",
+}
+"""What the package alone makes, and what has no door: fields to be read."""
+
+NO_CALLS = {"CRITERIA", "History", "InputError", "Law", "list_vehicles"}
+"""A table, two abstract classes, an exception, and a function without an argument."""
+
+INSIDE = {
+    "CampaignResults",
+    "FlightBeside",
+    "Loads",
+    "RangeReference",
+    "Responses",
+    "Sizing",
+    "Study",
+}
+"""Answers whose methods are doors, but not their making."""
+
+BARE = {
+    "demand",  # of laws, for every sample of every flight
+    "parts",
+    "take",
+    "vanishes",  # of the arithmetic that a loop stands on
+    "one",
+    "path_per_attitude",
+    "deviates",
+    "history",
+    "chosen",
+    "designed",
+}
+"""Methods for the innermost loops of the package, which check nothing."""
+
+
+TOLD = {
+    "all_modes": (".deflection_residues", ".wind_residues"),
+    "unstable_modes": (".deflection_residues", ".wind_residues"),
+    "triangle_error": ("",),
+    "single_pole_validity": ("",),
+    "judge": (".left_over.offset", ".left_over.rate"),
+    "compare_with_trim": (".peak_flight_path_angle",),
+}
+"""Where NaN is the answer, as the docstrings say: of poles that are repeated, or not there."""
+
+
+class Door(NamedTuple):
+    """A public name, and arguments with which it answers."""
+
+    call: Callable[..., Any]
+    good: dict[str, Any]
+
+
+def doors(folder: Path) -> dict[str, Door]:
+    """Return the doors by name; files that they write are in the folder."""
+    # Short names, since the table below is long.
+    booster = tv.load_vehicle("configuration-i")
+    coefficients = tv.Coefficients.from_vehicle(booster)
+    plant = tv.Plant.from_coefficients(coefficients)
+    exact = tv.Plant.from_coefficients(coefficients, "drift-exact")
+    wind = tv.TriangularWind(peak=0.09, duration=7.5)
+    limit = float(tv.boundary_limit(plant, wind).deflection)
+    held = tv.trim_then_hold(plant, wind, limit)
+    gust = tv.OneMinusCosineGust(peak=0.01, duration=1.0)
+    autopilot = tv.canonical_gains(coefficients)
+    actuator = tv.Actuator()
+    law = tv.TrimLaw(plant)
+    margins = autopilot.margins(plant)
+    condition = load_flight_condition("configuration-i")
+    schedule = tv.load_schedule("configuration-i", step=5.0)
+    study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01)
+    west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
+    months = tv.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
+    climb = tv.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
+    dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
+    shaped = tv.ShapedWind("triangular", 0.09, 7.5)
+    campaign = tv.Campaign(vehicle=booster, wind=shaped, dispersions=dispersions, cases=8, chunk=4)
+    done = folder / "done"
+    results = tv.run_campaign(campaign, done)
+    sizing = tv.size(schedule, wind, times=[60.0, 66.0])
+    asked = tv.SizingAsked(schedule=schedule, pulses=(shaped,), every=30.0)
+    sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
+    two = tv.GainSchedule([40.0, 90.0], autopilot)
+    estimator = tv.WindEstimator(bandwidth=10.0)
+    beside = tv.fly_beside(
+        booster, tv.ReportControl(), wind, [0.0, 5.0], deflection_limit=0.01, boundary=0.006
+    )
+    responses = tv.attitude_responses(plant, held, wind, [0.0, 5.0])
+    loads = tv.wind_loads(plant, held, wind)
+    line = Line("wind tunnel", 0.001)
+    times = [0.0, 5.0, 20.0]
+    poles = {"natural_frequency": 1.0, "damping": 0.7}
+    options = {"actuator": actuator, "delay": 0.01, "integral_gain": 0.0, "pade_order": 2}
+    hardware = {"rate_limit": 1.0, "actuator": actuator}
+    history = {"plant": plant, "wind": wind}
+    both = {"plant": plant, "deflection": held, "wind": wind}
+    study_file, campaign_file = folder / "study.toml", folder / "campaign.toml"
+    study_file.write_text(
+        '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+    )
+    sizing_file = folder / "size.toml"
+    sizing_file.write_text(study_file.read_text() + "[size]\nevery_s = 30\n")
+    campaign_file.write_text(
+        '[campaign]\nvehicle = "configuration-i"\ncases = 8\n'
+        '[wind]\npeak_deg = 5\nduration_s = 7.5\n[[dispersion]]\nparameter = "thrust"\n'
+        'shape = "normal"\npercent = 1\n'
+    )
+
+    def run_anew(folder: Any = None, **others: Any) -> Any:
+        given = mkdtemp(dir=done.parent) if folder is NEW else folder
+        return tv.run_campaign(folder=given, **others)
+
+    pulse = {"peak": 0.09, "duration": 7.5}
+    return {
+        "Actuator": Door(tv.Actuator, {"natural_frequency": 25.0, "damping": 0.7}),
+        "AsymmetricTriangularWind": Door(tv.AsymmetricTriangularWind, {**pulse, "peak_time": 2.0}),
+        "Autopilot": Door(
+            tv.Autopilot, {"attitude_gain": 0.2, "rate_gain": 0.2, "alpha_gain": 0.0, **options}
+        ),
+        "Autopilot.answer": Door(autopilot.answer, history),
+        "Autopilot.close": Door(autopilot.close, {"plant": plant}),
+        "Autopilot.frequency_response": Door(
+            autopilot.frequency_response, {"plant": plant, "omega": [0.5, 2.0]}
+        ),
+        "Autopilot.in_winds": Door(lambda plant, wind: autopilot.in_winds(plant)(wind), history),
+        "Autopilot.loop": Door(autopilot.loop, {"plant": plant}),
+        "Autopilot.margins": Door(autopilot.margins, {"plant": plant}),
+        "Autopilot.rational_loop": Door(autopilot.rational_loop, {"plant": plant}),
+        "Autopilot.respond": Door(autopilot.respond, {**history, "timepts": times}),
+        "BangBang": Door(tv.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
+        "Campaign": Door(
+            tv.Campaign,
+            {
+                **{f.name: getattr(campaign, f.name) for f in dataclasses.fields(campaign)},
+                "limit": 0.01,
+                "until": 0.1,
+                "outputs": ("boundary", "flight"),
+                "flight": tv.Flight(deflection_limit=0.01),
+            },
+        ),
+        "Campaign.span": Door(campaign.span, {"chunk": 1}),
+        "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),
+        "CampaignResults.column": Door(results.column, {"name": "thrust"}),
+        "CampaignResults.convergence": Door(results.convergence, {"output": results.angles[0]}),
+        "CampaignResults.drivers": Door(results.drivers, {"output": results.angles[0]}),
+        "CampaignResults.quantile": Door(
+            results.quantile,
+            {"output": results.angles[0], "probability": 0.5, "confidence": 0.5},
+        ),
+        "CampaignResults.read": Door(tv.CampaignResults.read, {"folder": done}),
+        "CampaignResults.replay": Door(results.replay, {"case": 3}),
+        "CampaignResults.success": Door(
+            results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
+        ),
+        "CampaignResults.survival": Door(results.survival, {"confidence": 0.9}),
+        "CampaignResults.worst": Door(results.worst, {"count": 2, "output": results.angles[0]}),
+        "Climb": Door(
+            tv.Climb,
+            {
+                "time": [0.0, 1.0],
+                "height": [0.0, 100.0],
+                "speed": [100.0, 100.0],
+                "flight_path_angle": [1.0, 1.0],
+            },
+        ),
+        "Coefficients": Door(
+            tv.Coefficients,
+            {
+                "mu_alpha": 0.3,
+                "mu_delta": 2.6,
+                "C1": 0.1,
+                "C2": 0.0,
+                "b1": 0.1,
+                "b2": 0.1,
+                "q": 0.0,
+            },
+        ),
+        "Coefficients.from_beta": Door(
+            tv.Coefficients.from_beta, {"beta": 0.53, "B": 0.1, "C1": 0.0}
+        ),
+        "Coefficients.from_vehicle": Door(
+            tv.Coefficients.from_vehicle, {"vehicle": booster, "plane": "yaw"}
+        ),
+        "Coefficients.replace": Door(coefficients.replace, {"mu_alpha": 0.3}),
+        "Criteria": Door(
+            tv.Criteria, {"name": "own", "requirements": tv.CRITERIA["classic"].requirements}
+        ),
+        "Criteria.are_met": Door(tv.CRITERIA["classic"].are_met, {"margins": margins}),
+        "Criteria.judge": Door(tv.CRITERIA["classic"].judge, {"margins": margins}),
+        "Criteria.own": Door(
+            tv.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
+        ),
+        "DeadBandLaw": Door(tv.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}),
+        "DeflectionTotal": Door(
+            tv.DeflectionTotal, {"lines": (line,), "reserve": 0.1, "limit": 0.01, "time": 66.0}
+        ),
+        "Dispersion": Door(
+            tv.Dispersion,
+            {"parameter": "thrust", "shape": "normal", "spread": 0.1, "relative": True},
+        ),
+        "Dispersions": Door(tv.Dispersions, {"each": dispersions.each, "correlation": ((1.0,),)}),
+        "Dispersions.apply": Door(
+            dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
+        ),
+        "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
+        "Flight": Door(
+            tv.Flight,
+            {
+                "law": "autopilot",
+                "deflection_limit": 0.01,
+                "rate_limit": 1.0,
+                "sample_rate": 50.0,
+                "attitude_gain": 0.2,
+                "rate_gain": 0.2,
+                "alpha_gain": 0.0,
+                "integral_gain": 0.0,
+                "natural_frequency": 20.0,
+                "damping": 0.7,
+            },
+        ),
+        "Flight.gains": Door(tv.Flight(deflection_limit=0.01).gains, {"plant": plant}),
+        "FlightBeside.peaks": Door(beside.peaks, {"name": "attitude"}),
+        "FlightSchedule": Door(
+            tv.FlightSchedule,
+            {
+                "vehicle": booster.replace(time=[60.0, 70.0]),
+                "nominal_deflection": [0.0, 0.0],
+                "altitude": [1e4, 1.1e4],
+            },
+        ),
+        "FlightSchedule.at": Door(schedule.at, {"time": 66.0}),
+        "FlightSchedule.from_flight": Door(
+            tv.FlightSchedule.from_flight,
+            {
+                "vehicle": booster,
+                "condition": condition,
+                "start": 60.0,
+                "stop": 70.0,
+                "step": 5.0,
+            },
+        ),
+        "FlightSchedule.held": Door(schedule.held, {"time": 66.0}),
+        "FlightSchedule.nominal_at": Door(schedule.nominal_at, {"time": 66.0}),
+        "GainSchedule": Door(tv.GainSchedule, {"time": [40.0, 90.0], "autopilot": autopilot}),
+        "GainSchedule.at": Door(two.at, {"time": 66.0}),
+        "GainSchedule.design": Door(
+            tv.GainSchedule.design,
+            {
+                "time": [40.0, 90.0],
+                "coefficients": coefficients,
+                "rule": tv.design_gains,
+                **poles,
+            },
+        ),
+        "GainSchedule.margins": Door(two.margins, {"plants": plant}),
+        "GainsAsked": Door(
+            tv.GainsAsked,
+            {
+                "model": "drift",
+                "design": "canonical",
+                "natural_frequency": 1.0,
+                "damping": 0.7,
+                "attitude_gain": 0.2,
+                "rate_gain": 0.2,
+                "alpha_gain": 0.1,
+                "integral_gain": 0.0,
+                "actuator_frequency": 25.1,
+                "actuator_damping": 0.7,
+                "delay": 0.0,
+            },
+        ),
+        "GainsAsked.autopilot": Door(tv.GainsAsked(design="canonical").autopilot, {"plant": plant}),
+        "HeldDeflection": Door(tv.HeldDeflection, {"limit": 0.01, "start": 0.0}),
+        "History.__call__": Door(wind, {"t": [0.0, 1.0]}),
+        "History.before": Door(wind.before, {"time": 5.0}),
+        "History.filter": Door(wind.filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
+        "History.future": Door(wind.future, {"s": 0.5, "t": 1.0}),
+        "History.laplace": Door(wind.laplace, {"s": 0.5}),
+        "History.laplace_magnitude": Door(wind.laplace_magnitude, {"s": 0.5}),
+        "History.probe_times": Door(wind.probe_times, {"between": 4}),
+        "History.shift": Door(wind.shift, {"dt": 1.0}),
+        "LawsAsked": Door(
+            tv.LawsAsked,
+            {
+                "names": ("trim",),
+                "winds": ("triangle",),
+                "sample_rate": 50.0,
+                "model": "drift-exact",
+            },
+        ),
+        "LayeredGust": Door(tv.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
+        "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
+        "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
+        "Loop.from_system": Door(
+            tv.Loop.from_system, {"system": autopilot.loop(plant), "delay": 0.1}
+        ),
+        "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
+        "MeasuredWind": Door(tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust}),
+        "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
+        "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
+        "Plant": Door(tv.Plant, {"coefficients": coefficients, "model": "drift-exact"}),
+        "Plant.from_coefficients": Door(
+            tv.Plant.from_coefficients, {"coefficients": coefficients, "model": "drift"}
+        ),
+        "Plant.from_vehicle": Door(
+            tv.Plant.from_vehicle, {"vehicle": booster, "model": "drift", "plane": "yaw"}
+        ),
+        "Plant.numerator": Door(exact.numerator, {"output": "attitude", "input": "wind"}),
+        "Plant.tf": Door(exact.tf, {"output": "attitude", "input": "wind"}),
+        "RangeReference.component": Door(months[0].component, {"percentile": 95.0, "azimuth": 1.5}),
+        "RangeReference.profile": Door(months[0].profile, {"percentile": 95.0, "azimuth": 1.5}),
+        "RangeReference.speed": Door(months[0].speed, {"percentile": 95.0}),
+        "RecoverableAttitudeLaw": Door(
+            tv.RecoverableAttitudeLaw,
+            {
+                "plant": plant,
+                "reach": 0.9,
+                "gain": 10.0,
+                "design_peak": 0.09,
+                "trust": 0.8,
+                "dead_band": 0.0,
+                "estimator": estimator,
+            },
+        ),
+        "RectangularWind": Door(tv.RectangularWind, pulse),
+        "ReportControl": Door(tv.ReportControl, {"dead_band": 0.5}),
+        "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
+        "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),
+        "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
+        "ShapedWind": Door(tv.ShapedWind, {"shape": "triangular", **pulse}),
+        "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
+        "Sizing.to_csv": Door(sizing.to_csv, {"path": folder / "sizing.csv"}),
+        "SizingAsked": Door(
+            tv.SizingAsked,
+            {
+                **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
+                "soundings": {"west": tv.SoundingAsked(west, 1.5)},
+                "gust": gust,
+                "window": 20.0,
+                "start": 60.0,
+                "stop": 70.0,
+                "peak_speed": 40.0,
+                "limit": 0.01,
+                "count": "K = 1",
+            },
+        ),
+        "SizingAsked.peak_at": Door(asked.peak_at, {"vehicle": booster, "pulse": shaped}),
+        "SizingAsked.total": Door(asked.total, {"found": sizing}),
+        "SoundingAsked": Door(tv.SoundingAsked, {"profile": west, "azimuth": 1.5}),
+        "Study.from_vehicle": Door(
+            tv.Study.from_vehicle,
+            {
+                "vehicle": booster,
+                "wind": "triangular",
+                **pulse,
+                "limit": 0.01,
+                "dead_band": 0.5,
+                "model": "drift",
+                "plane": "yaw",
+                "switch": "report",
+                "gust": gust,
+            },
+        ),
+        "StudyPlan": Door(
+            tv.StudyPlan,
+            {
+                "vehicle": booster,
+                "model": "drift",
+                "plane": "yaw",
+                "wind": shaped,
+                "gust": gust,
+                "limit": 0.01,
+                "dead_band": 0.5,
+                "switch": "report",
+                "laws": tv.LawsAsked(),
+                "gains": tv.GainsAsked(design="canonical"),
+                "criteria": tv.CRITERIA["classic"],
+                "dispersions": dispersions,
+                "cases": 100,
+                "seed": 1,
+                "probability": 0.9,
+                "confidence": 0.9,
+                "sizing": asked,
+            },
+        ),
+        "StudyPlan.of_study": Door(tv.StudyPlan.of_study, {"study": study}),
+        "TrapezoidalWind": Door(
+            tv.TrapezoidalWind, {"peak": 0.09, "rise": 1.0, "hold": 2.0, "fall": 1.0}
+        ),
+        "TriangularWind": Door(tv.TriangularWind, pulse),
+        "TrimLaw": Door(tv.TrimLaw, {"plant": plant, "gain": 10.0}),
+        "Vehicle": Door(
+            tv.Vehicle, {f.name: getattr(booster, f.name) for f in dataclasses.fields(booster)}
+        ),
+        "Vehicle.from_aerodynamics": Door(
+            tv.Vehicle.from_aerodynamics,
+            {
+                "dynamic_pressure": 4e4,
+                "reference_area": 10.0,
+                "normal_force_coefficient_slope": 2.0,
+                "axial_force_coefficient": 0.3,
+                "weight": 1e6,
+                "moment_of_inertia": 2e7,
+                "thrust": 2e6,
+                "aerodynamic_arm": 9.0,
+                "control_arm": 20.0,
+                "velocity": 500.0,
+                "attitude": 0.8,
+            },
+        ),
+        "Vehicle.replace": Door(booster.replace, {"weight": 1e6}),
+        "WindEnsemble": Door(
+            tv.WindEnsemble, {"time": [0.0, 1.0], "angle": [[0.1, 0.0], [0.0, 0.1]]}
+        ),
+        "WindEstimator": Door(tv.WindEstimator, {"bandwidth": 10.0, "rate_noise": 0.0, "seed": 1}),
+        "WindEstimator.states": Door(estimator.states, {"plant": plant}),
+        "WindProfile": Door(
+            tv.WindProfile,
+            {
+                "height": [0.0, 1e4],
+                "east": [0.0, 10.0],
+                "north": [0.0, 10.0],
+                "source": "here",
+                "notes": ("a note",),
+            },
+        ),
+        "WindProfile.at": Door(west.at, {"height": 5e3}),
+        "WindProfile.between": Door(west.between, {"low": 1e3, "high": 2e4}),
+        "WindProfile.cross_plane": Door(west.cross_plane, {"azimuth": 1.0}),
+        "WindProfile.in_plane": Door(west.in_plane, {"azimuth": 1.0}),
+        "WindProfile.smoothed": Door(west.smoothed, {"thickness": 500.0}),
+        "WindProfile.to_wind": Door(
+            west.to_wind, {"flight": climb, "azimuth": 1.0, "plane": "pitch"}
+        ),
+        "add_gust": Door(
+            tv.add_gust,
+            {
+                "profile": west,
+                "base": 5e3,
+                "amplitude": 9.0,
+                "blend": 100.0,
+                "thickness": 300.0,
+                "azimuth": 1.0,
+            },
+        ),
+        "all_modes": Door(tv.all_modes, {"plant": exact}),
+        "angle_from_speed": Door(
+            tv.angle_from_speed, {"speed": 50.0, "velocity": 500.0, "flight_path_angle": 0.8}
+        ),
+        "attitude_response": Door(tv.attitude_response, {**both, "timepts": times}),
+        "attitude_responses": Door(
+            tv.attitude_responses, {**both, "timepts": times, "outputs": ("attitude",)}
+        ),
+        "available_models": Door(tv.available_models, {"coefficients": coefficients}),
+        "boundary_limit": Door(
+            tv.boundary_limit, {**history, "dead_band": 0.5, "switch": "literal"}
+        ),
+        "canonical_gains": Door(tv.canonical_gains, {"coefficients": coefficients, **options}),
+        "closed_loop_boundary": Door(
+            tv.closed_loop_boundary,
+            {
+                **history,
+                "law": law,
+                "rate_limit": 1.0,
+                "actuator": actuator,
+                "sample_rate": 60.0,
+                "cuts": 0,
+                "lowest": 0.5,
+                "highest": 1.0,
+            },
+        ),
+        "compare_with_trim": Door(
+            tv.compare_with_trim, {"plant": exact, "autopilot": autopilot, "wind": wind}
+        ),
+        "design_gains": Door(tv.design_gains, {"coefficients": coefficients, **poles, **options}),
+        "disperse_study": Door(
+            tv.disperse_study,
+            {
+                "study": study,
+                "dispersions": dispersions,
+                "cases": 50,
+                "seed": 1,
+                "probability": 0.9,
+                "confidence": 0.9,
+                "method": "plain",
+            },
+        ),
+        "drift_minimum_gains": Door(
+            tv.drift_minimum_gains, {"coefficients": coefficients, **poles, **options}
+        ),
+        "equivalent_triangle": Door(tv.equivalent_triangle, {"wind": wind}),
+        "explore": Door(tv.explore, {"vehicle": "configuration-i"}),
+        "flown_boundary": Door(
+            tv.flown_boundary,
+            {
+                "vehicle": booster,
+                "wind": wind,
+                "dead_band": 1.0,
+                "law": law,
+                "engine": "planar",
+                "plane": "pitch",
+                "frozen": True,
+                "tolerance": 0.5,
+                "highest": 1.5,
+                "drift": True,
+                "condition": None,
+                **hardware,
+            },
+        ),
+        "fly": Door(
+            tv.fly,
+            {
+                **history,
+                "law": law,
+                "timepts": [0.0, 2.0],
+                "deflection_limit": 0.01,
+                "sample_rate": 60.0,
+                **hardware,
+            },
+        ),
+        "fly_beside": Door(
+            tv.fly_beside,
+            {
+                "vehicle": booster,
+                "control": tv.ReportControl(),
+                "wind": wind,
+                "timepts": [0.0, 2.0],
+                "deflection_limit": 0.01,
+                "engine": "planar",
+                "plane": "pitch",
+                "condition": None,
+                "boundary": 0.006,
+            },
+        ),
+        "fly_many": Door(
+            tv.fly_many,
+            {
+                **history,
+                "law": law,
+                "deflection_limit": 0.01,
+                "sample_rate": 60.0,
+                "until": 20.0,
+                "accuracy": 1e-8,
+                **hardware,
+            },
+        ),
+        "fly_planar": Door(
+            tv.fly_planar,
+            {
+                "vehicle": booster,
+                "control": law,
+                "wind": wind,
+                "timepts": [0.0, 2.0],
+                "deflection_limit": 0.01,
+                "plane": "pitch",
+                "drift": True,
+                "condition": None,
+                **hardware,
+            },
+        ),
+        "fly_sixdof": Door(
+            tv.fly_sixdof,
+            {
+                "vehicle": booster,
+                "control": law,
+                "wind": wind,
+                "timepts": [0.0, 0.5],
+                "deflection_limit": 0.01,
+                "plane": "pitch",
+                "drift": True,
+                "step": 0.01,
+                "earth": None,
+                "condition": None,
+                **hardware,
+            },
+        ),
+        "fly_through": Door(
+            tv.fly_through,
+            {
+                "profile": west,
+                "schedule": schedule,
+                "azimuth": 1.5,
+                "plane": "pitch",
+                "window": 20.0,
+                "gust": gust,
+            },
+        ),
+        "forecast_free_limit": Door(tv.forecast_free_limit, {**history, "reversal": 0.1}),
+        "is_stable": Door(tv.is_stable, both),
+        "is_sufficient": Door(
+            tv.is_sufficient, {**history, "limit": 0.01, "dead_band": 0.5}
+        ),
+        "judge": Door(tv.judge, both),
+        "law_trials": Door(
+            tv.law_trials,
+            {
+                "plant": plant,
+                "laws": {"trim": law},
+                "winds": {"triangle": wind},
+                "sample_rate": 60.0,
+                "cuts": 0,
+                "loads": False,
+                **hardware,
+            },
+        ),
+        "load_campaign": Door(tv.load_campaign, {"path": campaign_file}),
+        "load_minimum_gains": Door(
+            tv.load_minimum_gains, {"coefficients": coefficients, **poles, **options}
+        ),
+        "load_schedule": Door(
+            tv.load_schedule,
+            {"source": "configuration-i", "start": 60.0, "stop": 70.0, "step": 5.0},
+        ),
+        "load_sizing": Door(tv.load_sizing, {"source": sizing_file}),
+        "load_study": Door(tv.load_study, {"source": study_file}),
+        "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
+        "loop_margins": Door(tv.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
+        "lqr_gains": Door(
+            tv.lqr_gains,
+            {
+                "plant": plant,
+                "attitude_weight": 1.0,
+                "rate_weight": 0.1,
+                "alpha_weight": 0.1,
+                "deflection_weight": 1.0,
+                **options,
+            },
+        ),
+        "open_campaign": Door(tv.open_campaign, {"folder": done}),
+        "optimum_deflection": Door(
+            tv.optimum_deflection, {**history, "start": 0.0, "horizon": 20.0}
+        ),
+        "optimum_with_rate_limit": Door(
+            tv.optimum_with_rate_limit,
+            {**history, "rate_limit": 0.1, "start": 0.0, "horizon": 20.0, "steps": 20},
+        ),
+        "power_law_shear": Door(tv.power_law_shear, {"change": 20.0, "thickness": 500.0}),
+        "read_range_reference": Door(tv.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}),
+        "read_sounding": Door(
+            tv.read_sounding, {"path": SOUNDINGS / "wyoming.txt", "format": "wyoming", "time": None}
+        ),
+        "relief_gains": Door(
+            tv.relief_gains,
+            {"coefficients": coefficients, **poles, "alpha_ratio": 0.5, **options},
+        ),
+        "report_html": Door(tv.report_html, {"source": study}),
+        "required_deflection": Door(tv.required_deflection, {**history, "dead_band": 1.0}),
+        "residues": Door(tv.residues, both),
+        "resume_campaign": Door(
+            tv.resume_campaign,
+            {"folder": done, "executor": None, "shard": "1/1", "progress": None},
+        ),
+        "run_campaign": Door(
+            run_anew,
+            {
+                "campaign": campaign,
+                "folder": NEW,
+                "executor": None,
+                "shard": "1/1",
+                "compiled": False,
+                "progress": None,
+            },
+        ),
+        "single_pole_validity": Door(tv.single_pole_validity, {"coefficients": coefficients}),
+        "size": Door(
+            tv.size,
+            {
+                "schedule": schedule,
+                "winds": {"wind": wind},
+                "times": [66.0],
+                "dead_bands": [1.0],
+                "model": "drift-exact",
+                "plane": "pitch",
+                "placing": "peak",
+                "window": 20.0,
+                "law": "bound",
+                "varying": False,
+            },
+        ),
+        "standard_laws": Door(tv.standard_laws, {"plant": plant, "peak": 0.09}),
+        "standard_winds": Door(tv.standard_winds, pulse),
+        "steady_climb": Door(
+            tv.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}
+        ),
+        "survivable_peak": Door(
+            tv.survivable_peak, {**history, "limit": 0.01, "dead_band": 0.5}
+        ),
+        "synthetic_profile": Door(
+            tv.synthetic_profile,
+            {
+                "height": [0.0, 1e4, 2e4],
+                "speed": [10.0, 50.0, 20.0],
+                "peak_height": 1e4,
+                "thickness": [100.0, 1000.0, 9000.0],
+                "change": [5.0, 20.0, 50.0],
+                "azimuth": 1.5,
+            },
+        ),
+        "total_deflection": Door(
+            tv.total_deflection,
+            {
+                "vehicle": booster,
+                "wind": 0.006,
+                "nominal": 0.001,
+                "dispersion": 0.001,
+                "thrust_offset": 0.001,
+                "gravity_offset": 0.01,
+                "others": (line,),
+                "reserve": 0.1,
+                "limit": 0.02,
+            },
+        ),
+        "triangle_error": Door(tv.triangle_error, {**history, "dead_band": 0.5}),
+        "trim_deflection": Door(tv.trim_deflection, history),
+        "trim_then_hold": Door(
+            tv.trim_then_hold,
+            {**history, "limit": limit, "dead_band": 0.5, "switch": "literal"},
+        ),
+        "unstable_modes": Door(tv.unstable_modes, {"plant": exact}),
+        "wind_loads": Door(tv.wind_loads, both),
+        "worst_duration": Door(
+            tv.worst_duration,
+            {
+                "plant": plant,
+                "autopilot": autopilot,
+                "peak": 0.09,
+                "shortest": 5.0,
+                "longest": 6.0,
+                "shape": tv.TriangularWind,
+            },
+        ),
+        "worst_month": Door(tv.worst_month, {"months": months, "percentile": 95.0}),
+        "worst_total": Door(
+            tv.worst_total,
+            {
+                "sizing": sizing,
+                "name": "K = 1",
+                "dispersion": 0.1,
+                "thrust_offset": 0.001,
+                "gravity_offset": 0.01,
+                "reserve": 0.1,
+                "limit": 0.02,
+            },
+        ),
+    }
+
+
+NEW = object()
+"""Stands for a folder that is not there yet."""
+
+
+def nested(depth: int, kind: type = list) -> Any:
+    """Return lists or tables, one in the other."""
+    made: Any = 1.0
+    for _ in range(depth):
+        made = [made] if kind is list else {"a": made}
+    return made
+
+
+class Rude:
+    """A value that cannot even be shown."""
+
+    def __repr__(self) -> str:
+        """Fail."""
+        raise RuntimeError("not shown")
+
+
+def hostile() -> dict[str, Any]:
+    """Return values that no argument expects, by name."""
+    batch = tv.TriangularWind(peak=[0.01, 0.02, 0.03], duration=7.5)
+    return {
+        "none": None,
+        "text": "x",
+        "no text": "",
+        "null byte": "a\0b",
+        "long text": "x" * 5000,
+        "surrogate": "\udc80",
+        "bytes": b"x",
+        "object": object(),
+        "rude": Rude(),
+        "class": dict,
+        "function": lambda *_, **__: None,
+        "generator": (x for x in [1.0]),
+        "empty list": [],
+        "empty array": np.zeros(0),
+        "rows without columns": np.zeros((3, 0)),
+        "matrix": np.ones((2, 3)),
+        "row": np.ones(7),
+        "row with nan": np.array([0.5, np.nan]),
+        "many dimensions": np.ones((1,) * 40),
+        "ragged": [[1.0], [1.0, 2.0]],
+        "strings": ["a", "b"],
+        "twice": ("x", "x"),
+        "unhashable": ([], {}),
+        "nan": np.nan,
+        "inf": np.inf,
+        "-inf": -np.inf,
+        "-1": -1,
+        "-0.5": -0.5,
+        "0": 0,
+        "1": 1,
+        "1e308": 1e308,
+        "-1e308": -1e308,
+        "1e-308": 1e-308,
+        "1e18": 1e18,
+        "1e-18": 1e-18,
+        "1e9": 10**9,
+        "huge": 10**400,
+        "true": True,
+        "complex": 1.0 + 1.0j,
+        "wind": tv.TriangularWind(peak=0.02, duration=3.0),
+        "winds": batch,
+        "long wind": tv.RectangularWind(peak=0.01, duration=1e9),
+        "short wind": tv.RectangularWind(peak=1e-12, duration=1e-9),
+        "late wind": tv.TriangularWind(peak=0.01, duration=3.0).shift(1e6),
+        "held": tv.HeldDeflection(limit=-0.004),
+        "calm": batch * 0.0,
+        "vehicle": tv.load_vehicle("configuration-ii"),
+        "vehicles": tv.load_vehicle("configuration-i").replace(weight=[1e6, 2e6]),
+        "plant": tv.Plant.from_vehicle(tv.load_vehicle("configuration-ii")),
+        "stable plant": tv.Plant.from_coefficients(
+            tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0, C1=0.1), "drift"
+        ),
+        "plant without moment": tv.Plant.from_coefficients(
+            tv.Coefficients(mu_alpha=0.0, mu_delta=2.0), "drift-exact"
+        ),
+        "plants": tv.Plant.from_coefficients(
+            tv.Coefficients(mu_alpha=[0.2, 0.3], mu_delta=2.0), "drift-exact"
+        ),
+        "extreme plant": tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=1e18, mu_delta=1e-18)),
+        "slow plant": tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=1e-18, mu_delta=1e-18)),
+        "coefficients": tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0),
+        "deep": nested(3000),
+        "deep table": nested(3000, dict),
+        "table": {"a": 1},
+        "path": Path("nothing/there"),
+        "folder": Path(),
+        "date": np.datetime64("2020-01-01"),
+        "masked": np.ma.masked_array([1.0, 2.0], [True, False]),
+        "records": np.zeros(2, dtype=[("a", float)]),
+    }
+
+
+def flaws(value: Any, name: str = "") -> Iterator[str]:
+    """Yield where a value holds a number that is none; not where its status says so."""
+    if isinstance(value, tv.History):
+        pieces = value.pieces
+        value = {"knots": pieces.knots, "pieces": pieces.coefficients, "peak": value.peak}
+    elif isinstance(value, tuple | list):
+        value = dict(enumerate(value))
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = {one.name: getattr(value, one.name) for one in dataclasses.fields(value)}
+    if isinstance(value, dict):
+        if np.all(np.asarray(value.get("status", "ok")) == "ok"):
+            for key, one in value.items():
+                yield from flaws(one, f"{name}.{key}")
+    elif isinstance(value, float | complex | np.number | np.ndarray):
+        array = np.asarray(value)
+        if array.dtype.kind in "fc" and np.any(np.isnan(array)):
+            yield name

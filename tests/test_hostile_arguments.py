@@ -1,0 +1,172 @@
+"""Whatever a public name is given, it answers, or says in one sentence what is wrong."""
+
+from __future__ import annotations
+
+import inspect
+import random
+import secrets
+import signal
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import pytest
+
+import tvclin as tv
+from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile
+
+for extra in ("ipywidgets", "jinja2", "jsbsim", "pyarrow"):
+    pytest.importorskip(extra)
+
+LONGEST_SENTENCE = 400
+SECONDS = 10.0
+"""Of processor time, for one call: the slowest good one takes two."""
+CALLED = ("__call__", "__getitem__")
+FUNCTIONS = ("rule", "engine", "shape", "progress", "winds")
+"""A function in place of another raises what it raises."""
+
+
+@pytest.fixture(scope="module")
+def every(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Door]:
+    return doors(tmp_path_factory.mktemp("doors"))
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files with the names of hostile values are nobody's."""
+    monkeypatch.chdir(tmp_path)
+
+
+class TooSlow(BaseException):
+    """What no door may catch."""
+
+
+@contextmanager
+def in_time() -> Iterator[None]:
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise TooSlow(f"more than {SECONDS} s")
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def complaint(name: str, door: Door, argument: str, value: Any) -> str | None:
+    """Return what is wrong with the answer to one argument; None if nothing is."""
+    try:
+        with in_time(), warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # the package's own, which are told
+            answer = door.call(**(door.good | {argument: value}))
+            repr(answer)
+            lost = set(flaws(answer)) - set(TOLD.get(name, ()))
+            lost = lost and lost - set(flaws(door.call(**door.good)))
+    except tv.InputError as error:
+        said = str(error)
+        good = 0 < len(said) < LONGEST_SENTENCE and "\n" not in said
+        return None if good else f"its message is no short sentence: {said[:500]!r}"
+    except (Exception, TooSlow) as error:
+        return f"{type(error).__name__}: {str(error)[:200]}"
+    return f"a silent NaN in {sorted(lost)}" if lost else None
+
+
+def test_every_public_name_has_its_door(every: dict[str, Door]) -> None:
+    others = ANSWERS | INSIDE | NO_CALLS
+    assert {name for name in every if "." not in name} | others == set(tv.__all__)
+    assert not others & set(every)
+
+
+def test_every_public_method_has_its_door(every: dict[str, Door]) -> None:
+    for name in tv.__all__:
+        kind = getattr(tv, name)
+        if not inspect.isclass(kind):
+            continue
+        for method, what in vars(kind).items():
+            call = getattr(what, "__func__", what)
+            if not inspect.isfunction(call) or (method[0] == "_" and method not in CALLED):
+                continue
+            if method in BARE or len(inspect.signature(call).parameters) < 2:
+                continue
+            assert f"{name}.{method}" in every
+
+
+def test_every_argument_of_a_door_is_tried(every: dict[str, Door]) -> None:
+    for name, door in every.items():
+        known = inspect.signature(door.call).parameters.values()
+        asked = {one.name for one in known if one.kind not in {one.VAR_KEYWORD, one.VAR_POSITIONAL}}
+        assert asked <= set(door.good), name
+
+
+def test_every_door_opens_to_its_good_call(every: dict[str, Door]) -> None:
+    for name, door in every.items():
+        try:
+            door.call(**door.good)
+        except tv.InputError as error:
+            pytest.fail(f"{name}: {error}")
+
+
+@pytest.mark.parametrize("what", sorted(hostile()))
+def test_a_hostile_value_is_answered_or_refused_in_one_sentence(
+    every: dict[str, Door], what: str
+) -> None:
+    value = hostile()[what]
+    pairs = [
+        (name, argument)
+        for name, door in every.items()
+        for argument in door.good
+        if not (argument in FUNCTIONS and callable(value))
+    ]
+    said = {pair: complaint(pair[0], every[pair[0]], pair[1], value) for pair in pairs}
+    assert not {pair: one for pair, one in said.items() if one}
+
+
+def test_so_is_any_number_and_any_text(every: dict[str, Door]) -> None:
+    seed = secrets.randbits(32)  # another one in every run; the message says which
+    drawn = random.Random(seed)
+    for _ in range(300):
+        name = drawn.choice(sorted(every))
+        argument = drawn.choice(sorted(every[name].good))
+        value = drawn.choice(DRAWS)(drawn)
+        said = complaint(name, every[name], argument, value)
+        assert said is None, f"seed {seed}: {name}({argument}={value!r}): {said}"
+
+
+def size(drawn: random.Random) -> float:
+    """Return a number of any size, of both signs."""
+    return drawn.choice((-1.0, 1.0)) * 10.0 ** drawn.uniform(-320.0, 308.0)
+
+
+DRAWS: tuple[Callable[[random.Random], Any], ...] = (
+    size,
+    lambda drawn: int(size(drawn)),
+    lambda drawn: drawn.randint(-20, 20),
+    lambda drawn: [size(drawn) for _ in range(drawn.randint(0, 5))],
+    lambda drawn: complex(size(drawn), size(drawn)),
+    lambda drawn: "".join(chr(drawn.randint(0, 0xD7FF)) for _ in range(drawn.randint(0, 20))),
+)
+
+
+@pytest.mark.parametrize("depth", [20, 300, 900, 5000])
+@pytest.mark.parametrize("key", ["vehicle", "schedule", "study", "campaign", "wind", "size", "x"])
+def test_a_file_of_tables_in_tables_is_refused_in_one_sentence(
+    key: str, depth: int, tmp_path: Path
+) -> None:
+    file = tmp_path / "deep.toml"
+    loads = (tv.load_vehicle, tv.load_schedule, tv.load_study, tv.load_sizing, tv.load_campaign)
+    deep = "[" * depth + "]" * depth, "{a=" * depth + "1" + "}" * depth
+    for text in (
+        *(f"{key} = {one}\n" for one in deep),
+        *(f"[{key}]\nname = {one}\n" for one in deep),
+    ):
+        file.write_text(text)
+        for load in loads:
+            said = complaint(
+                "file", Door(load, {}), next(iter(inspect.signature(load).parameters)), file
+            )
+            assert said is None, f"{load.__name__}: {said}"
