@@ -274,7 +274,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"question": {"limit_deg": -0.4}}, "limit must be positive"),
         ({"laws": {"names": ["trimm"]}}, "names of the laws must be one of .*'trim'"),
         ({"laws": {"names": "trim"}}, r"names in \[laws\] must be a list"),
-        ({"laws": {"winds": []}}, "winds of the laws must be one or more different names"),
+        ({"laws": {"winds": []}}, "winds of the laws must be one or more different values"),
         ({"laws": {"sample_rate": 50}}, "'sample_rate'; did you mean sample_rate_Hz"),
         ({"laws": {"sample_rate_Hz": 0}}, "sample rate of the laws must be positive"),
         ({"autopilot": {"desing": "lqr"}}, "'desing'; did you mean design"),

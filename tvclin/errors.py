@@ -41,7 +41,7 @@ def _finite(name: str, value: ArrayLike, unit: str) -> tuple[NDArray[np.float64]
             raise TypeError
         array = np.array(array, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a number{_in(unit)}; got {_shown(value)}") from None
+        raise InputError(f"{name} must be a number{_in(unit)}; got {shown(value)}") from None
     array.flags.writeable = False
     if not array.size:
         return array, np.inf, -np.inf
@@ -97,14 +97,14 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
         return value
     near = get_close_matches(value, names, n=2, cutoff=0.5) if isinstance(value, str) else []
     hint = f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""
-    raise InputError(f"{name} must be one of {', '.join(names)}; got {_shown(value)}{hint}")
+    raise InputError(f"{name} must be one of {', '.join(names)}; got {shown(value)}{hint}")
 
 
 def instance(name: str, value: object, kind: type, maker: str) -> None:
     """Raise `InputError` unless `value` is of the kind asked for; `maker` says how to get one."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {_shown(value)}")
+        raise InputError(f"{name} must be {article} {kind.__name__} ({maker}); got {shown(value)}")
 
 
 def single(name: str, batch: tuple[int, ...]) -> None:
@@ -134,8 +134,18 @@ def one_row(name: str, value: ArrayLike, unit: str = "") -> NDArray[np.float64]:
 def whole_number(name: str, value: object) -> int:
     """Return a whole number, zero or positive, numpy's too; `InputError` otherwise."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise InputError(f"{name} must be an integer, zero or positive; got {_shown(value)}")
+        raise InputError(f"{name} must be an integer, zero or positive; got {shown(value)}")
     return int(value)
+
+
+def different(name: str, given: object) -> None:
+    """Raise `InputError` unless it is a tuple of one or more values, no two of them alike."""
+    try:
+        good = isinstance(given, tuple) and 0 < len(given) == len(set(given))
+    except TypeError:  # a list among them
+        good = False
+    if not good:
+        raise InputError(f"{name} must be one or more different values; got {shown(given)}")
 
 
 def ending(name: str, end: ArrayLike) -> None:
@@ -161,9 +171,9 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        shown = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+        given = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise InputError(
-            f"arguments must have shapes that broadcast together; got {shown}"
+            f"arguments must have shapes that broadcast together; got {given}"
         ) from None
 
 
@@ -183,6 +193,10 @@ def _in(unit: str) -> str:
     return f" in {unit}" if unit else ""
 
 
-def _shown(value: object) -> str:
-    text = " ".join(repr(value).split())
+def shown(value: object) -> str:
+    """Return a value as a message quotes it: on one line, cut at 60 characters."""
+    try:
+        text = " ".join(repr(value).split())
+    except (ValueError, RecursionError):  # more digits or levels than Python writes
+        text = f"{type(value).__name__} too large to be shown"
     return text if len(text) <= 60 else text[:57] + "..."

@@ -16,6 +16,7 @@ from tvclin.errors import (
     nonzero,
     plain,
     positive,
+    shown,
     together,
     within,
 )
@@ -93,7 +94,7 @@ class Vehicle:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isprintable():
-            raise InputError(f"name must be a text of printable characters; got {self.name!r}")
+            raise InputError(f"name must be a text of printable characters; got {shown(self.name)}")
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
         for name in ("time", "control_force_slope"):
             given = getattr(self, name)

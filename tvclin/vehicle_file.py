@@ -1,14 +1,13 @@
 """Vehicle files: TOML with one table [vehicle], every key carrying its unit."""
 
-import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from tvclin.errors import InputError, number, one_of
-from tvclin.files import read_text
+from tvclin.errors import InputError, number, one_of, shown
+from tvclin.files import called, exists, read_text, tables_of
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
@@ -70,15 +69,16 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
     """Return the text of a vehicle file and what to call it; as `load_vehicle`."""
     text = fspath(source) if isinstance(source, str | PathLike) else None
     if not isinstance(text, str) or not text or "\0" in text:
-        raise InputError(f"vehicle must be a name or a path; got {source!r}")
+        raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
     if text in list_vehicles():
         resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
         return resource.read_text(encoding="utf-8"), text
     path = Path(text)
     looks_like_a_path = isinstance(source, PathLike) or path.suffix or path.name != text
-    if not looks_like_a_path and not path.exists():
+    if not looks_like_a_path and not exists(path):
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
-    start = f"write one with: tvclin init {path}, or a study file with: tvclin init --study {path}"
+    name = called(path)
+    start = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
     return read_text(path, "a vehicle file", start), text
 
 
@@ -88,22 +88,19 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     try:
         return build_vehicle(table)
     except InputError as error:
-        raise InputError(f"{source}: {error}") from None
+        raise InputError(f"{called(source)}: {error}") from None
 
 
 def table_of(text: str, source: str, heading: str) -> dict[str, Any]:
     """Return one table of a vehicle file, empty where [flight] is not there."""
-    try:
-        document = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{source} is not valid TOML: {error}") from None
+    document, source = tables_of(text, source), called(source)
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
     for key in document.keys() - set(HEADINGS):
-        raise InputError(f"{source}: unknown heading or key {key!r} outside [vehicle]")
+        raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
     table = document.get(heading, {})
     if not isinstance(table, dict):
-        raise InputError(f"{source}: {heading} must be a table [{heading}]; got {table!r}")
+        raise InputError(f"{source}: {heading} must be a table [{heading}]; got {shown(table)}")
     return dict(table)
 
 
@@ -177,7 +174,7 @@ def _unknown(key: str, known: dict[str, str], keys: list[str], heading: str) -> 
             return f"{key} has no known unit; write {_spellings(quantity, dimension)}"
     near = get_close_matches(key, keys, n=2, cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
-    return f"unknown key {key!r} in [{heading}]; {hint}"
+    return f"unknown key {shown(key)} in [{heading}]; {hint}"
 
 
 def _spellings(quantity: str, dimension: str) -> str:

@@ -17,7 +17,7 @@ from tvclin.campaign.chunks import arrow, chunk_file, flaw, run_chunk, sweep
 from tvclin.campaign.manifest import Manifest, begin, check_versions, read_manifest
 from tvclin.campaign.plan import Campaign, checkpoints
 from tvclin.campaign.results import CampaignResults
-from tvclin.errors import InputError
+from tvclin.errors import InputError, shown
 
 Progress = Callable[[int, int], None]
 Shard = tuple[int, int]
@@ -210,5 +210,5 @@ def _shard(text: str | None) -> Shard:
     found = re.fullmatch(r"(\d+)/(\d+)", text)
     index, count = (int(part) for part in found.groups()) if found else (0, 0)
     if not 1 <= index <= count:
-        raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {text!r}")
+        raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {shown(text)}")
     return index - 1, count

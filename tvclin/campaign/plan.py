@@ -14,6 +14,7 @@ from tvclin.coefficients import Coefficients
 from tvclin.errors import (
     InputError,
     between,
+    different,
     instance,
     number,
     one_of,
@@ -100,12 +101,12 @@ class Campaign:
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
 
     def _check_outputs(self) -> None:
-        _some("outputs", self.outputs)
+        different("outputs", self.outputs)
         for name in self.outputs:
             one_of("outputs", name, OUTPUTS)
         if ("flight" in self.outputs) != (self.flight is not None):
             raise InputError('the output "flight" and a [flight] belong together: give both')
-        _some("dead_bands", self.dead_bands)
+        different("dead_bands", self.dead_bands)
         bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
 
@@ -157,8 +158,3 @@ def checkpoints(chunks: int) -> Iterator[int]:
     while end < chunks:
         end = min(max(end + 1, end + end // 10), chunks)
         yield end
-
-
-def _some(name: str, given: tuple[Any, ...]) -> None:
-    if not isinstance(given, tuple) or not given or len(set(given)) < len(given):
-        raise InputError(f"{name} must be a tuple of one or more different values; got {given!r}")

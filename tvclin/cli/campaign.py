@@ -42,12 +42,13 @@ def init(
     """Write a commented campaign file to fill in."""
     from tvclin.campaign.file import template
     from tvclin.errors import InputError
-    from tvclin.files import write_text
+    from tvclin.files import called, exists, write_text
 
-    if file.exists() and not file.is_dir():
-        raise InputError(f"{file} exists already; name another file or move it away")
+    if exists(file) and not file.is_dir():
+        raise InputError(f"{called(file)} exists already; name another file or move it away")
     write_text(file, template())
-    typer.echo(f"Wrote {file}. Change what differs, then: tvclin campaign run {file} -o results")
+    name = called(file)
+    typer.echo(f"Wrote {name}. Change what differs, then: tvclin campaign run {name} -o results")
 
 
 @campaign.command()
@@ -222,9 +223,11 @@ def _bar() -> Iterator[Callable[[int, int], None] | None]:
 
 
 def _print_done(found: "CampaignResults") -> None:
+    from tvclin.files import called
+
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""
-    typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {found.folder}")
+    typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")
 
 
 def _degrees(value: float) -> str:

@@ -24,7 +24,7 @@ def report(
     Exit code 0: sufficient in the wind and over the flight, or no limit was given; 1: not
     sufficient; 2: bad input.
     """
-    from tvclin.files import write_whole
+    from tvclin.files import called, write_whole
     from tvclin.report import page_of
     from tvclin.study_file import example_plan, load_study
 
@@ -40,7 +40,7 @@ def report(
 
     write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
-    typer.echo(f"Wrote {output}: {said[sufficient]}.")
+    typer.echo(f"Wrote {called(output)}: {said[sufficient]}.")
     for doubt in doubts:
         typer.echo(f"Note: {doubt}.")
     if sufficient is False:

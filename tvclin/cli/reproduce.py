@@ -16,15 +16,16 @@ def reproduce(
     Figures 6 to 11 stand beside flights of their own, so it takes a minute or two.
     """
     from tvclin.errors import install
+    from tvclin.files import called
     from tvclin.plots.flown import chosen_engine
     from tvclin.reproduce.figures import reproduce as write_everything
 
     written = write_everything(output)
     for path in written:
-        typer.echo(str(path))
+        typer.echo(called(path))
     if chosen_engine(None) == "planar":
         typer.echo(
             "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
             f" JSBSim, {install('sixdof')}."
         )
-    typer.echo(f"Wrote {len(written)} files into {output}.")
+    typer.echo(f"Wrote {len(written)} files into {called(output)}.")

@@ -3,7 +3,7 @@
 import re
 from os import PathLike
 
-from tvclin.errors import InputError, one_of
+from tvclin.errors import InputError, one_of, shown
 from tvclin.soundings import columns, igra, rocketpy, wyoming
 from tvclin.soundings.found import Found
 from tvclin.soundings.levels import profile_of
@@ -85,6 +85,6 @@ def _chosen(text: Text, found: list[Found], time: str | None) -> Found:
     for one in found:
         if one.time == time:
             return one
-    shown = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
+    there = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
     more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
-    raise InputError(f"{text.source} has no sounding of time {time!r}; it has {shown}{more}")
+    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {there}{more}")

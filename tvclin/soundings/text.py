@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError
-from tvclin.files import read_text
+from tvclin.errors import InputError, shown
+from tvclin.files import called, read_text
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -65,7 +65,7 @@ class Text:
             value = np.inf
         if np.isinf(value):
             raise self.error(
-                line, f"{column} must be a number, or empty; got {cell.strip()[:40]!r}"
+                line, f"{column} must be a number, or empty; got {shown(cell.strip())}"
             )
         return value
 
@@ -85,8 +85,8 @@ def read_lines(path: str | PathLike[str]) -> Text:
         When the file cannot be read, is empty, or is no text.
     """
     if not isinstance(path, str | PathLike):
-        raise InputError(f"path must name a file; got {path!r}")
+        raise InputError(f"path must name a file; got {shown(path)}")
     content = read_text(Path(path), "a file of winds")
     if "\0" in content:
-        raise InputError(f"{path} is not a text file")
-    return Text(str(path), tuple(re.split(r"\r\n|\r|\n", content)))
+        raise InputError(f"{called(path)} is not a text file")
+    return Text(called(path), tuple(re.split(r"\r\n|\r|\n", content)))

@@ -8,7 +8,16 @@ import numpy as np
 from tvclin.autopilot import Autopilot
 from tvclin.autopilot.rules import DESIGNS, designed_autopilot
 from tvclin.campaign import Dispersions, ShapedWind
-from tvclin.errors import InputError, instance, nonnegative, number, one_of, positive, within
+from tvclin.errors import (
+    InputError,
+    different,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    within,
+)
 from tvclin.histories import History
 from tvclin.margins import Criteria
 from tvclin.plant import MODELS, Plant
@@ -44,10 +53,7 @@ class LawsAsked:
             ("names", self.names, STANDARD_LAWS),
             ("winds", self.winds, tuple(standard_winds(1.0, 1.0))),
         ):
-            if not isinstance(given, tuple) or not given or len(set(given)) < len(given):
-                raise InputError(
-                    f"{what} of the laws must be one or more different names; got {given!r}"
-                )
+            different(f"{what} of the laws", given)
             for name in given:
                 one_of(f"{what} of the laws", name, known)
         rate = number("sample rate of the laws", self.sample_rate, positive, "Hz")
