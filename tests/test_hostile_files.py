@@ -155,3 +155,60 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
     for content in (b"time_s,a\n0," + b"1" * 200_000, b"\xff\xfe", b"time_s,a\n\0,1\n", b""):
         (tmp_path / "winds.csv").write_bytes(content)
         check_refused(run("study", file))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["respond", "--duration", "925140181"], "must be at most 1323 s"),
+        (["respond", "--until", "1e-3", "--duration", "1e5"], "must be at most 1323 s"),
+        (["fly", "--duration", "1e9"], "must be at most 1824 s long"),
+        (["fly", "--peak-speed", "1e-9"], "at least 1.43e-05 deg"),
+        (["fly", "--along-trajectory", "--peak-deg", "1e-9"], "at least 1.43e-05 deg"),
+        (["laws", "--wind", "triangle", "--sample-rate", "1e-18"], "at least 0.001701 Hz"),
+        (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "at most 5e+06 samples"),
+        (["laws", "--wind", "triangle", "--duration", "1e6"], "at most 5e+06 samples"),
+        (["size", "--gust", "45", "1e4", "--varying", "--every", "50"], "for at most 1826 s"),
+    ],
+)
+def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(arguments, told):
+    assert told in check_refused(run(*arguments))
+
+
+def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
+    command = ["laws", "--wind", "triangle", "--cuts", "2", "--json"]
+    quiet = CliRunner().invoke(app, command)
+    shown = CliRunner().invoke(app, command, env={"FORCE_COLOR": "1"})
+
+    assert quiet.stderr == ""
+    assert "36 flights" in shown.stderr  # four laws, three scans, the wind and two stops
+    assert quiet.stdout == shown.stdout
+
+
+def test_the_air_stays_what_it_is_far_beyond_the_atmosphere() -> None:
+    from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at, density_at
+
+    for height in (-1e9, -6_356_766.0, -1e5, LOWEST, 0.0, HIGHEST, 2e5, 1e9, 1e300):
+        assert density_at(height) == pytest.approx(float(air_at(height).density), rel=1e-12)
+        assert 0.0 < density_at(height) < 10.0
+
+
+def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one() -> None:
+    """The altitude [m] once had the smallest error of an angle [rad], which is its rounding."""
+    from tvclin.closed_loop.continuous import ContinuousFlight
+    from tvclin.flight import load_flight_condition
+    from tvclin.flight.planar.case import planar_case
+
+    vehicle = tv.load_vehicle("configuration-i")
+    condition = load_flight_condition("configuration-i")
+    counts = []
+    for peak in (1e-2, 1e-5):
+        wind = tv.TriangularWind(peak=peak, duration=7.5).shift(62.0)
+        case = planar_case(
+            vehicle, wind, (62.0, 75.0), plane="pitch", drift=True, condition=condition
+        )
+        law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle))
+        flight = ContinuousFlight(case.motion, law, wind, 0.2 * peak, float("inf"), None)
+        arcs = flight.arcs(62.0, 75.0)
+        counts.append(sum(len(arc.solution.ts) for arc in arcs))
+    assert counts[1] < 2 * counts[0]

@@ -1,6 +1,6 @@
 """`tvclin campaign`: many dispersed cases, run, gone on with, shown, and replayed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.options import AsJson
+from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -74,7 +75,7 @@ def run(
     plan = load_campaign(file)
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
-    with _executor(workers, scheduler) as executor, _bar() as progress:
+    with _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = run_campaign(plan, folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
 
@@ -93,7 +94,7 @@ def resume(
 
     for said in damaged(folder, read_manifest(folder)).values():
         typer.echo(f"Warning: {said}", err=True)
-    with _executor(workers, scheduler) as executor, _bar() as progress:
+    with _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = resume_campaign(folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
 
@@ -197,29 +198,6 @@ def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor 
             yield lent
     else:
         yield None
-
-
-@contextmanager
-def _bar() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with rate and time left on standard error; none where that is no terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    shown = (BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f} cases"))
-    rate = TextColumn("{task.fields[rate]}")
-    with Progress(*shown, rate, TimeRemainingColumn(), console=console) as progress:
-        task = progress.add_task("cases", total=None, rate="", visible=False)
-
-        def tell(done: int, total: int) -> None:
-            speed = progress.tasks[0].speed
-            text = f"{speed:.0f}/s" if speed else ""
-            progress.update(task, completed=done, total=total, rate=text, visible=True)
-
-        yield tell
 
 
 def _print_done(found: "CampaignResults") -> None:

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from tvclin.cli.progress import waiting
+
 
 def report(
     source: Annotated[
@@ -38,7 +40,8 @@ def report(
         Path(target).write_text(page, encoding="utf-8", newline="")
         sufficient = found.sufficient
 
-    write_whole(output, write)
+    with waiting("making the page"):
+        write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
     typer.echo(f"Wrote {called(output)}: {said[sufficient]}.")
     for doubt in doubts:

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from tvclin.cli.progress import waiting
+
 
 def reproduce(
     output: Annotated[
@@ -20,7 +22,8 @@ def reproduce(
     from tvclin.plots.flown import chosen_engine
     from tvclin.reproduce.figures import reproduce as write_everything
 
-    written = write_everything(output)
+    with waiting("making figures"):
+        written = write_everything(output)
     for path in written:
         typer.echo(called(path))
     if chosen_engine(None) == "planar":

@@ -8,11 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
+from tvclin.errors import InputError
 from tvclin.histories import History
 from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
+
+MOST = 5_000_000
+"""Samples of a flight, or of all that are flown together: some hundred megabytes."""
+_LARGEST = 300.0
+"""A plant may grow by e^300 in a step: numbers end at e^709, and products of two are needed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +50,27 @@ class Steps:
 
 
 def steps(plant: Plant, wind: History, start: float, stop: float, length: float) -> Steps:
-    """Return the steps of a plant in a wind, of equal length [s], to `stop` or just beyond."""
+    """Return the steps of a plant in a wind, of equal length [s], to `stop` or just beyond.
+
+    Raises
+    ------
+    InputError
+        For so many steps that no memory holds them, and for a step in which the plant outgrows
+        every number.
+    """
     A, inputs, _, _ = plant.matrices()
+    fastest = float(np.real(np.linalg.eigvals(A)).max())
+    if fastest * length > _LARGEST:
+        raise InputError(
+            f"sample_rate must be at least {fastest / _LARGEST:.4g} Hz: between two samples the"
+            f" plant grows by e^({fastest:.4g} t), and may not by more than e^{_LARGEST:g}; got"
+            f" {1.0 / length:.6g} Hz"
+        )
+    if (stop - start) / length > MOST:
+        raise InputError(
+            f"a flight may have at most {MOST:g} samples; got {stop - start:.6g} s at"
+            f" {1.0 / length:.6g} Hz: give a shorter wind or a lower sample_rate"
+        )
     count = max(int(np.ceil((stop - start) / length - 1e-9)), 1)
     times: FloatArray = start + length * np.arange(count + 1.0)
     n = len(A)

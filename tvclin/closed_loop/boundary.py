@@ -8,14 +8,16 @@ slow mode which the law then lets creep away is told apart from it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.cards import card
-from tvclin.closed_loop.airframe import Nozzle, steps
+from tvclin.closed_loop.airframe import MOST, Nozzle, steps
 from tvclin.closed_loop.checks import check_flight, check_rate_limit, check_sample_rate
 from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
 from tvclin.errors import InputError, number, positive, whole_number
@@ -95,6 +97,7 @@ def closed_loop_boundary(
     cuts: int = 0,
     lowest: float = 0.02,
     highest: float = 2.0,
+    progress: Callable[[int, int], None] | None = None,
 ) -> ClosedLoopBoundary:
     """Return the least deflection limit with which a law survives a wind.
 
@@ -117,6 +120,8 @@ def closed_loop_boundary(
         it survives them all.
     lowest, highest : float
         Range of the limits that are tried, over ``|B alpha_w,max|``.
+    progress : callable, optional
+        Is told how many winds have been flown with many limits, and how many there are at most.
 
     Returns
     -------
@@ -148,13 +153,24 @@ def closed_loop_boundary(
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
     B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))
     start, end = float(wind.onset), float(wind.end)
+    if (stops + 1) * (end - start) / length > MOST:
+        raise InputError(
+            f"cuts and sample_rate may make at most {MOST:g} samples of all winds; got"
+            f" {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
+        )
     winds = [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
     paces = [steps(plant, one, start, float(one.end), length) for one in winds]
     trials = [
         Trial(plant, law, one, nozzle, pace, modes, B, gust)
         for one, pace in zip(winds, paces, strict=True)
     ]
-    edge = _edge(trials, np.linspace(low, high, _SCAN), B * gust)
+    flown, most = count(1), (1 + _ROUNDS) * len(trials)
+
+    def tell() -> None:
+        if progress is not None:
+            progress(next(flown), most)
+
+    edge = _edge(trials, np.linspace(low, high, _SCAN), B * gust, tell)
     at = edge.limit if np.isfinite(edge.limit) else high
     growth = trials[0].growth(at * B * gust)
     words = [] if edge.status == OK else [edge.status]
@@ -182,9 +198,9 @@ class _Edge:
     status: str
 
 
-def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
+def _edge(trials: list[Trial], scan: FloatArray, scale: float, tell: Callable[[], None]) -> _Edge:
     """The edge above the highest limit that does not survive, over the scale [rad]."""
-    verdicts = _verdicts(trials, scan * scale)
+    verdicts = _verdicts(trials, scan * scale, tell)
     below = np.flatnonzero(verdicts != SAVED)
     if not below.size:
         return _Edge(float(scan[0]), scan, verdicts, ALWAYS)
@@ -195,7 +211,7 @@ def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
     low, high = float(scan[last]), float(scan[last + 1])
     for _ in range(_ROUNDS):
         finer = np.linspace(low, high, _SCAN)
-        found = _verdicts(trials, finer[1:-1] * scale)
+        found = _verdicts(trials, finer[1:-1] * scale, tell)
         below = np.flatnonzero(found != SAVED)
         last = int(below[-1]) if below.size else -1
         if last >= 0:
@@ -204,10 +220,13 @@ def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
     return _Edge(high, scan, verdicts, status)
 
 
-def _verdicts(trials: list[Trial], limits: FloatArray) -> NDArray[np.int_]:
+def _verdicts(
+    trials: list[Trial], limits: FloatArray, tell: Callable[[], None]
+) -> NDArray[np.int_]:
     """The verdict over all winds for each limit [rad]: the first that is not survived counts."""
     found = np.full(limits.size, SAVED)
     for trial in trials:
         alive = found == SAVED
         found[alive] = trial.verdicts(limits[alive])
+        tell()
     return found

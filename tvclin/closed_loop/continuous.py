@@ -116,7 +116,7 @@ class ContinuousFlight:
             state,
             method="DOP853",
             rtol=_RTOL,
-            atol=_ATOL * abs(float(self.wind.peak)),
+            atol=self._smallest,
             dense_output=True,
             events=self._events(mode),
             args=(mode, gust),
@@ -152,6 +152,13 @@ class ContinuousFlight:
     @cached_property
     def _servo(self) -> int:
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
+
+    @cached_property
+    def _smallest(self) -> FloatArray:
+        """Of each state what the solver may take for zero."""
+        smallest = np.full(self._size, _ATOL * abs(float(self.wind.peak)))
+        smallest[: self._order] *= self.equations.scales
+        return smallest
 
     def _seen(self, t: Any, states: FloatArray, wind: Any) -> Seen:
         path = states[2] if self._order > 2 else 0.0 * states[0]
