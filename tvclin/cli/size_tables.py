@@ -36,10 +36,16 @@ def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
 
     columns = [np.degrees(found.at_times(name)) for name in names]
     rows = [
-        [f"{time:g}", *(f"{column[i]:.4f}" for column in columns), _doubts(found, i)]
+        [f"{time:g}", *(_cell(column[i]) for column in columns), _doubts(found, i)]
         for i, time in enumerate(found.times.tolist())
     ]
     print_table(title, ["time [s]", *(name.removesuffix(VARYING) for name in names), ""], rows)
+
+
+def _cell(degrees: float) -> str:
+    from math import isnan
+
+    return "-" if isnan(degrees) else f"{degrees:.4f}"
 
 
 def _print_total(total: "DeflectionTotal") -> None:
