@@ -621,9 +621,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "forecast_free_limit": Door(tv.forecast_free_limit, {**history, "reversal": 0.1}),
         "is_stable": Door(tv.is_stable, both),
-        "is_sufficient": Door(
-            tv.is_sufficient, {**history, "limit": 0.01, "dead_band": 0.5}
-        ),
+        "is_sufficient": Door(tv.is_sufficient, {**history, "limit": 0.01, "dead_band": 0.5}),
         "judge": Door(tv.judge, both),
         "law_trials": Door(
             tv.law_trials,
@@ -716,9 +714,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "steady_climb": Door(
             tv.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}
         ),
-        "survivable_peak": Door(
-            tv.survivable_peak, {**history, "limit": 0.01, "dead_band": 0.5}
-        ),
+        "survivable_peak": Door(tv.survivable_peak, {**history, "limit": 0.01, "dead_band": 0.5}),
         "synthetic_profile": Door(
             tv.synthetic_profile,
             {

@@ -2,8 +2,13 @@
 
 import multiprocessing
 import os
+import re
 import signal
+import subprocess
+import sys
+import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -127,3 +132,28 @@ def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, mo
     with pytest.raises(tv.InputError, match="holds another campaign now"):
         run_chunk(str(tmp_path), "0" * 64, 0)
     assert not (tmp_path / "chunks").exists()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found on Linux")
+@pytest.mark.parametrize("whom", ["children", "parent"])
+def test_whoever_is_killed_nothing_is_left_and_no_tracker_complains(tmp_path, whom):
+    """The tracker of semaphores is a child as well; a new one knows none of them."""
+    file, folder = tmp_path / "my.toml", tmp_path / "results"
+    CliRunner().invoke(app, ["campaign", "init", str(file)])
+    file.write_text(re.sub(r"(?m)^cases = \d+", "cases = 400000", file.read_text()))
+    command = [sys.executable, "-m", "tvclin", "campaign", "run", file, "-o", folder]
+    with subprocess.Popen(
+        [*command, "--workers", "2"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as run:
+        while run.poll() is None and not list(folder.glob("chunks/*.parquet")):
+            time.sleep(0.1)
+        children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
+        for pid in children if whom == "children" else [run.pid]:
+            os.kill(int(pid), signal.SIGKILL)
+        said, _ = run.communicate(timeout=60.0)  # the workers hold the pipe as long as they live
+    assert len(children) == 3
+    assert "Traceback" not in said
+    assert "KeyError" not in said
+    if whom == "children":
+        assert run.returncode == 2
+        assert said.startswith("Error: a worker process has died")

@@ -172,7 +172,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         ({"wind": WIND | {"shape": "square"}}, "shape of the wind must be one of triangular"),
         ({"wind": WIND | {"peak_deg": 120.0}}, "within 90 degrees"),
         ({"wind": WIND | {"duration_s": -1.0}}, "duration of the wind must be positive"),
-        ({"wind": {"file": "none.csv"}}, "none.csv cannot be read"),
+        ({"wind": {"file": "none.csv"}}, "none.csv does not exist"),
         ({"wind": {"file": "none.csv", "unit": "knots"}}, "unit in .wind. must be one of rad"),
         ({"outputs": {"names": ["requird"]}}, "did you mean 'required'"),
         ({"outputs": {"names": []}}, "one or more different values"),
@@ -230,7 +230,7 @@ def test_bad_files_are_one_clear_sentence(tables, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "first column time_s"),
+        ("", "winds.csv is empty"),
         ("t,a\n0,1\n", "first column time_s"),
         ("time_s\n0\n1\n", "first column time_s"),
         ("time_s,a\n0,x\n", "must hold numbers"),
@@ -286,7 +286,7 @@ def test_a_dispersed_wind_needs_a_shape(ensemble):
 
 
 def test_a_file_that_cannot_be_read(tmp_path):
-    with pytest.raises(tv.InputError, match=r"cannot be read: .* tvclin campaign init"):
+    with pytest.raises(tv.InputError, match=r"does not exist; .* tvclin campaign init"):
         tv.load_campaign(tmp_path / "none.toml")
     bad = tmp_path / "bad.toml"
     bad.write_text("[campaign")

@@ -249,9 +249,9 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     try:
         return np.broadcast_shapes(*shapes.values())
     except ValueError:
-        shown = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+        given = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise InputError(
-            f"arguments must have shapes that broadcast together; got {shown}"
+            f"arguments must have shapes that broadcast together; got {given}"
         ) from None
 
 

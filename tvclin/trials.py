@@ -5,7 +5,7 @@ Every wind has the same peak and is measured by the duration of the triangle it 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -139,6 +139,7 @@ def law_trials(
     sample_rate: float = _RATE,
     cuts: int = 0,
     loads: bool = True,
+    progress: Callable[[int, int], None] | None = None,
     **hardware: Any,
 ) -> tuple[LawTrial, ...]:
     """Return what each law needs in each wind, winds within laws.
@@ -155,6 +156,8 @@ def law_trials(
         Sudden stops that are tried as well, as of `closed_loop_boundary`.
     loads : bool
         Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
+    progress : callable, optional
+        Is told how much is done, and how much there is at most, as of `closed_loop_boundary`.
     **hardware
         rate_limit and actuator, as of `closed_loop_boundary`.
     """
@@ -163,11 +166,16 @@ def law_trials(
         each(name, tuple(given.values()), kind, "by name")
     flag("loads", loads)
     flown = {"sample_rate": sample_rate, **hardware}
-    return tuple(
-        _trial(plant, (law, laws[law]), (wind, winds[wind]), cuts, loads, flown)
-        for law in laws
-        for wind in winds
-    )
+    pairs = [(law, wind) for law in laws.items() for wind in winds.items()]
+
+    def told(pair: int) -> Callable[[int, int], None]:
+        def tell(done: int, total: int) -> None:
+            if progress is not None:
+                progress(pair * total + done, len(pairs) * total)
+
+        return tell
+
+    return tuple(_trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs))
 
 
 def law_curve(
@@ -206,8 +214,10 @@ def _trial(
     cuts: int,
     loads: bool,
     flown: dict[str, Any],
+    tell: Callable[[int, int], None],
 ) -> LawTrial:
-    found = closed_loop_boundary(plant, law[1], wind[1], cuts=cuts, highest=_HIGHEST, **flown)
+    options = {"cuts": cuts, "highest": _HIGHEST, "progress": tell, **flown}
+    found = closed_loop_boundary(plant, law[1], wind[1], **options)
     largest = (np.nan, np.nan)
     if loads and np.isfinite(found.limit):
         largest = _loads(plant, law[1], wind[1], _SPARE * abs(found.deflection), flown)

@@ -1,19 +1,13 @@
 """Vehicle files: TOML with one table [vehicle], every key carrying its unit."""
 
-import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
 from os import PathLike, fspath
 from typing import Any
 
-from tvclin.errors import (
-    InputError,
-    number,
-    one_of,
-    shown,
-)
+from tvclin.errors import InputError, number, one_of, shown
 from tvclin.errors import path as a_path
-from tvclin.files import read_text
+from tvclin.files import called, exists, read_text, tables_of
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
@@ -78,9 +72,10 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
         resource = files("tvclin").joinpath("vehicles", f"{text}.toml")
         return resource.read_text(encoding="utf-8"), text
     looks_like_a_path = isinstance(source, PathLike) or path.suffix or path.name != text
-    if not looks_like_a_path and not path.exists():
+    if not looks_like_a_path and not exists(path):
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
-    start = f"write one with: tvclin init {path}, or a study file with: tvclin init --study {path}"
+    name = called(path)
+    start = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
     return read_text(path, "a vehicle file", start), text
 
 
@@ -90,19 +85,16 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     try:
         return build_vehicle(table)
     except InputError as error:
-        raise InputError(f"{source}: {error}") from None
+        raise InputError(f"{called(source)}: {error}") from None
 
 
 def table_of(text: str, source: str, heading: str) -> dict[str, Any]:
     """Return one table of a vehicle file, empty where [flight] is not there."""
-    try:
-        document = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{source} is not valid TOML: {error}") from None
+    document, source = tables_of(text, source), called(source)
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
     for key in document.keys() - set(HEADINGS):
-        raise InputError(f"{source}: unknown heading or key {key!r} outside [vehicle]")
+        raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
     table = document.get(heading, {})
     if not isinstance(table, dict):
         raise InputError(f"{source}: {heading} must be a table [{heading}]; got {shown(table)}")
@@ -179,7 +171,7 @@ def _unknown(key: str, known: dict[str, str], keys: list[str], heading: str) -> 
             return f"{key} has no known unit; write {_spellings(quantity, dimension)}"
     near = get_close_matches(key, keys, n=2, cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
-    return f"unknown key {key!r} in [{heading}]; {hint}"
+    return f"unknown key {shown(key)} in [{heading}]; {hint}"
 
 
 def _spellings(quantity: str, dimension: str) -> str:

@@ -166,7 +166,8 @@ def _divide(
     if not which.size:
         return
     try:
-        work(which)
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            work(which)
     except (ValueError, ArithmeticError, RuntimeError) as error:
         if which.size == 1:
             refused(which[0], error)

@@ -1,10 +1,12 @@
 """Executors to run a campaign with: processes of this machine, or a Dask cluster that is there."""
 
 import os
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process, resource_tracker
+from threading import Thread
 from typing import Any
 
 from tvclin.errors import InputError, missing, whole_number
@@ -13,6 +15,7 @@ from tvclin.kernels.threads import VARIABLE
 _PATIENCE = 5.0
 """Seconds in which a scheduler must answer."""
 _MOST = 4096
+_STDERR = 2
 
 
 @contextmanager
@@ -32,10 +35,11 @@ def processes(workers: int) -> Iterator[Executor]:
     if not 1 <= whole_number("workers", workers) <= _MOST:
         raise InputError(f"workers must be from 1 to {_MOST}; got {workers}")
     context = get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_one_thread) as pool:
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker) as pool:
         try:
             yield pool
         except BaseException:
+            _quiet_tracker()
             pool.shutdown(wait=True, cancel_futures=True)
             raise
 
@@ -75,5 +79,31 @@ def cluster(address: str) -> Iterator[Executor]:
             ) from None
 
 
-def _one_thread() -> None:
+def _begin_worker() -> None:
     os.environ[VARIABLE] = "1"
+    Thread(target=_leave_with_parent, daemon=True).start()
+
+
+def _leave_with_parent() -> None:
+    """End this worker when the process that lent it was killed: nobody would hand it work."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _quiet_tracker() -> None:
+    """Start multiprocessing's tracker of semaphores anew, unheard, if it was killed as well.
+
+    It does not know those that it is told to forget now, and would print a KeyError for each.
+    """
+    errors, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, _STDERR)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            resource_tracker.ensure_running()
+    finally:
+        os.dup2(errors, _STDERR)
+        os.close(errors)
+        os.close(nowhere)

@@ -15,8 +15,9 @@ from tvclin.campaign.keys import PERCENT, SUBJECT, Units, known, quantity, spell
 from tvclin.campaign.plan import Campaign
 from tvclin.campaign.tables import dispersions_of, question_of, read_tables, subject_of, winds_of
 from tvclin.campaign.winds import WindEnsemble
-from tvclin.errors import InputError, number
+from tvclin.errors import InputError, number, shown
 from tvclin.errors import path as a_path
+from tvclin.files import called
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 
@@ -53,7 +54,7 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     try:
         return parse_campaign(document, file.parent)
     except InputError as error:
-        raise InputError(f"{file}: {error}") from None
+        raise InputError(f"{called(file)}: {error}") from None
 
 
 def template() -> str:
@@ -78,7 +79,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     for key, field in (("names", "outputs"), ("dead_bands", "dead_bands")):
         if key in outputs:
             if not isinstance(outputs[key], list):
-                raise InputError(f"{key} in [outputs] must be a list; got {outputs[key]!r}")
+                raise InputError(f"{key} in [outputs] must be a list; got {shown(outputs[key])}")
             given[field] = tuple(outputs[key])
     return Campaign(
         wind=winds_of(document, folder)[0],

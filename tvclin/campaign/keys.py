@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Any
 
-from tvclin.errors import InputError, number
+from tvclin.errors import InputError, number, shown
 from tvclin.units import UNITS
 
 Units = dict[str, Mapping[str, float]]
@@ -96,7 +96,7 @@ def known(what: str, given: Mapping[str, Any], names: Iterable[str]) -> None:
         if key not in legal:
             near = get_close_matches(key, legal, n=2, cutoff=0.5)
             hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(legal)}"
-            raise InputError(f"unknown {what}: {key!r}; {hint}")
+            raise InputError(f"unknown {what}: {shown(key)}; {hint}")
 
 
 def spellings(quantities: Mapping[str, Mapping[str, float]]) -> list[str]:

@@ -13,8 +13,8 @@ from typing import Any
 
 from tvclin.campaign.file import document_of, parse_campaign
 from tvclin.campaign.plan import Campaign
-from tvclin.errors import InputError, missing
-from tvclin.files import make_directory, write_text
+from tvclin.errors import InputError, missing, shown
+from tvclin.files import called, exists, make_directory, reason, write_text
 from tvclin.kernels.choice import available
 
 NAME = "manifest.json"
@@ -73,12 +73,12 @@ def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Man
     InputError
         When the folder holds another campaign or cannot be written.
     """
-    if (folder / NAME).exists():
+    if exists(folder / NAME):
         found = read_manifest(folder)
         if document_of(found.campaign) != document_of(campaign):
             raise InputError(
-                f"{folder} holds another campaign, or this one before it was changed; name another"
-                " folder, or put the campaign file back as it was"
+                f"{called(folder)} holds another campaign, or this one before it was changed; name"
+                " another folder, or put the campaign file back as it was"
             )
         return found
     made = new_manifest(campaign, compiled)
@@ -104,12 +104,12 @@ def read_manifest(folder: Path) -> Manifest:
         kind = document["format"]
     except OSError as error:
         raise InputError(
-            f"{folder} holds no campaign: {NAME} cannot be read ({error.strerror})"
+            f"{called(folder)} holds no campaign: {NAME} cannot be read ({reason(error)})"
         ) from None
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise InputError(f"{file} is damaged: it is no manifest") from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise InputError(f"{called(file)} is damaged: it is no manifest") from None
     if kind != _FORMAT:
-        raise InputError(f"{file} has the format {kind!r}, and this version reads {_FORMAT}")
+        raise InputError(f"{file} has the format {shown(kind)}, and this version reads {_FORMAT}")
     if _seal(document) != seal:
         raise InputError(
             f"{file} was changed after the campaign began; put it back, or begin another campaign"

@@ -1,7 +1,7 @@
 """The tables that campaign files share with study files."""
 
 import csv
-import tomllib
+import io
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -12,12 +12,8 @@ import numpy as np
 from tvclin.campaign.dispersions import PARAMETERS, Dispersion, Dispersions
 from tvclin.campaign.keys import PERCENT, SUBJECT, check_keys, known, quantity, spellings
 from tvclin.campaign.winds import ShapedWind, WindEnsemble
-from tvclin.errors import (
-    InputError,
-    number,
-    one_of,
-    shown,
-)
+from tvclin.errors import InputError, number, one_of, shown
+from tvclin.files import called, exists, read_text, tables_of
 from tvclin.units import UNITS
 from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import build_vehicle, list_vehicles, load_vehicle
@@ -62,15 +58,8 @@ _SPREADS = {
 
 def read_tables(path: Path, hint: str) -> dict[str, Any]:
     """Return the document of a TOML file; the hint says how to write one that is missing."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as error:
-        if isinstance(error, tomllib.TOMLDecodeError | UnicodeDecodeError):
-            raise InputError(f"{path} is not valid TOML: {error}") from None
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path} cannot be read: {reason}; {hint} {path}") from None
-    except RecursionError as error:
-        raise InputError(f"{path} is not valid TOML: {error}") from None
+    text = read_text(path, "a campaign file", f"{hint} {called(path)}")
+    return tables_of(text, str(path))
 
 
 def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -145,7 +134,7 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
     beside = folder / source
-    return load_vehicle(beside if source not in list_vehicles() and beside.exists() else source)
+    return load_vehicle(beside if source not in list_vehicles() and exists(beside) else source)
 
 
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
@@ -196,17 +185,17 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
 
 def _read_winds(path: Path) -> tuple[Any, Any]:
     """Times [s] from the first column, and one wind for each further column."""
+    text, name = read_text(path, "a file of winds"), called(path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            rows = [row for row in csv.reader(stream) if row]
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read: {error}") from None
+        rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
+    except csv.Error as error:
+        raise InputError(f"{name} is not CSV: {error}") from None
     try:
         table = np.array([[float(cell) for cell in row] for row in rows[1:]])
     except ValueError:
-        raise InputError(f"{path} must hold numbers in equal rows below its headings") from None
+        raise InputError(f"{name} must hold numbers in equal rows below its headings") from None
     if not rows or rows[0][0].strip() != "time_s" or table.ndim != 2 or table.shape[1] < 2:
-        raise InputError(f"{path} must have a first column time_s and one for each wind")
+        raise InputError(f"{name} must have a first column time_s and one for each wind")
     return table[:, 0], table[:, 1:].T
 
 
@@ -224,7 +213,9 @@ def dispersions_of(each: Any, correlation: Any) -> Dispersions:
         known("key in [[correlation]]", row, ("between", "coefficient"))
         between = row.get("between")
         if not isinstance(between, list) or len(between) != 2 or between[0] == between[1]:
-            raise InputError(f"between in [[correlation]] must name two parameters; got {between}")
+            raise InputError(
+                f"between in [[correlation]] must name two parameters; got {shown(between)}"
+            )
         i, j = (names.index(one_of("between in [[correlation]]", name, names)) for name in between)
         matrix[i, j] = matrix[j, i] = number("coefficient", row.get("coefficient"))
     return Dispersions(made, tuple(map(tuple, matrix.tolist())))

@@ -6,6 +6,7 @@ that ``tvclin --help`` answers at once.
 
 import warnings
 from collections.abc import Callable
+from functools import wraps
 from typing import Annotated, Any
 
 import typer
@@ -40,12 +41,11 @@ class Commands(TyperGroup):
                 said: set[str] = set()
                 warnings.showwarning = lambda message, *_, **__: _say_once(str(message), said)
                 return super().invoke(ctx)
-        except ValueError as error:
-            from tvclin.errors import InputError
-
-            if not isinstance(error, InputError):
+        except (ValueError, ArithmeticError, MemoryError, OSError) as error:
+            sentence = _sentence(error)
+            if sentence is None:
                 raise
-            typer.echo(f"Error: {error}", err=True)
+            typer.echo(f"Error: {sentence}", err=True)
             raise typer.Exit(2) from None
 
 
@@ -63,10 +63,49 @@ _PANELS: dict[str, tuple[Callable[..., None], ...]] = {
     "Flights": (size, fly),
     "This installation": (doctor,),
 }
+_LIGHT = (init, explore, doctor)
+"""Commands that compute nothing."""
+
+
+def _strict(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command in which arithmetic that overflows is an error, and no number is none."""
+
+    @wraps(command)
+    def run(*given: Any, **options: Any) -> None:
+        import numpy as np
+
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            command(*given, **options)
+
+    return run
+
+
 for panel, commands in _PANELS.items():
     for command in commands:
-        app.command(rich_help_panel=panel)(command)
+        made = command if command in _LIGHT else _strict(command)
+        app.command(rich_help_panel=panel)(made)
 app.add_typer(campaign, name="campaign", rich_help_panel="Flights")
+
+
+def _sentence(error: Exception) -> str | None:
+    """What to say of an error; nothing of a fault of the package, and of a pipe that was closed."""
+    from errno import EPIPE
+
+    from tvclin.errors import InputError
+    from tvclin.files import called, reason
+
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, OSError) and error.errno != EPIPE:
+        return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
+    if isinstance(error, MemoryError):
+        return f"there is not enough memory for what was asked: {error}"
+    if isinstance(error, ArithmeticError) or type(error).__name__ == "LinAlgError":
+        return (
+            f"the numbers are beyond what floating-point arithmetic carries ({error}); bring"
+            " vehicle and options nearer to those of configuration-i"
+        )
+    return None
 
 
 def _say_once(message: str, said: set[str]) -> None:

@@ -1,6 +1,6 @@
 """`tvclin campaign`: many dispersed cases, run, gone on with, shown, and replayed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.options import AsJson
+from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -42,12 +43,13 @@ def init(
     """Write a commented campaign file to fill in."""
     from tvclin.campaign.file import template
     from tvclin.errors import InputError
-    from tvclin.files import write_text
+    from tvclin.files import called, exists, write_text
 
-    if file.exists() and not file.is_dir():
-        raise InputError(f"{file} exists already; name another file or move it away")
+    if exists(file) and not file.is_dir():
+        raise InputError(f"{called(file)} exists already; name another file or move it away")
     write_text(file, template())
-    typer.echo(f"Wrote {file}. Change what differs, then: tvclin campaign run {file} -o results")
+    name = called(file)
+    typer.echo(f"Wrote {name}. Change what differs, then: tvclin campaign run {name} -o results")
 
 
 @campaign.command()
@@ -73,7 +75,7 @@ def run(
     plan = load_campaign(file)
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
-    with _executor(workers, scheduler) as executor, _bar() as progress:
+    with _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = run_campaign(plan, folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
 
@@ -92,7 +94,7 @@ def resume(
 
     for said in damaged(folder, read_manifest(folder)).values():
         typer.echo(f"Warning: {said}", err=True)
-    with _executor(workers, scheduler) as executor, _bar() as progress:
+    with _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = resume_campaign(folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
 
@@ -195,39 +197,33 @@ def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor 
         with cluster(scheduler) as lent:
             yield lent
     elif workers is not None:
-        with processes(workers) as lent:
+        with _stopped_in_order(), processes(workers) as lent:
             yield lent
     else:
         yield None
 
 
 @contextmanager
-def _bar() -> Iterator[Callable[[int, int], None] | None]:
-    """A bar with rate and time left on standard error; none where that is no terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+def _stopped_in_order() -> Iterator[None]:
+    """Let the workers end before this process when it is told to (SIGTERM)."""
+    import signal
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    shown = (BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f} cases"))
-    rate = TextColumn("{task.fields[rate]}")
-    with Progress(*shown, rate, TimeRemainingColumn(), console=console) as progress:
-        task = progress.add_task("cases", total=None, rate="", visible=False)
+    def leave(number: int, _: object) -> None:
+        raise SystemExit(128 + number)
 
-        def tell(done: int, total: int) -> None:
-            speed = progress.tasks[0].speed
-            text = f"{speed:.0f}/s" if speed else ""
-            progress.update(task, completed=done, total=total, rate=text, visible=True)
-
-        yield tell
+    before = signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _print_done(found: "CampaignResults") -> None:
+    from tvclin.files import called
+
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""
-    typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {found.folder}")
+    typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")
 
 
 def _degrees(value: float) -> str:

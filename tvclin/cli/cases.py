@@ -7,6 +7,9 @@ if TYPE_CHECKING:
     from tvclin.histories import History
     from tvclin.plant import Plant
 
+_LARGEST = 700.0
+"""Floating-point numbers end a little above e^709."""
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -58,8 +61,12 @@ def make_case(
     limit_deg: float | None,
     model: str,
     plane: str,
+    length: float,
 ) -> Case:
-    """Return the case that the options ask for; the vehicle is a `Vehicle`, the peak in radians."""
+    """Return the case that the options ask for, to be followed for a length [s].
+
+    The vehicle is a `Vehicle`, the peak in radians.
+    """
     import numpy as np
 
     from tvclin.deflections import trim_then_hold
@@ -74,6 +81,7 @@ def make_case(
     history = pulse(peak=peak, duration=duration)
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
     plant = Plant.from_vehicle(vehicle, model, plane)
+    _check_length(plant, length)
     needed = required_deflection(plant, history, K)
     required = abs(float(needed.deflection))
     if limit_deg is not None:
@@ -89,3 +97,19 @@ def make_case(
     return Case(
         vehicle.name, shape, plant, history, deflection, K, required, limit, str(needed.governs)
     )
+
+
+def _check_length(plant: "Plant", length: float) -> None:
+    """Raise `InputError` for a length [s] in which what is left over outgrows every number."""
+    import numpy as np
+
+    from tvclin.errors import InputError
+    from tvclin.modes import unstable_modes
+
+    fastest = float(np.real(unstable_modes(plant).poles).max(initial=0.0))
+    if fastest * length > _LARGEST:
+        raise InputError(
+            f"--duration, and that times --until, must be at most {_LARGEST / fastest:.4g} s: what"
+            f" is left over grows as e^({fastest:.4g} t), and no number holds more than"
+            f" e^{_LARGEST:g}; got {length:g} s"
+        )

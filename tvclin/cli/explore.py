@@ -27,7 +27,7 @@ def explore(
 
     from tvclin.errors import InputError, missing
     from tvclin.explorer.notebook import notebook_text
-    from tvclin.files import write_text
+    from tvclin.files import exists, write_text
     from tvclin.vehicle_file import load_vehicle
 
     if options and not options[0].startswith("-"):
@@ -37,7 +37,7 @@ def explore(
         if find_spec(needed) is None:
             raise missing(f"tvclin explore needs {needed}", "notebook")
     path = Path(f"explore-{Path(vehicle).stem}.ipynb")
-    if path.exists():
+    if exists(path):
         typer.echo(f"Opening {path} as it is.")
     else:
         write_text(path, notebook_text(vehicle))

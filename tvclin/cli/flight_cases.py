@@ -19,6 +19,10 @@ LAWS = {
 """What the laws of `tvclin laws` are called here."""
 _WITH_BAND = ("report", "dead-band")
 _SPARE = 1.1
+_LONGEST = 1000.0
+"""Of a flight, over the time of its fastest mode; the solver takes about as many steps."""
+_SMALLEST = 2.5e-7
+"""Peak [rad] at which the solver's tolerance, 1e-9 of it, is the rounding of the equations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +116,12 @@ def flight_case(
     dead_band: float | None,
     limit_deg: float | None,
     condition: "FlightCondition | None",
+    length: float,
 ) -> FlightCase:
-    """Return the case that the options ask for, with a tenth of limit to spare if none is given."""
+    """Return the case that the options ask for, to be flown for a length [s].
+
+    It has a tenth of limit to spare if none is given.
+    """
     import numpy as np
 
     from tvclin.errors import within
@@ -121,10 +129,37 @@ def flight_case(
     from tvclin.plant import Plant
 
     plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
-    _ = plant.coefficients.beta  # or there is no boundary
+    _check_flight(plant, wind, length)
     control = _control(plant, law, dead_band, float(wind.peak))
     least = linear_boundary(plant, control, wind)
     limit = _SPARE * least
     if limit_deg is not None:
         limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     return FlightCase(vehicle, shape, wind, engine, plane, law, control, condition, least, limit)
+
+
+def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
+    """Raise `InputError` for a flight that no solver follows, and for a vehicle without boundary.
+
+    A flight is watched for some time after its wind before it is judged.
+    """
+    import numpy as np
+
+    from tvclin.errors import InputError
+    from tvclin.flight.falls import watched_until
+    from tvclin.modes import all_modes
+
+    beta = float(plant.coefficients.beta)
+    if abs(float(wind.peak)) < _SMALLEST:
+        raise InputError(
+            f"the peak of the wind must be at least {np.degrees(_SMALLEST):.3g} deg: below, the"
+            " flight is lost in the rounding of its equations; got"
+            f" {abs(np.degrees(float(wind.peak))):.3g} deg (the boundary is proportional to it)"
+        )
+    longest = _LONGEST / float(np.abs(all_modes(plant).poles).max())
+    flown = max(length, watched_until(wind, beta) - float(wind.onset))
+    if flown > longest:
+        raise InputError(
+            f"a flight must be at most {longest:.4g} s long, {_LONGEST:g} times that of its fastest"
+            f" mode; got {flown:.4g} s: give a shorter --duration, or a smaller --until"
+        )

@@ -8,6 +8,7 @@ import typer
 from tvclin.cli.flight_cases import FlightCase, flight_case, flight_wind
 from tvclin.cli.inputs import peak_angle
 from tvclin.cli.options import AsJson, Duration, PeakDeg, PeakSpeed, Plane, Plot, Vehicle, Wind
+from tvclin.cli.progress import waiting
 
 if TYPE_CHECKING:
     from tvclin.flight import FlightBeside, FlownBoundary
@@ -72,9 +73,11 @@ def fly(
     one_of("--engine", engine, ENGINES)
     condition = load_flight_condition(vehicle) if along_trajectory else None
     gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
-    case = flight_case(loaded, wind, gust, engine, plane, law, dead_band, limit_deg, condition)
-    flight = _flown(case, until * duration, points)
-    found = _flown_boundary(case) if boundary else None
+    length, asked = until * duration, (law, dead_band, limit_deg)
+    case = flight_case(loaded, wind, gust, engine, plane, *asked, condition, length)
+    with waiting("flying"):
+        flight = _flown(case, length, points)
+        found = _flown_boundary(case) if boundary else None
     if csv is not None or plot is not None:
         _write(flight, case, csv, plot)
     if as_json:

@@ -15,6 +15,7 @@ from tvclin.cli.options import (
     Plot,
     Vehicle,
 )
+from tvclin.cli.progress import bar, share
 
 if TYPE_CHECKING:
     from tvclin.histories import History
@@ -65,9 +66,12 @@ def laws(
     every = standard_winds(peak, duration)
     winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
     found: list[LawTrial] = []
-    for name, law in chosen.items():
-        typer.echo(f"flying: {name}", err=True)
-        found += law_trials(plant, {name: law}, winds, sample_rate=sample_rate, cuts=cuts)
+    with bar("flights") as progress:
+        for k, (name, law) in enumerate(chosen.items()):
+            told = share(progress, k, len(chosen))
+            found += law_trials(
+                plant, {name: law}, winds, sample_rate=sample_rate, cuts=cuts, progress=told
+            )
     if plot is not None:
         from tvclin.plots import laws_chart, save_figure
 

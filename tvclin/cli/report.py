@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tvclin.cli.progress import waiting
+
 if TYPE_CHECKING:
     from tvclin.report.findings import Findings
 
@@ -27,7 +29,7 @@ def report(
     Exit code 0: every question of the file is answered with yes, or no limit was given; 1: one is
     not; 2: bad input.
     """
-    from tvclin.files import write_whole
+    from tvclin.files import called, write_whole
     from tvclin.report import page_of
     from tvclin.report.questions import all_yes, sufficient
     from tvclin.study_file import example_plan, load_study
@@ -42,11 +44,12 @@ def report(
         Path(target).write_text(page, encoding="utf-8", newline="")
         findings.append(found)
 
-    write_whole(output, write)
+    with waiting("making the page"):
+        write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
     if plan.limit is not None:
         said[None] = "NOT known to be sufficient"
-    typer.echo(f"Wrote {output}: {said[sufficient(findings[0])]}.")
+    typer.echo(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:
         typer.echo(f"Note: {doubt}.")
     if not all_yes(findings[0]):

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from tvclin.cli.progress import waiting
+
 
 def reproduce(
     output: Annotated[
@@ -16,15 +18,17 @@ def reproduce(
     Figures 6 to 11 stand beside flights of their own, so it takes a minute or two.
     """
     from tvclin.errors import install
+    from tvclin.files import called
     from tvclin.plots.flown import chosen_engine
     from tvclin.reproduce.figures import reproduce as write_everything
 
-    written = write_everything(output)
+    with waiting("making figures"):
+        written = write_everything(output)
     for path in written:
-        typer.echo(str(path))
+        typer.echo(called(path))
     if chosen_engine(None) == "planar":
         typer.echo(
             "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
             f" JSBSim, {install('sixdof')}."
         )
-    typer.echo(f"Wrote {len(written)} files into {output}.")
+    typer.echo(f"Wrote {len(written)} files into {called(output)}.")

@@ -71,7 +71,8 @@ def respond(
     within("--until", until, 1e-3, _LONGEST)
     length = until * float(positive("--duration", duration, "s"))
     within("--points", points, 2, 1_000_000)
-    case = make_case(loaded, wind, duration, peak, dead_band, capability, limit_deg, model, plane)
+    asked = (dead_band, capability, limit_deg)
+    case = make_case(loaded, wind, duration, peak, *asked, model, plane, max(length, duration))
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
     shown = shown_until(case.plant, case.deflection, case.wind, length, lets_go=lets_go)

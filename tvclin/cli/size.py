@@ -7,6 +7,7 @@ import typer
 
 from tvclin.cli.inputs import gust_of
 from tvclin.cli.options import MODELS_HELP, AsJson, Gust, PeakDeg, PeakSpeed, Plot
+from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
     from tvclin.sizing import Sizing
@@ -140,7 +141,8 @@ def size(
         "reserve": reserve,
     }
     asked = replace(asked, **{name: value for name, value in given.items() if value is not None})
-    found = asked.sizing()
+    with bar("flight times and winds") as progress:
+        found = asked.sizing(progress)
     if disperse:
         asked = replace(asked, dispersion=_dispersed(asked, found))
     total = asked.total(found)

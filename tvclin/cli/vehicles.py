@@ -36,12 +36,13 @@ def init(
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
     from tvclin.errors import InputError
-    from tvclin.files import write_text
+    from tvclin.files import called, exists, write_text
     from tvclin.study_file import example
     from tvclin.vehicle_file import template
 
-    if file.is_file() and file.stat().st_size > 0:
-        raise InputError(f"{file} exists already; name another file or move it away")
+    if exists(file) and file.is_file() and file.stat().st_size > 0:
+        raise InputError(f"{called(file)} exists already; name another file or move it away")
     write_text(file, example() if study else template())
-    then = f"tvclin report {file}" if study else f"tvclin study {file}"
-    typer.echo(f"Wrote {file}. Fill in what differs, then: {then}")
+    name = called(file)
+    then = f"tvclin report {name}" if study else f"tvclin study {name}"
+    typer.echo(f"Wrote {name}. Fill in what differs, then: {then}")

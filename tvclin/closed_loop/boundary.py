@@ -10,7 +10,9 @@ slow mode which the law then lets creep away is told apart from it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +53,8 @@ ABOVE, PARTS, LEVELS = 4, 16, 3
 _LIMITS = (1e-6, 1e6)
 """Limits that may be tried, over the largest trim deflection."""
 _MOST_CUTS = 1000
+_SAMPLES = 5_000_000
+"""Of all winds that are flown together: some hundred megabytes."""
 _CREEPS = 1e-5
 """A mode that grows more slowly, over the fastest pole of the plant, is held within rounding."""
 
@@ -122,6 +126,7 @@ def closed_loop_boundary(
     cuts: int = 0,
     lowest: float = 0.02,
     highest: float = 2.0,
+    progress: Callable[[int, int], None] | None = None,
 ) -> ClosedLoopBoundary:
     """Return the least deflection limit with which a law survives a wind.
 
@@ -144,6 +149,8 @@ def closed_loop_boundary(
         it survives them all.
     lowest, highest : float
         Range of the limits that are tried, over ``|B alpha_w,max|``.
+    progress : callable, optional
+        Is told how many winds have been flown with many limits, and how many there are at most.
 
     Returns
     -------
@@ -185,13 +192,24 @@ def closed_loop_boundary(
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
     B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))
     start, end = float(wind.onset), float(wind.end)
+    if (stops + 1) * (end - start) / length > _SAMPLES:
+        raise InputError(
+            f"cuts and sample_rate may make at most {_SAMPLES:g} samples of all winds; got"
+            f" {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
+        )
     winds = [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
     paces = [steps(plant, one, start, float(one.end), length) for one in winds]
     trials = [
         Trial(plant, law, one, nozzle, pace, modes, B, gust)
         for one, pace in zip(winds, paces, strict=True)
     ]
-    edge = _edge(trials, np.linspace(low, high, STEPS + 1), B * gust)
+    flown, most = count(1), (1 + LEVELS) * len(trials)
+
+    def tell() -> None:
+        if progress is not None:
+            progress(min(next(flown), most), most)
+
+    edge = _edge(trials, np.linspace(low, high, STEPS + 1), B * gust, tell)
     at = edge.limit if np.isfinite(edge.limit) else high
     growth = trials[0].growth(at * B * gust)
     words = [] if edge.status == OK else [edge.status]
@@ -221,9 +239,9 @@ class _Edge:
     status: str
 
 
-def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
+def _edge(trials: list[Trial], scan: FloatArray, scale: float, tell: Callable[[], None]) -> _Edge:
     """The edge above the highest limit that does not survive, over the scale [rad]."""
-    limits, found = scan, _verdicts(trials, scan * scale)
+    limits, found = scan, _verdicts(trials, scan * scale, tell)
     bottom, top = float(scan[0]), float(scan[-1])
     step, looked = float(scan[1] - scan[0]), []
     for _ in range(LEVELS):
@@ -234,7 +252,7 @@ def _edge(trials: list[Trial], scan: FloatArray, scale: float) -> _Edge:
             parts = parts[parts % PARTS != 0]  # the others have been tried a level above
             ahead = base + step * parts
             ahead = ahead[ahead < top]
-            verdicts = _verdicts(trials, ahead * scale)
+            verdicts = _verdicts(trials, ahead * scale, tell)
             limits, found = np.append(limits, ahead), np.append(found, verdicts)
             lost = np.flatnonzero(verdicts != SAVED)
             if not lost.size:
@@ -257,10 +275,13 @@ def _highest_lost(limits: FloatArray, verdicts: NDArray[np.int_]) -> float:
     return float(limits[verdicts != SAVED].max(initial=-np.inf))
 
 
-def _verdicts(trials: list[Trial], limits: FloatArray) -> NDArray[np.int_]:
+def _verdicts(
+    trials: list[Trial], limits: FloatArray, tell: Callable[[], None]
+) -> NDArray[np.int_]:
     """The verdict over all winds for each limit [rad]: the first that is not survived counts."""
     found = np.full(limits.size, SAVED)
     for trial in trials:
         alive = found == SAVED
         found[alive] = trial.verdicts(limits[alive])
+        tell()
     return found

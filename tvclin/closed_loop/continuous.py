@@ -157,7 +157,7 @@ class ContinuousFlight:
             state,
             method="DOP853",
             rtol=sharp * _RTOL,
-            atol=sharp * _ATOL * abs(float(self.wind.peak)),
+            atol=sharp * self._smallest,
             dense_output=True,
             events=[*(_event(end) for end in ends), _beyond(self.farthest)],
             args=(regime, gust),
@@ -193,6 +193,13 @@ class ContinuousFlight:
     @cached_property
     def _servo(self) -> int:
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
+
+    @cached_property
+    def _smallest(self) -> FloatArray:
+        """Of each state what the solver may take for zero."""
+        smallest = np.full(self._size, _ATOL * abs(float(self.wind.peak)))
+        smallest[: self._order] *= self.equations.scales
+        return smallest
 
     def _seen(self, t: Any, states: FloatArray, wind: Any, regime: _Regime | None = None) -> Seen:
         path = states[2] if self._order > 2 else 0.0 * states[0]

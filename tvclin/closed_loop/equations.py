@@ -21,6 +21,10 @@ class Equations(Protocol):
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
 
+    @property
+    def scales(self) -> FloatArray:
+        """Size of each state where an angle has the size 1."""
+
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return the derivatives of the states."""
 
@@ -38,6 +42,11 @@ class LinearEquations:
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
         return self.plant.states
+
+    @property
+    def scales(self) -> FloatArray:
+        """All are angles, or angles in a second."""
+        return np.ones(len(self.states))
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return A x + B u."""

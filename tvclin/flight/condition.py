@@ -6,6 +6,7 @@ from os import PathLike
 import numpy as np
 
 from tvclin.errors import InputError, number, positive
+from tvclin.files import called
 from tvclin.flight.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.vehicle import Vehicle
 from tvclin.vehicle_file import quantities, table_of, vehicle_text
@@ -90,8 +91,8 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     >>> load_flight_condition("configuration-i").altitude
     11950.0
     """
-    text, name = vehicle_text(source)
-    table = table_of(text, name, "flight")
+    text, place = vehicle_text(source)
+    table, name = table_of(text, place, "flight"), called(place)
     if not table:
         raise InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"

@@ -31,6 +31,8 @@ from tvclin.sizing.schedule import FlightSchedule
 FloatArray = NDArray[np.float64]
 
 RTOL, ATOL = 1e-9, 1e-12
+_LONGEST = 500.0
+"""Of the span, over the time of the fastest mode; the solver takes at least twice as many steps."""
 _STEP = 0.5
 """Between rows of the schedule coefficients are tabulated at least every half second."""
 
@@ -105,7 +107,14 @@ class GrowingMode:
                 f" {stop:.6g} s"
             )
         A, inputs, _, _ = plant.matrices()
-        row = left_vector(A, float(real.max()))
+        fastest = float(real.max())
+        if fastest * (stop - start) > _LONGEST:
+            raise InputError(
+                f"varying parameters can be followed for at most {_LONGEST / fastest:.4g} s,"
+                f" {_LONGEST:g} times that of the fastest mode; schedule and winds together last"
+                f" {stop - start:.4g} s: shorten the winds"
+            )
+        row = left_vector(A, fastest)
         row = row / row[1]
         end = np.append(row, row @ inputs[:, 0] / row[0])
 

@@ -2,18 +2,14 @@
 
 import csv
 import io
-import tomllib
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from tvclin.errors import (
-    InputError,
-    path,
-    shown,
-)
+from tvclin.errors import InputError, path, shown
+from tvclin.files import called, exists, tables_of
 from tvclin.flight import load_flight_condition
 from tvclin.sizing.schedule import FlightSchedule
 from tvclin.units import UNITS
@@ -61,8 +57,8 @@ def load_schedule(
     (41.0, 116.0)
     """
     path("source", source, "a name or a path")
-    if str(source).lower().endswith(".csv") and not Path(source).exists():
-        raise InputError(f"{source} does not exist; name a flight schedule, or a vehicle")
+    if str(source).lower().endswith(".csv") and not exists(source):
+        raise InputError(f"{called(source)} does not exist; name a flight schedule, or a vehicle")
     text, name = vehicle_text(source)
     if Path(name).suffix.lower() == ".csv":
         return _from_rows(_csv_rows(text, name), name)
@@ -86,6 +82,7 @@ Row = tuple[str, dict[str, Any]]
 
 
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
+    source = called(source)
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
@@ -118,6 +115,7 @@ def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
 
 
 def _csv_rows(text: str, source: str) -> list[Row]:
+    source = called(source)
     reader = csv.reader(io.StringIO(text))
     try:
         lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
@@ -129,7 +127,7 @@ def _csv_rows(text: str, source: str) -> list[Row]:
     keys, lines = lines[0][1], lines[1:]
     for key in keys:
         if not key or keys.count(key) > 1:
-            raise InputError(f"{source}: every column needs a key of its own; got {key!r}")
+            raise InputError(f"{source}: every column needs a key of its own; got {shown(key)}")
     for n, cells in lines:
         if len(cells) != len(keys):
             raise InputError(f"{source}, line {n}: {len(keys)} cells are needed; got {len(cells)}")
@@ -156,25 +154,25 @@ def _cell(source: str, place: str, key: str, text: str) -> Any:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"{source}, {place}: {key} must be a number; got {text!r}") from None
+        raise InputError(f"{source}, {place}: {key} must be a number; got {shown(text)}") from None
 
 
 def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
     """The table [schedule] of a TOML file; None where there is none."""
-    try:
-        document = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{source} is not valid TOML: {error}") from None
+    document, source = tables_of(text, source), called(source)
     table = document.get("schedule")
     others = document.keys() - {"schedule"}
     if table is not None and others:
-        raise InputError(f"{source}: a schedule has nothing beside [schedule]; got {min(others)!r}")
+        raise InputError(
+            f"{source}: a schedule has nothing beside [schedule]; got {shown(min(others))}"
+        )
     if table is not None and not isinstance(table, dict):
         raise InputError(f"{source}: schedule must be a table [schedule]; got {shown(table)}")
     return table
 
 
 def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
+    source = called(source)
     times = table.get("time_s")
     if not isinstance(times, list):
         raise InputError(f"{source}: [schedule] needs time_s, a list of times in s")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,7 @@ def size(
     window: float = 20.0,
     law: str = "bound",
     varying: bool = False,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
     """Return the deflection that each wind asks for at each flight time.
 
@@ -81,6 +83,8 @@ def size(
         recoverable-attitude law needs when it is flown (a second or more for each wind and time).
     varying : bool
         Whether to let parameters vary while the wind blows as well, beside the frozen ones.
+    progress : callable, optional
+        Is told how many flight times and winds are done, and how many there are.
 
     Returns
     -------
@@ -118,8 +122,9 @@ def size(
         [place(wind, v, t, where[name], window) for name, wind in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
+    told = _counted(progress, len(placed) * len(named) * (2 if varying else 1))
     needs = [
-        [_frozen(Plant.from_vehicle(v, model, plane), w, bands, law) for w in row]
+        [told(_frozen(Plant.from_vehicle(v, model, plane), w, bands, law)) for w in row]
         for v, row in zip(vehicles, placed, strict=True)
     ]
     required = _frozen_columns(needs, bands)
@@ -127,7 +132,7 @@ def size(
     said = [one for row in needs for need in row for one in need.said]
     if varying:
         mode = _growing(schedule, model, plane, placed)
-        required |= _varying_columns(mode, placed, bands)
+        required |= _varying_columns(mode, placed, bands, told)
         required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
         said += _missing(required, bands)
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
@@ -210,14 +215,29 @@ def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[st
 
 
 def _varying_columns(
-    mode: GrowingMode, placed: list[list[PlacedWind]], bands: FloatArray
+    mode: GrowingMode,
+    placed: list[list[PlacedWind]],
+    bands: FloatArray,
+    told: Callable[[VaryingNeed], VaryingNeed],
 ) -> dict[str, FloatArray]:
-    needs = [[_varying(mode, wind, bands) for wind in row] for row in placed]
+    needs = [[told(_varying(mode, wind, bands)) for wind in row] for row in placed]
     return {
         f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
         **_bands(needs, bands, VARYING),
         f"{MINIMUM}{VARYING}": _table(needs, lambda need: need.minimum),
     }
+
+
+def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:
+    """What passes each need on, and tells how many there have been."""
+    done = count(1)
+
+    def told(need: Any) -> Any:
+        if progress is not None:
+            progress(next(done), total)
+        return need
+
+    return told
 
 
 def _bands(needs: Any, bands: FloatArray, ending: str) -> dict[str, FloatArray]:

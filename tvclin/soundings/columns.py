@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.errors import InputError
+from tvclin.errors import InputError, shown
 from tvclin.soundings.found import Found
 from tvclin.soundings.levels import Levels, checked_towards
 from tvclin.soundings.text import FloatArray, IntArray, Text
@@ -115,7 +115,7 @@ def _columns(text: Text, line: int, cells: list[str], units: bool) -> dict[str, 
             unit = next(iter(factors))
         if unit not in factors:
             spelled = ", ".join(f"{name}_{unit}" for unit in factors)
-            raise text.error(line, f"{cell[:40]!r} has no known unit; write {spelled}")
+            raise text.error(line, f"{shown(cell)} has no known unit; write {spelled}")
         columns[quantity] = _Column(i, cell, factors[unit], name == "geopotential_height")
     _check_complete(text, line, columns)
     return columns

@@ -3,11 +3,7 @@
 import re
 from os import PathLike
 
-from tvclin.errors import (
-    InputError,
-    one_of,
-    shown,
-)
+from tvclin.errors import InputError, one_of, shown
 from tvclin.soundings import columns, igra, rocketpy, wyoming
 from tvclin.soundings.found import Found
 from tvclin.soundings.levels import profile_of
@@ -89,6 +85,6 @@ def _chosen(text: Text, found: list[Found], time: str | None) -> Found:
     for one in found:
         if isinstance(time, str) and one.time == time:
             return one
-    times = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
+    there = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
     more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
-    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {times}{more}")
+    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {there}{more}")

@@ -10,11 +10,9 @@ from os import PathLike
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import (
-    InputError,
-)
+from tvclin.errors import InputError, shown
 from tvclin.errors import path as a_path
-from tvclin.files import read_text
+from tvclin.files import called, read_text
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -67,7 +65,7 @@ class Text:
             value = np.inf
         if np.isinf(value):
             raise self.error(
-                line, f"{column} must be a number, or empty; got {cell.strip()[:40]!r}"
+                line, f"{column} must be a number, or empty; got {shown(cell.strip())}"
             )
         return value
 
@@ -88,5 +86,5 @@ def read_lines(path: str | PathLike[str]) -> Text:
     """
     content = read_text(a_path("path", path), "a file of winds")
     if "\0" in content:
-        raise InputError(f"{path} is not a text file")
-    return Text(str(path), tuple(re.split(r"\r\n|\r|\n", content)))
+        raise InputError(f"{called(path)} is not a text file")
+    return Text(called(path), tuple(re.split(r"\r\n|\r|\n", content)))

@@ -1,6 +1,5 @@
 """Study files: TOML in, a `StudyPlan` out."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
@@ -11,11 +10,8 @@ from typing import Any
 from tvclin.campaign.file import parse_campaign
 from tvclin.campaign.keys import quantities_of
 from tvclin.campaign.tables import dispersions_of, question_of, subject_of, winds_of
-from tvclin.errors import (
-    InputError,
-    one_of,
-    path,
-)
+from tvclin.errors import InputError, one_of, path, shown
+from tvclin.files import called, tables_of
 from tvclin.margins import CRITERIA, Criteria
 from tvclin.sizing import load_schedule
 from tvclin.study_file.plan import DEFAULT_WIND, GainsAsked, LawsAsked, StudyPlan
@@ -49,16 +45,13 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     ('triangular', None)
     """
     text, name = vehicle_text(source)
-    try:
-        document = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{name} is not valid TOML: {error}") from None
+    document = tables_of(text, name)
     if "vehicle" in document and not {"study", "campaign"} & document.keys():
         return StudyPlan(vehicle=parse_vehicle(text, name))
     try:
         return parse_study(document, Path(name).parent)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from None
+        raise InputError(f"{called(name)}: {error}") from None
 
 
 def load_sizing(
@@ -89,7 +82,9 @@ def load_sizing(
     if _is_study(source):
         asked = load_study(source).sizing
         if asked is None:
-            raise InputError(f"{source} has no flight; add [schedule], see tvclin init --study")
+            raise InputError(
+                f"{called(source)} has no flight; add [schedule], see tvclin init --study"
+            )
         return replace(asked, soundings={**asked.soundings, **more})
     pulses = () if more else (DEFAULT_WIND,)
     schedule = load_schedule(source)
@@ -100,11 +95,7 @@ def _is_study(source: str | PathLike[str]) -> bool:
     """Whether a file is a study, or neither that nor anything that has a flight."""
     if str(path("source", source, "a name or a path")).lower().endswith(".csv"):
         return False
-    text, _ = vehicle_text(source)
-    try:
-        headings = tomllib.loads(text).keys()
-    except (tomllib.TOMLDecodeError, RecursionError):
-        return False
+    headings = tables_of(*vehicle_text(source)).keys()
     return bool({"study", "campaign"} & headings) or not {"vehicle", "schedule"} & headings
 
 
@@ -115,7 +106,7 @@ def example() -> str:
 
 def example_plan() -> StudyPlan:
     """Return the plan of the study file of the package."""
-    return parse_study(tomllib.loads(example()))
+    return parse_study(tables_of(example(), "the example"))
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
@@ -154,7 +145,7 @@ def _laws(table: dict[str, Any]) -> LawsAsked:
     for key in ("names", "winds"):
         if key in given:
             if not isinstance(given[key], list):
-                raise InputError(f"{key} in [laws] must be a list; got {given[key]!r}")
+                raise InputError(f"{key} in [laws] must be a list; got {shown(given[key])}")
             given[key] = tuple(given[key])
     return LawsAsked(**given)
 

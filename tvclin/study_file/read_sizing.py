@@ -1,6 +1,5 @@
 """The tables [schedule], [size] and [[wind]] with soundings: what is asked of a whole flight."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +8,8 @@ from typing import Any
 from tvclin.campaign import ShapedWind
 from tvclin.campaign.keys import known, quantities_of, quantity, spellings
 from tvclin.campaign.tables import SOUNDING, wind_tables, winds_of
-from tvclin.errors import InputError
+from tvclin.errors import InputError, shown
+from tvclin.files import exists, tables_of
 from tvclin.histories import History
 from tvclin.sizing import load_schedule
 from tvclin.sizing.schedule_file import schedule_of
@@ -56,10 +56,12 @@ def sizing_of(
     table = dict(document.get("size", {}))
     given: dict[str, Any] = quantities_of("size", table) | table
     if not isinstance(given.get("varying", False), bool):
-        raise InputError(f"varying in [size] must be true or false; got {given['varying']!r}")
+        raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
     if "dead_bands" in given:
         if not isinstance(given["dead_bands"], list):
-            raise InputError(f"dead_bands in [size] must be a list; got {given['dead_bands']!r}")
+            raise InputError(
+                f"dead_bands in [size] must be a list; got {shown(given['dead_bands'])}"
+            )
         given["dead_bands"] = tuple(given["dead_bands"])
     pulses = tuple(one for one in winds_of(document, folder) if isinstance(one, ShapedWind))
     return SizingAsked(
@@ -99,7 +101,7 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(
             "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
-            f" {source!r}"
+            f" {shown(source)}"
         )
     found = {"schedule": load_schedule(_beside(folder, source)), "source": source}
     named = isinstance(own, str)
@@ -112,7 +114,7 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 def _is_vehicle(source: str | Path) -> bool:
     """Whether the source of a flight is a vehicle, not a table of its times."""
     text, name = vehicle_text(source)
-    return not name.lower().endswith(".csv") and "vehicle" in tomllib.loads(text)
+    return not name.lower().endswith(".csv") and "vehicle" in tables_of(text, name)
 
 
 def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
@@ -121,10 +123,10 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
     azimuth = quantity("[[wind]] with a sounding", table, "azimuth", _ANGLE) or 0.0
     file = table[SOUNDING]
     if not isinstance(file, str) or not file.isprintable():
-        raise InputError(f"sounding in [[wind]] must be a path; got {file!r}")
+        raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")
     for key in ("name", "format", "time"):
         if not isinstance(table.get(key, ""), str):
-            raise InputError(f"{key} in [[wind]] must be a text; got {table[key]!r}")
+            raise InputError(f"{key} in [[wind]] must be a text; got {shown(table[key])}")
     profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
     named = Path(file).name
     return table.get("name") or named, SoundingAsked(replace(profile, source=named), azimuth)
@@ -132,4 +134,4 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
 
 def _beside(folder: Path, source: str) -> str | Path:
     beside = folder / source
-    return beside if beside.exists() else source
+    return beside if exists(beside) else source

@@ -1,6 +1,6 @@
 """What is asked of a whole flight: its schedule, its winds, and what else the nozzle has to do."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -209,8 +209,8 @@ class SizingAsked:
             name: self._flown(name, sounding) for name, sounding in self.soundings.items()
         }
 
-    def sizing(self) -> Sizing:
-        """Return the sizing; raise `InputError` as `size`."""
+    def sizing(self, progress: Callable[[int, int], None] | None = None) -> Sizing:
+        """Return the sizing, and tell how it goes on; raise `InputError` as `size`."""
         return size(
             self.schedule,
             self.winds,
@@ -220,6 +220,7 @@ class SizingAsked:
             plane=self.plane,
             law=self.law,
             varying=self.varying,
+            progress=progress,
         )
 
     def total(self, found: Sizing) -> DeflectionTotal:

@@ -63,6 +63,13 @@ class PlanarMotion:
         return STATES[: 4 if self.nominal is None else 5]
 
     @property
+    def scales(self) -> FloatArray:
+        """Size of each state where an angle has the size 1: an altitude changes by the speed."""
+        scales = np.ones(len(self.states))
+        scales[4:] = self.vehicle.velocity
+        return scales
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs, as those of a `Plant` with a flight path."""
         return (*STATES[:3], "angle_of_attack")

@@ -1,0 +1,214 @@
+"""Hostile files and names: one sentence and exit code 2, never a traceback."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.vehicle_file import template
+
+LONG = "x" * 300
+"""No file system takes a name of so many letters."""
+VEHICLE = template()
+WIND = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+STUDY = f'[study]\nvehicle = "configuration-i"\n{WIND}'
+CAMPAIGN = f'[campaign]\nvehicle = "configuration-i"\ncases = 10\n{WIND}'
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(one) for one in arguments])
+
+
+def check_refused(result: Result) -> str:
+    """Assert exit code 2 and one sentence of bounded length; return it."""
+    assert result.exit_code == 2
+    assert isinstance(result.exception, SystemExit), repr(result.exception)
+    (said,) = result.stderr.splitlines()
+    assert said.startswith("Error: ")
+    assert len(said) < 900
+    return said
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("study", LONG),
+        ("study", f"{LONG}.toml"),
+        ("study", "a/" * 3000),
+        ("size", f"{LONG}.csv"),
+        ("report", "-o", LONG),
+        ("init", LONG),
+        ("init", "--study", f"{LONG}/my.toml"),
+        ("respond", "--csv", LONG),
+        ("respond", "--plot", f"{LONG}.png"),
+        ("campaign", "init", LONG),
+        ("campaign", "run", LONG, "-o", "results"),
+        ("campaign", "show", LONG),
+        ("campaign", "resume", LONG),
+    ],
+)
+def test_a_name_longer_than_the_file_system_takes_is_one_sentence(arguments) -> None:
+    assert LONG not in check_refused(run(*arguments))
+
+
+def test_a_campaign_needs_a_folder_that_can_be(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    file = tmp_path / "many.toml"
+    file.write_text(CAMPAIGN)
+
+    check_refused(run("campaign", "run", file, "-o", tmp_path / LONG))
+
+
+@pytest.mark.parametrize("name", [LONG, "a\\u0000b"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        f'[study]\nvehicle = "NAME"\n{WIND}',
+        '[study]\nvehicle = "configuration-i"\n[wind]\nfile = "NAME"\n',
+        f'{STUDY}[schedule]\nsource = "NAME"\n',
+        f"{STUDY.replace('[wind]', '[[wind]]')}"
+        '[[wind]]\nsounding = "NAME"\nazimuth_deg = 90\n[schedule]\nsource = "configuration-i"\n',
+    ],
+)
+def test_no_name_within_a_file_is_a_traceback(tmp_path: Path, text: str, name: str) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(text.replace("NAME", name))
+
+    check_refused(run("study", file))
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_a_name_that_just_fits_can_be_written(tmp_path: Path) -> None:
+    file = tmp_path / ("x" * 250 + ".toml")
+
+    assert run("init", file).exit_code == 0
+    assert file.read_text() == VEHICLE
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[vehicle]\nweight_N = " + "1" * 5000, "more than 4300 digits"),
+        ("[vehicle]\nname = 0x" + "f" * 5000, "'name' holds a whole number beyond 1.8e+308"),
+        ("[vehicle]\nname = " + "[" * 100 + "]" * 100, "'name' is nested more than 8 levels"),
+        ("vehicle" + ".a" * 3000 + " = 1", "'a' is nested more than 8 levels"),
+        ("schedule" + ".a" * 3000 + " = 1", "'a' is nested more than 8 levels"),
+        ("[schedule]\ntime_s = " + "[" * 900 + "]" * 900, "nested too deep"),
+        (f"[vehicle]\n[vehicle.{'n' * 5000}]\n[vehicle.{'n' * 5000}]", "not valid TOML"),
+    ],
+)
+def test_no_number_and_no_nesting_is_a_traceback(tmp_path: Path, text: str, said: str) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(text)
+
+    for load in (tv.load_vehicle, tv.load_study, tv.load_sizing, tv.load_schedule):
+        with pytest.raises(tv.InputError, match=said.replace("+", r"\+")) as caught:
+            load(file)
+        assert len(str(caught.value)) < 900
+    with pytest.raises(tv.InputError, match=said.replace("+", r"\+")):
+        tv.load_campaign(file)
+
+
+@pytest.mark.parametrize(
+    ("command", "text"),
+    [
+        ("campaign run", f'{CAMPAIGN}[outputs]\nnames = [["boundary"]]\n'),
+        ("campaign run", f"{CAMPAIGN}[outputs]\ndead_bands = [[1.0]]\n"),
+        ("campaign run", f'{CAMPAIGN}[[dispersion]]\nparameter = ["thrust"]\npercent = 1\n'),
+        ("study", f'{STUDY}[laws]\nnames = [["trim"]]\n'),
+        ("study", f"{STUDY}[laws]\nwinds = [{{a = 1}}]\n"),
+    ],
+)
+def test_a_list_where_a_name_belongs_is_one_sentence(tmp_path, command, text) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(text)
+    where = ["-o", tmp_path / "results"] if command == "campaign run" else []
+
+    check_refused(run(*command.split(), file, *where))
+
+
+@pytest.mark.parametrize(
+    ("command", "text"),
+    [
+        ("study", STUDY.replace("configuration-i", "v" * 5000)),
+        ("study", STUDY + "y" * 5000 + " = 1\n"),
+        ("study", f"{STUDY}[{'z' * 5000}]\n"),
+        ("study", VEHICLE.replace('name = "', 'name = "\\n' + "n" * 5000)),
+        ("study", f"{STUDY}[laws]\nnames = {['name' * 9] * 500}\n"),
+        ("study", f"{STUDY}[question]\nlimit_deg = {[1] * 5000}\n"),
+        ("size", "[schedule]\ntime_s = [1, 2]\n" + "k" * 5000 + " = 1\n"),
+        ("size", f"schedule = {[1] * 3000}\n"),
+    ],
+)
+def test_an_error_does_not_repeat_thousands_of_letters(tmp_path, command, text) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(text)
+
+    check_refused(run(command, file))
+
+
+def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text('[study]\nvehicle = "configuration-i"\n[wind]\nfile = "winds.csv"\n')
+    for content in (b"time_s,a\n0," + b"1" * 200_000, b"\xff\xfe", b"time_s,a\n\0,1\n", b""):
+        (tmp_path / "winds.csv").write_bytes(content)
+        check_refused(run("study", file))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["respond", "--duration", "925140181"], "must be at most 1323 s"),
+        (["respond", "--until", "1e-3", "--duration", "1e5"], "must be at most 1323 s"),
+        (["fly", "--duration", "1e9"], "must be at most 1824 s long"),
+        (["fly", "--peak-speed", "1e-9"], "at least 1.43e-05 deg"),
+        (["fly", "--along-trajectory", "--peak-deg", "1e-9"], "at least 1.43e-05 deg"),
+        (["laws", "--wind", "triangle", "--sample-rate", "1e-18"], "at least 0.001701 Hz"),
+        (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "at most 5e+06 samples"),
+        (["laws", "--wind", "triangle", "--duration", "1e6"], "at most 5e+06 samples"),
+        (["size", "--gust", "45", "1e4", "--varying", "--every", "50"], "for at most 1826 s"),
+    ],
+)
+def test_what_arithmetic_or_patience_cannot_carry_is_refused_with_the_bound(arguments, told):
+    assert told in check_refused(run(*arguments))
+
+
+def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
+    command = ["laws", "--wind", "triangle", "--cuts", "2", "--json"]
+    quiet = CliRunner().invoke(app, command)
+    shown = CliRunner().invoke(app, command, env={"FORCE_COLOR": "1"})
+
+    assert quiet.stderr == ""
+    assert "36 flights" in shown.stderr  # four laws, three scans, the wind and two stops
+    assert quiet.stdout == shown.stdout
+
+
+def test_the_air_stays_what_it_is_far_beyond_the_atmosphere() -> None:
+    from tvclin.flight.atmosphere import HIGHEST, LOWEST, air_at, density_at
+
+    for height in (-1e9, -6_356_766.0, -1e5, LOWEST, 0.0, HIGHEST, 2e5, 1e9, 1e300):
+        assert density_at(height) == pytest.approx(float(air_at(height).density), rel=1e-12)
+        assert 0.0 < density_at(height) < 10.0
+
+
+def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one() -> None:
+    """The altitude [m] once had the smallest error of an angle [rad], which is its rounding."""
+    from tvclin.closed_loop.continuous import ContinuousFlight
+    from tvclin.flight import load_flight_condition
+    from tvclin.flight.planar.case import planar_case
+
+    vehicle = tv.load_vehicle("configuration-i")
+    condition = load_flight_condition("configuration-i")
+    counts = []
+    for peak in (1e-2, 1e-5):
+        wind = tv.TriangularWind(peak=peak, duration=7.5).shift(62.0)
+        case = planar_case(
+            vehicle, wind, (62.0, 75.0), plane="pitch", drift=True, condition=condition
+        )
+        law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle))
+        flight = ContinuousFlight(case.motion, law, wind, 0.2 * peak, float("inf"), None)
+        arcs = flight.arcs(62.0, 75.0)
+        counts.append(sum(len(arc.solution.ts) for arc in arcs))
+    assert counts[1] < 2 * counts[0]

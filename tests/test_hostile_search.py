@@ -1,0 +1,413 @@
+"""A search for files and options that end in a traceback, in no number, or never.
+
+Every case is one command, run here with mutated files and random options. It takes some hundred
+cases in a run, always the same; TVCLIN_HOSTILE=5000 looks at so many of each kind, at random.
+"""
+
+import os
+import re
+import signal
+import tempfile
+from collections.abc import Callable
+from contextlib import contextmanager
+from inspect import signature
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+import typer
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.campaign.file import template as campaign_template
+from tvclin.cli.app import app
+from tvclin.study_file.read import example as study_example
+from tvclin.vehicle_file import vehicle_text
+
+SOUNDINGS = Path(__file__).parent / "soundings"
+MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))
+LATEST = 60.0
+"""CPU seconds that a case may take, on a slow machine: without a bound some took hours."""
+LONG = "x" * 300
+
+VEHICLE = vehicle_text("configuration-i")[0]
+SCHEDULE = """[schedule]
+time_s = [60, 70, 80]
+weight_N = [1.5e6, 1.48e6, 1.4e6]
+moment_of_inertia_kg_m2 = 2.25e7
+normal_force_slope_N_per_rad = [6e5, 6.67e5, 6e5]
+thrust_N = 2.495e6
+aerodynamic_arm_m = 9.45
+control_arm_m = 23.56
+axial_force_N = 8e4
+velocity_m_per_s = [500, 540, 600]
+attitude_deg = [46, 44.8, 43]
+altitude_m = [10000, 12000, 14000]
+"""
+ROWS = [line.split(" = ") for line in SCHEDULE.splitlines()[1:]]
+CSV = "\n".join(
+    ",".join(cells)
+    for cells in zip(
+        *([key, *(values.strip("[]").split(", ") * 3)[:3]] for key, values in ROWS), strict=True
+    )
+)
+STUDY = study_example()
+FLIGHT = f"""[study]
+vehicle = "configuration-i"
+[[wind]]
+peak_deg = 4.0
+duration_s = 7.5
+[[wind]]
+sounding = "{SOUNDINGS / "wyoming.txt"}"
+azimuth_deg = 90
+time = "2024-02-15 12"
+[gust]
+peak_deg = 1.0
+duration_s = 2.0
+[question]
+limit_deg = 0.6
+[schedule]
+source = "configuration-ii"
+[size]
+start_s = 80
+stop_s = 90
+every_s = 10
+window_s = 16
+dead_bands = [1.0]
+varying = true
+dispersion_percent = 20
+thrust_offset_deg = 0.1
+gravity_offset_m = 0.02
+reserve_percent = 10
+"""
+CAMPAIGN = campaign_template()
+
+NUMBERS = (
+    *("0", "-0.0", "-1", "1e-300", "1e-18", "1e-9", "1e-6", "1e-3", "0.5", "1", "2", "7.5", "30"),
+    *("45", "89.999", "90", "1e3", "1e4", "1e6", "1e9", "1e18", "1e150", "1e300", "1e400"),
+    *("nan", "inf", "-inf", "10_0", "0x10"),
+)
+NAMES = (
+    *("configuration-i", "configuration-ii", "triangular", "rectangular", "one-minus-cosine"),
+    *("fixed-path", "drift", "drift-exact", "drift-and-speed", "all", "pitch", "yaw", "report"),
+    *("literal", "canonical", "poles", "drift-minimum", "load-minimum", "lqr", "classic"),
+    *("aircraft", "nichols", "bode", "nyquist", "root-locus", "planar", "trim", "dead-band"),
+    *("saturated", "recoverable", "flown", "K = 1", "", " ", ".", "..", "/", "none.toml", "~"),
+    *(LONG, f"{LONG}.toml"),
+)
+numbers = st.one_of(
+    st.sampled_from(NUMBERS),
+    st.floats(1e-3, 1e3).map(repr),
+    st.floats(1e-3, 1e3).map(repr),
+    st.floats().map(repr),
+    st.integers(-3, 10**30).map(str),
+)
+words = st.one_of(
+    st.sampled_from(NAMES),
+    st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=12),
+)
+values = st.one_of(
+    numbers,
+    numbers,
+    st.sampled_from(
+        [
+            "true",
+            "[]",
+            "[1]",
+            "[[1]]",
+            "{}",
+            "{a = 1}",
+            '[{a = "b"}]',
+            "1979-05-27",
+            "07:32:00",
+            "1" * 5000,
+            "0x" + "f" * 5000,
+            "[" * 50 + "]" * 50,
+            '"a\\u0000b"',
+            f'"{LONG}"',
+            '"' + "y" * 5000 + '"',
+            '"../"',
+            '"\\n"',
+        ]
+    ),
+    words.map(lambda word: '"' + word.replace("\\", "").replace('"', "") + '"'),
+)
+
+
+class Late(BaseException):
+    """A case that takes too long."""
+
+
+@contextmanager
+def not_for_ever():
+    """Raise `Late` when the time of the process runs out."""
+
+    def late(*_: object) -> None:
+        raise Late
+
+    before = signal.signal(signal.SIGPROF, late)
+    signal.setitimer(signal.ITIMER_PROF, LATEST)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGPROF"), reason="timers of POSIX")
+NO_NUMBER = re.compile(r"(?<![\w./-])[-+]?(nan|inf)(?![\w.-])", re.IGNORECASE)
+
+
+def check(*arguments: str) -> None:
+    """Assert that a command ends in time, with tables of numbers or in one sentence."""
+    with not_for_ever():
+        result = CliRunner().invoke(app, list(arguments))
+    assert result.exit_code in (0, 1, 2)
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    assert (
+        "encountered in"
+        not in result.stderr.replace("carries (", "")[:0] + result.stderr.split("Error:")[0]
+    )
+    if result.exit_code == 2 and not result.stderr.startswith("Usage:"):
+        said = [line for line in result.stderr.splitlines() if not line.startswith("Warning: ")]
+        assert len(said) == 1
+        assert said[0].startswith("Error: ")
+        assert len(said[0]) < 1200
+        assert not result.stdout
+    elif result.exit_code != 2:
+        assert not NO_NUMBER.search(result.stdout), NO_NUMBER.search(result.stdout)
+
+
+@contextmanager
+def away():
+    """Go to an empty folder."""
+    here = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            yield Path(folder)
+        finally:
+            os.chdir(here)
+
+
+def found(count: int) -> Callable:
+    """Return the settings of a search of so many cases."""
+    return settings(
+        max_examples=MORE or count,
+        derandomize=not MORE,
+        deadline=None,
+        database=None,
+        phases=[Phase.explicit, Phase.generate],
+        suppress_health_check=list(HealthCheck),
+        print_blob=True,
+    )
+
+
+CHEAP = ("study", "boundary", "optimum", "respond", "poles", "margins", "vehicles", "doctor")
+DEAR = {
+    "autopilot": (),
+    "size": ("--every", "30"),
+    "fly": (),
+    "laws": ("--wind", "triangle", "--sample-rate", "20"),
+}
+"""Commands that take a second or more, with options to make them short."""
+
+
+COMMANDS = {one.callback.__name__: signature(one.callback) for one in app.registered_commands}
+
+
+def _options(name: str) -> dict[str, Any]:
+    """The types of the options of a command by the name that they have in a shell."""
+    found = {}
+    for parameter in COMMANDS[name].parameters.values():
+        kind, info = get_args(parameter.annotation)
+        if isinstance(info, typer.models.OptionInfo):
+            named = [one for one in info.param_decls or () if one.startswith("--")]
+            found[named[0] if named else f"--{parameter.name.replace('_', '-')}"] = kind
+    return {name: kind for name, kind in found.items() if name not in ("--plot", "--csv")}
+
+
+@st.composite
+def one_option(draw: Callable, name: str) -> list[str]:
+    """An option with a value that may be of its kind."""
+    every = _options(name)
+    option = draw(st.sampled_from(sorted(every)))
+    kind = str(every[option])
+    if "bool" in kind:
+        return [option]
+    chosen = numbers if "float" in kind or "int" in kind else words
+    return [option, *(draw(chosen) for _ in range(2 if "tuple" in kind else 1))]
+
+
+@st.composite
+def command_lines(draw: Callable, names: list[str], first: Any) -> list[str]:
+    """A command with up to four options."""
+    name = draw(st.sampled_from(names))
+    line = [name, *DEAR.get(name, ())]
+    if name not in ("vehicles", "doctor"):
+        line[1:1] = draw(first)
+    for _ in range(draw(st.integers(0, 4))):
+        line += draw(one_option(name))
+    return line
+
+
+sources = st.one_of(
+    st.just([]),
+    st.sampled_from([["configuration-i"], ["configuration-ii"]]),
+    words.map(lambda w: [w]),
+)
+
+
+@given(command_lines(list(CHEAP), sources))
+@found(120)
+def test_no_option_is_a_traceback_or_no_number(line: list[str]) -> None:
+    with away():
+        check(*line)
+
+
+@given(command_lines(list(DEAR), st.just([])))
+@found(25)
+def test_no_option_of_a_long_command_is_a_traceback_or_an_endless_wait(line: list[str]) -> None:
+    with away():
+        check(*line)
+
+
+@st.composite
+def mutated(draw: Callable, text: str) -> str:
+    """A text in which one to three lines have been changed."""
+    lines = text.splitlines()
+    for _ in range(draw(st.integers(1, 3))):
+        lines = lines or [""]
+        at = draw(st.integers(0, len(lines) - 1))
+        what = draw(st.sampled_from(["value", "value", "value", "value", "gone", "twice", "text"]))
+        if what == "value":
+            keyed = [i for i, line in enumerate(lines) if re.match(r"#? ?\w+ = ", line)]
+            if keyed:
+                at = draw(st.sampled_from(keyed))
+                key = lines[at].removeprefix("# ").split(" = ")[0]
+                lines[at] = f"{key} = {draw(values)}"
+        elif what == "gone":
+            del lines[at]
+        elif what == "twice":
+            lines.insert(draw(st.integers(0, len(lines))), lines[at])
+        else:
+            lines[at] = draw(words) + lines[at][draw(st.integers(0, 40)) :]
+    return "\n".join(lines)
+
+
+@st.composite
+def mutated_cells(draw: Callable, text: str) -> str:
+    """A table in which one to three cells have been changed."""
+    parts = re.split(r"([,\n ]+)", text)
+    for _ in range(draw(st.integers(1, 3))):
+        at = draw(st.integers(0, len(parts) - 1))
+        parts[at] = draw(st.one_of(numbers, words, st.sampled_from(["\n", ",", '"', "1" * 5000])))
+    return "".join(parts)
+
+
+def _written(name: str, text: str) -> None:
+    Path(name).write_bytes(text.encode("utf-8", "replace"))
+
+
+VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins", "size", "fly"]
+
+
+@given(
+    mutated(VEHICLE),
+    st.sampled_from(VEHICLE_COMMANDS),
+    st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
+)
+@found(100)
+def test_no_vehicle_file_is_a_traceback_or_no_number(text: str, name: str, model: str) -> None:
+    with away():
+        _written("my.toml", text)
+        options = {"size": ["--every", "30", "--model", model], "fly": []}
+        check(name, "my.toml", *options.get(name, ["--model", model]))
+
+
+@st.composite
+def far_off(draw: Callable) -> str:
+    """A vehicle whose numbers are those of configuration I, many of them by many powers of ten."""
+    widest = draw(st.sampled_from([1.0, 3.0, 10.0, 40.0, 300.0]))
+
+    def changed(line: re.Match) -> str:
+        power = draw(st.one_of(st.just(0.0), st.floats(-widest, widest)))
+        sign = draw(st.sampled_from(["", "", "", "-"])) if "_m =" in line[0] else ""
+        mantissa = draw(st.floats(1.0, 9.99))
+        number = (
+            float(line[2]) * mantissa / 3.0 * 10.0**power if "attitude" not in line[1] else 44.8
+        )
+        return f"{line[1]}{sign}{number!r}"
+
+    text = "\n".join(line.split("#")[0] for line in VEHICLE.splitlines())
+    return re.sub(r"(?m)^(\w+ = )([0-9.e+]+)", changed, text)
+
+
+@given(
+    far_off(),
+    st.sampled_from([*VEHICLE_COMMANDS, "respond", "optimum", "autopilot"]),
+    st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
+    st.sampled_from([[], ["--plane", "yaw"], ["--duration", "0.1"], ["--duration", "60"]]),
+)
+@found(100)
+def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more) -> None:
+    with away():
+        _written("my.toml", text)
+        options = {"size": ["--every", "30", "--model", model], "fly": []}
+        if name in ("poles", "boundary", "margins"):
+            more = []
+        check(name, "my.toml", *options.get(name, ["--model", model]), *more)
+
+
+@given(mutated(VEHICLE))
+@found(10)
+def test_no_flight_along_the_trajectory_is_a_traceback(text: str) -> None:
+    with away():
+        _written("my.toml", text)
+        check("fly", "my.toml", "--along-trajectory")
+
+
+@given(st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "study", "size"]))
+@found(60)
+def test_no_study_file_is_a_traceback_or_no_number(text: str, name: str) -> None:
+    with away():
+        _written("my.toml", text)
+        check(name, "my.toml")
+
+
+@given(st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
+@found(30)
+def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> None:
+    with away():
+        name = "my.toml" if text.startswith("[") else "my.csv"
+        _written(name, text)
+        check("size", name, "--every", "10", *["--varying"] * varying)
+
+
+@given(st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
+@found(40)
+def test_no_sounding_is_a_traceback(file: Path, data) -> None:
+    text = "\n".join(file.read_text(errors="replace").splitlines()[:60])
+    with away():
+        _written(file.name, data.draw(mutated_cells(text)))
+        check("size", "--every", "60", "--winds", file.name, "--azimuth-deg", "90")
+
+
+@given(mutated(CAMPAIGN))
+@found(40)
+def test_no_campaign_file_is_a_traceback(text: str) -> None:
+    pytest.importorskip("pyarrow")
+    with away():
+        _written("my.toml", re.sub(r"^cases = \d+", "cases = 20", text, flags=re.MULTILINE))
+        try:
+            plan = tv.load_campaign("my.toml")
+        except tv.InputError:
+            plan = None
+        if plan is None or plan.cases <= 100:
+            check("campaign", "run", "my.toml", "-o", "results")
+        if plan is not None and plan.cases <= 100 and Path("results").exists():
+            check("campaign", "show", "results")
+            check("campaign", "replay", "results", "0")
+        check("study", "my.toml")
