@@ -47,6 +47,9 @@ CASES = [
     ("estimated", "fixed-path", 0.6, {}),
     ("estimated", "drift-exact", 0.7, {"actuator": LAG, "rate_limit": 0.004}),
 ]
+PROMISED = 12.0 * np.sqrt(7) * 1e-9
+"""Error of a flight without pause in a stable loop, over the size of each output: the solver grants
+each step 1e-9, as the root mean square over up to 7 states, and 12 times that between its ends."""
 EACH_CASE = pytest.mark.parametrize(("name", "model", "part", "hardware"), CASES)
 
 
@@ -218,11 +221,13 @@ def test_a_sampled_flight_comes_to_that_without_pause_as_the_rate_grows(name, pa
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("actuator", [None, SERVO, LAG])
 def test_without_saturation_it_is_the_linear_loop(model, actuator):
-    plant, times = plant_of(model), np.linspace(-1.0, 20.0, 43)
+    plant, times = plant_of(model), np.linspace(-1.0, 20.0, 421)
     law = LAWS["all gains"](plant)
     flown = tv.fly(plant, law, WIND, times, deflection_limit=1.0, actuator=actuator)
     linear = Autopilot(**GAINS, **MORE, actuator=actuator).respond(plant, WIND, times)
-    np.testing.assert_allclose(flown.outputs, linear.outputs, rtol=0, atol=1e-8 * PEAK)
+    for row, expected in zip(flown.outputs, linear.outputs, strict=True):
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(row, expected, rtol=0, atol=PROMISED * size)
     np.testing.assert_array_equal(flown.inputs, linear.inputs)
     assert list(flown.output_labels) == list(linear.output_labels) == [*plant.outputs, "deflection"]
     assert list(flown.input_labels) == ["wind"]
