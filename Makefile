@@ -3,6 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
+EXTRAS ?= fast,campaign,sixdof
 
 .PHONY: study test coverage lint bench docs packages clean help
 
@@ -49,7 +51,7 @@ $(VENV)/bin/python:
 	$(BIN)/python -m pip install --quiet --no-compile --upgrade pip
 
 INSTALL_EXTRAS = $(BIN)/python -m pip install --quiet --no-compile --only-binary numba,llvmlite,pyarrow,jsbsim \
-	  --editable ".[fast,campaign,sixdof]" \
+	  --editable ".[$(EXTRAS)]" \
 	  || echo "an extra has no wheel for this platform; going on without it"
 
 # slycot has wheels for the common platforms only; tvclin works without it.

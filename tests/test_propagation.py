@@ -297,6 +297,27 @@ def test_the_peak_of_a_smooth_gust_lies_at_its_middle_knot():
     assert time == pytest.approx(1.0, abs=1e-7)
 
 
+def test_the_rate_of_a_lag_peaks_on_one_side_of_a_knot():
+    """In a ramp x' = w - x tends to the slope, x' = slope + (x'(0) - slope) e^-t: it has no summit.
+
+    The output does not see the two poles at zero of the ramp, which have one vector between them.
+    """
+    draw = np.random.default_rng(3)
+    for _ in range(60):
+        knots, ramps = np.cumsum([0.0, *draw.uniform(0.2, 2.0, 4)]), draw.uniform(-1, 1, (4, 2))
+        history = knots, [*ramps[:, np.newaxis], [[0.0, 0.0]]], [0.0]
+        x, sizes = 0.0, [0.0]
+        for (first, slope), width in zip(ramps, np.diff(knots), strict=True):
+            begun = first - x
+            ended = slope + (begun - slope) * np.exp(-width)
+            x = first + slope * width - ended
+            sizes += [abs(begun), abs(ended)]
+        sizes.append(abs(x))
+        rate = np.array([-1.0, 1.0, 0.0])
+        found, _ = largest(carried(([[-1.0]], [1.0]), history), rate, 40.0)
+        assert abs(found) == pytest.approx(max(sizes), rel=1e-13)
+
+
 def test_what_rises_for_ever_is_followed_as_far_as_asked():
     found, time = largest(carried(([[-0.5]], [1.0]), step_input()), np.array([1.0, 0.0]), 80.0)
     assert (found, time) == (pytest.approx(2.0, rel=1e-13), 80.0)

@@ -4,6 +4,10 @@ Knots of the wind, the limit and the switches of the law, the rate limit and the
 actuator are hit, not stepped over: scipy's DOP853 runs from each to the next, and what it did
 between two steps is looked at afterwards, so that a limit which is touched for a moment is hit as
 well. The ends of a lean, corners that leave everything continuous, are left to its error control.
+
+That control sees the ends of steps only. With a fast actuator or observer steps grow to where the
+solver is no longer stable, and are a thousand times less exact between their ends than at them. So
+they are held shorter than that.
 """
 
 from __future__ import annotations
@@ -29,9 +33,12 @@ from tvclin.laws import Law, Seen
 FloatArray = NDArray[np.float64]
 
 _RTOL, _ATOL = 1e-9, 1e-12
-"""Of the solver; the second over the peak of the wind."""
+"""Of the solver, for each step; the second over the peak of the wind."""
 _NOZZLE = 0.01
 """Both are so many times as small with an actuator: between its corners steps are long."""
+_LONGEST = 5.0
+"""Of a step, over the time of the fastest pole: DOP853 is stable there, and between the ends of a
+step off by at most 12 times the error that it controls; at 16 that is 400 times."""
 _MOST = 5000
 """Switches of the law and its nozzle in one flight."""
 _LOOKS = 8
@@ -158,6 +165,7 @@ class ContinuousFlight:
             method="DOP853",
             rtol=sharp * _RTOL,
             atol=sharp * self._smallest,
+            max_step=self._longest,
             dense_output=True,
             events=[*(_event(end) for end in ends), _beyond(self.farthest)],
             args=(regime, gust),
@@ -200,6 +208,14 @@ class ContinuousFlight:
         smallest = np.full(self._size, _ATOL * abs(float(self.wind.peak)))
         smallest[: self._order] *= self.equations.scales
         return smallest
+
+    @cached_property
+    def _longest(self) -> float:
+        """The longest step of the solver [s], for the poles of the actuator and of the law."""
+        servo = np.zeros(0) if self.actuator is None else np.roots(self.actuator.denominator)
+        poles = np.concatenate([servo, np.linalg.eigvals(self._memory[0])])
+        fastest = float(np.abs(poles).max(initial=0.0))
+        return _LONGEST / fastest if fastest else np.inf
 
     def _seen(self, t: Any, states: FloatArray, wind: Any, regime: _Regime | None = None) -> Seen:
         path = states[2] if self._order > 2 else 0.0 * states[0]

@@ -139,11 +139,14 @@ def _modes(matrix: NDArray[Any], row: NDArray[Any], longest: float) -> NDArray[A
     """Factors that take a state to the sizes at which ``row . state`` sees its modes, ``(n, n)``.
 
     The sum of the sizes is never exceeded in the time `longest`. Where modes coincide the factors
-    are very large, or not numbers, and say nothing.
+    are very large, or not numbers, and say nothing; a mode that the row does not see counts with
+    its rounding, or it would hide that.
     """
     rates, vectors = np.linalg.eig(matrix)
+    least = np.finfo(float).eps * (np.abs(row) @ np.abs(vectors))
     with np.errstate(over="ignore", invalid="ignore"):
-        seen = (row @ vectors) * np.exp(np.maximum(np.real(rates), 0.0) * longest)
+        seen = np.maximum(np.abs(row @ vectors), least)
+        seen = seen * np.exp(np.maximum(np.real(rates), 0.0) * longest)
         try:
             return np.asarray(seen[:, np.newaxis] * np.linalg.inv(vectors))
         except np.linalg.LinAlgError:
