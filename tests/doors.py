@@ -676,7 +676,10 @@ def doors(folder: Path) -> dict[str, Door]:
             {"coefficients": coefficients, **poles, "alpha_ratio": 0.5, **options},
         ),
         "report_html": Door(tv.report_html, {"source": study}),
-        "required_deflection": Door(tv.required_deflection, {**history, "dead_band": 1.0}),
+        "required_deflection": Door(
+            tv.required_deflection,
+            {**history, "dead_band": 1.0, "whole": wind - 0.5 * wind.shift(9.0)},
+        ),
         "residues": Door(tv.residues, both),
         "resume_campaign": Door(
             tv.resume_campaign,

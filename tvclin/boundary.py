@@ -59,8 +59,8 @@ _TOGETHER = 1e-4
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
 PAIR = (
-    "unstable poles that are a pair, or together: no one limit meets both conditions (4b), and this"
-    " one is that with which trim is never limited"
+    "unstable poles that are a pair, or together: no one limit meets both conditions (4b), and with"
+    " this one the dead band is never left"
 )
 BOUNDARY = "the boundary of the control"
 MINIMUM = "the minimum over all unstable poles"
@@ -131,9 +131,10 @@ def boundary_limit(
         are not met; `judge` reports them. (A stable vehicle on an exact model may have only a
         slow one, of the flight path; then it is that.) Where several limits meet the condition
         (winds of several peaks) it is the largest. A complex pair that grows as fast asks for
-        two conditions, which one limit cannot meet: then it is the largest trim deflection, with
-        which trim is never limited, and the status says so. Whether a capability is enough is
-        the question of `is_sufficient`; the status says when another requirement is larger.
+        two conditions, which one limit cannot meet: then it is the largest trim deflection over K,
+        with which the dead band is never left (infinite for K = 0), and the status says so.
+        Whether a capability is enough is the question of `is_sufficient`; the status says when
+        another requirement is larger.
 
     Raises
     ------
@@ -232,7 +233,9 @@ def boundary_alone(
     unstable, paired = (np.broadcast_to(a, shape) for a in (unstable, paired))
     never = switching.never & ~at_onset & ~paired
     if np.any(never | paired):
-        limit = np.where(never | paired, _trim_for_ever(problem), limit)
+        trim_alone = _trim_for_ever(problem)
+        with np.errstate(divide="ignore"):  # with K = 0 every limit is left, and none is enough
+            limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
     known = [~unstable, paired, never, switching.jumps & ~at_onset]
     status = np.select(known, [STABLE, PAIR, NEVER_LEFT, JUMP], OK)
     return BoundaryLimit(

@@ -6,7 +6,7 @@ is none of these too low for
 - the boundary of the control, with the dead band left by trim itself, as in a flight;
 - the minimum over all unstable poles, appendix C, which nothing undercuts;
 - for K = 1, which claims to need no forecast, the bound without one, and the trim law flown where
-  the path answers nearly as fast as the attitude, for (4b) speaks of the fastest mode alone.
+  (4b) does not speak for it: in winds that come back, and where the path is as quick.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from tvclin.errors import instance, nonzero, plain, within
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
 from tvclin.modes import unstable_poles
+from tvclin.optimum import least_peaks
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -88,7 +89,11 @@ class RequiredDeflection:
 
 
 def required_deflection(
-    plant: Plant, wind: History, dead_band: ArrayLike = 1.0
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike = 1.0,
+    *,
+    whole: History | None = None,
 ) -> RequiredDeflection:
     """Return the deflection limit that a control needs in a wind of one sign.
 
@@ -100,6 +105,9 @@ def required_deflection(
         Wind angle of attack that does not change its sign; batches broadcast.
     dead_band : array_like
         K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+    whole : History, optional
+        The same wind with what blows to the other side, where `wind` is its part to one side. The
+        minimum and the trim law meet it; what drifts to the other side first may cost deflection.
 
     Returns
     -------
@@ -114,11 +122,12 @@ def required_deflection(
     Notes
     -----
     The eqs (4b), (17) and (C1). The condition (4b) of the fastest mode speaks for the trim law as
-    long as the path is slow. Where a second mode grows at more than a twentieth of that rate, b1 is
-    above a tenth of it, or another requirement is larger than that of (4b), the trim law is flown
-    with limits up to the largest trim deflection, with which it is never limited, and the least
-    above which all that were tried survive is required for K = 1. (The speed is left out in these
-    flights.) For a pair it is that largest trim deflection, whatever K is.
+    long as the wind rises and falls once and the path is slow. Where the wind comes back, a second
+    mode grows at more than a twentieth of that rate, b1 is above a tenth of it, or another
+    requirement is larger than that of (4b), the trim law is flown with limits up to the largest
+    trim deflection, with which it is never limited, and the least above which all that were tried
+    survive is required for K = 1. (The speed is left out in these flights.) For a pair it is that
+    largest trim deflection over K, infinite for K = 0.
 
     Examples
     --------
@@ -134,10 +143,15 @@ def required_deflection(
     instance("wind", wind, History, "such as TriangularWind")
     boundary = boundary_alone(plant, wind, K, "literal")
     needs = open_loop_needs(plant, wind, K, boundary)
+    blows = wind
+    if whole is not None:
+        instance("whole", whole, History, "the wind with what blows to the other side")
+        blows = whole
+        needs[MINIMUM] = np.maximum(needs[MINIMUM], least_peaks(plant, whole))
     least = np.max(list(needs.values()), axis=0)
-    beaten = least > needs[BOUNDARY] * (1.0 + ROUNDING)
-    flies = (K == 1.0) & _can_fly(plant) & (_path_counts(plant) | beaten)
-    needs[TRIM_LAW] = _trim_law_flown(plant, wind, flies, least)
+    beaten = (least > needs[BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
+    flies = (K == 1.0) & _can_fly(plant) & (_path_counts(plant) | _comes_back(wind) | beaten)
+    needs[TRIM_LAW] = _trim_law_flown(plant, blows, flies, least)
     governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
     most = np.array(needs[BOUNDARY])
     for name in (MINIMUM, NO_FORECAST, TRIM_LAW):
@@ -243,16 +257,25 @@ def _trim_law_flown(
 
 
 def _can_fly(plant: Plant) -> NDArray[np.bool_]:
-    """Whether flights of the trim law can be judged: the path is free, and no pair grows."""
+    """Whether flights of the trim law can be judged: something grows, and no pair does."""
     rate, paired = leading_pole(plant)
     held = np.asarray(plant.coefficients.mu_alpha) > 0.0
-    return np.asarray((plant.model != "fixed-path") & held & ~paired & ~np.isnan(rate))
+    return np.asarray(held & ~paired & ~np.isnan(rate))
+
+
+def _comes_back(wind: History) -> NDArray[np.bool_]:
+    """Whether a wind rises again after it has fallen: the trim law has then let go meanwhile."""
+    size = np.abs(wind.peak)[..., np.newaxis]
+    times = wind.probe_times()
+    change = np.diff(np.abs(np.real(kernel.value(wind.pieces, times))), axis=-1)
+    fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
+    return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 
 
 def _path_counts(plant: Plant) -> NDArray[np.bool_]:
     """Whether the path has a say beside the fastest mode: in a second one, or by its own pace."""
     poles = unstable_poles(plant)
-    if not poles.shape[-1]:
+    if plant.model == "fixed-path" or not poles.shape[-1]:
         return np.zeros(plant.batch, dtype=bool)
     fast = np.real(poles[..., 0])
     with np.errstate(invalid="ignore"):  # NaN stands for a pole that is not there

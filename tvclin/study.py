@@ -298,8 +298,9 @@ def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
 def _notes(plant: Plant, wind: Any, required: RequiredDeflection) -> Iterator[str]:
     if required.status == PAIR:
         yield (
-            "two unstable modes grow together here, which trim and one limit cannot both meet:"
-            " required is the largest trim deflection (tvclin optimum shows the least of all)"
+            "two unstable modes grow together here, whose two conditions one limit cannot meet:"
+            " required is the largest trim deflection over K, with which the dead band is never"
+            " left (tvclin optimum shows the least of all)"
         )
         return
     edge = float(single_pole_validity(plant.coefficients))

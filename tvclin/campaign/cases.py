@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 BLOCK = 256
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
-PAIRED = "two unstable modes grow together: the largest trim deflection is required"
+PAIRED = "two unstable modes grow together: the dead band must never be left"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 

@@ -203,7 +203,7 @@ def _print_boundaries(result: "Study") -> None:
         row = [f"{K:g}{mark}"]
         for name in names:
             found = result.boundaries[name]
-            row += [f"{found.limit[i]:.4f}", f"{abs(deg(found.deflection[i])):.4f}"]
+            row += [_cell(found.limit[i]), _cell(abs(deg(found.deflection[i])))]
         rows.append(row)
     rows += _without_and_with_forecast(result, names)
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
@@ -214,7 +214,7 @@ def _print_boundaries(result: "Study") -> None:
         ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
         rows,
     )
-    needed = f"{deg(result.required_deflection):.4f} deg"
+    needed = f"{_cell(deg(result.required_deflection))} deg"
     basis = f"(model {result.model}, dead band {result.dead_band:g})"
     typer.echo(f"Required deflection: {needed} {basis}, {_governed(result)}")
     if result.limit is not None and result.survivable_peak is not None:
@@ -228,6 +228,13 @@ def _print_boundaries(result: "Study") -> None:
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _cell(number: float) -> str:
+    """A number of the table; of what no limit is enough for, that word."""
+    from math import isinf
+
+    return "no limit" if isinf(number) else f"{number:.4f}"
 
 
 def _governed(result: "Study") -> str:

@@ -55,7 +55,13 @@ class FrozenNeed:
     said: tuple[str, ...]
 
 
-def frozen_need(plant: Plant, wind: History, dead_bands: FloatArray, law: str) -> FrozenNeed:
+def frozen_need(
+    plant: Plant,
+    wind: History,
+    dead_bands: FloatArray,
+    law: str,
+    whole: History | None = None,
+) -> FrozenNeed:
     """Return what a plant needs in a wind.
 
     Parameters
@@ -69,6 +75,8 @@ def frozen_need(plant: Plant, wind: History, dead_bands: FloatArray, law: str) -
     law : {"bound", "flown"}
         Whether `no_forecast` is the bound of all such laws or what the recoverable-attitude law
         needs when it is flown.
+    whole : History, optional
+        The wind with what blows to the other side, as of `required_deflection`.
     """
     said: list[str] = []
 
@@ -80,7 +88,7 @@ def frozen_need(plant: Plant, wind: History, dead_bands: FloatArray, law: str) -
             return missing
 
     def needed() -> FloatArray:
-        found = required_deflection(plant, wind, dead_bands)
+        found = required_deflection(plant, wind, dead_bands, whole=whole)
         statuses = dict.fromkeys(np.ravel(found.status).tolist())
         said.extend(one for one in statuses if one not in (OK, STABLE))
         return np.abs(np.asarray(found.deflection))

@@ -25,8 +25,8 @@ from tvclin.winds import SampledWind
 class MeasuredWind:
     """A wind in flight time that gives, for a vehicle at a flight time, what counts then.
 
-    That is what blows to the side on which the wind is largest: boundaries are defined for winds
-    of one sign, and what blows to the other side relieves. The vehicle is that of the flight time,
+    That is what blows to the side on which the wind is largest, for boundaries are defined for
+    winds of one sign; the trim law is flown through both. The vehicle is that of the flight time,
     the wind where the flight met it. With a window only what blows within half of it counts; such
     a wind begins with a jump, and what drift had relieved before is forgotten. Give it to `size` as
     a wind; its placing is its own. Before the first and after the last of its samples the wind is
@@ -64,6 +64,14 @@ class MeasuredWind:
 
     def __call__(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
+        return self._around(vehicle, 0.0)
+
+    def to_both_sides(self, vehicle: Vehicle) -> History:
+        """Return the same with what blows to the other side."""
+        return self._around(vehicle, np.inf)
+
+    def _around(self, vehicle: Vehicle, other: float) -> History:
+        """The wind around a vehicle's time, and to the other side what is below an angle [rad]."""
         instance("vehicle", vehicle, Vehicle, "see FlightSchedule.at")
         single("vehicle", vehicle.batch)
         if vehicle.time is None:
@@ -74,7 +82,7 @@ class MeasuredWind:
         if times.size < 2 or not np.any(angles):
             return self.wind * 0.0
         side = float(np.sign(angles[np.argmax(np.abs(angles))]))
-        around = SampledWind(time=times, angle=side * np.maximum(side * angles, 0.0))
+        around = SampledWind(time=times, angle=side * np.maximum(side * angles, -other))
         if self.gust is None:
             return around
         middle = 0.5 * (self.gust.onset + self.gust.end)

@@ -37,11 +37,14 @@ class PlacedWind:
         Flight time [s] at its own zero.
     known : bool
         Whether it is known at all; what stands for an unknown wind is calm.
+    whole : History or None
+        The same with what blows to the other side, where the wind blows to both.
     """
 
     history: History
     zero: float
     known: bool = True
+    whole: History | None = None
 
     @property
     def calm(self) -> bool:
@@ -109,7 +112,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         first, last = wind.known
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
-        return PlacedWind(wind(vehicle), 0.0)
+        return PlacedWind(wind(vehicle), 0.0, whole=wind.to_both_sides(vehicle))
     history = wind(vehicle) if not isinstance(wind, History) and callable(wind) else wind
     if not isinstance(history, History) or history.batch:
         raise InputError("each wind must be one history, such as TriangularWind, or give one")

@@ -177,7 +177,7 @@ def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> Froz
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
         return FrozenNeed(needs, np.full(bands.shape, needs), needs, needs, np.nan, ())
-    return frozen_need(plant, wind.history, bands, law)
+    return frozen_need(plant, wind.history, bands, law, wind.whole)
 
 
 def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray) -> VaryingNeed:

@@ -1,0 +1,241 @@
+"""What is required is never less than a flight needs, nor than anything that nothing undercuts."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.boundary import BOUNDARY, MINIMUM, NO_FORECAST, PAIR
+from tvclin.cli.app import app
+from tvclin.requirement import NOTHING
+
+PEAK = np.radians(5.0)
+
+
+def slow(vehicle: tv.Vehicle, velocity: float, attitude_deg: float = 85.0) -> tv.Vehicle:
+    """Return a vehicle early in its flight: its forces go with the square of its speed."""
+    part = 4.0 * (velocity / vehicle.velocity) ** 2
+    return vehicle.replace(
+        velocity=velocity,
+        attitude=np.radians(attitude_deg),
+        normal_force_slope=part * vehicle.normal_force_slope,
+        axial_force=part * vehicle.axial_force,
+        time=None,
+    )
+
+
+def triangle(duration: float, peak: float = PEAK) -> tv.TriangularWind:
+    return tv.TriangularWind(peak=peak, duration=duration)
+
+
+def trim_law(plant: tv.Plant) -> tv.Autopilot:
+    """Return delta = B (alpha + 10 (theta + theta'/beta)) for each plant of a batch."""
+    c = plant.coefficients
+    return tv.Autopilot(
+        attitude_gain=10.0 * c.B, rate_gain=10.0 * c.B / c.beta, alpha_gain=np.asarray(c.B)
+    )
+
+
+@pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
+def test_on_a_fixed_path_it_is_the_report_s_boundary_to_the_last_bit(configuration_i, dead_band):
+    plant = tv.Plant.from_vehicle(configuration_i)
+    found = tv.required_deflection(plant, triangle(7.5), dead_band)
+    boundary = tv.boundary_limit(plant, triangle(7.5), dead_band)
+    assert (found.limit, found.deflection) == (boundary.limit, boundary.deflection)
+    assert (found.governs, boundary.status) == (BOUNDARY, "ok")
+
+
+def test_a_long_wind_with_a_small_dead_band_needs_the_minimum_over_both_poles(configuration_i):
+    plant, wind = tv.Plant.from_vehicle(configuration_i, "drift-exact"), triangle(60.0)
+    least = tv.optimum_deflection(plant, wind).peak
+    boundary = tv.boundary_limit(plant, wind, 0.5)
+    assert abs(boundary.deflection) < 0.7 * least
+    assert boundary.status == f"{MINIMUM} is larger"
+    found = tv.required_deflection(plant, wind, 0.5)
+    assert found.governs == MINIMUM
+    assert abs(found.deflection) == pytest.approx(least, rel=1e-9)
+    assert not tv.is_sufficient(plant, wind, 0.999 * least, 0.5)
+    assert tv.is_sufficient(plant, wind, 1.001 * least, 0.5)
+    assert tv.survivable_peak(plant, wind, 0.5 * least, 0.5) == pytest.approx(0.5 * PEAK)
+
+
+def test_a_dead_band_of_one_needs_the_bound_without_a_forecast_and_the_law_flown(configuration_i):
+    """A wind that jumps to its peak and falls off for long: with drift (4b) asks for too little."""
+    plant = tv.Plant.from_vehicle(configuration_i, "drift-exact")
+    wind = tv.AsymmetricTriangularWind(peak=PEAK, duration=80.0, peak_time=0.0)
+    found = tv.required_deflection(plant, wind, [1.0, 0.5])
+    bound = abs(tv.forecast_free_limit(plant, wind).deflection)
+    assert found.needs[NO_FORECAST].tolist() == [pytest.approx(bound), 0.0]
+    assert abs(found.deflection[0]) >= bound * (1.0 - 1e-12)
+    limits = abs(found.deflection[0]) * np.array([1.005, 1.1, 1.5])
+    flown = tv.fly_many(plant, trim_law(plant), wind, deflection_limit=limits)
+    assert flown.status.tolist() == ["survived"] * 3
+
+
+def test_a_complex_pair_needs_trim_without_a_limit_and_never_nothing(configuration_i):
+    plant = tv.Plant.from_vehicle(slow(configuration_i, 80.0), "drift-exact")
+    wind = triangle(15.0)
+    poles = tv.unstable_modes(plant).poles
+    assert poles == pytest.approx([0.0767 + 0.0811j, 0.0767 - 0.0811j], abs=1e-4)
+    most = abs(float(tv.trim_deflection(plant, wind).peak))
+    found = tv.boundary_limit(plant, wind, [1.0, 0.5, 0.0])
+    assert np.abs(found.deflection) == pytest.approx([most, 2.0 * most, np.inf])
+    assert set(found.status) == {PAIR}
+    assert tv.is_sufficient(plant, wind, 1e-6) is False
+    assert tv.is_sufficient(plant, wind, 1.01 * most) is True
+    assert tv.is_sufficient(plant, wind, 100.0 * most, 0.0) is False
+    assert tv.survivable_peak(plant, wind, 0.5 * most) == pytest.approx(0.5 * PEAK)
+    assert most > tv.optimum_deflection(plant, wind).peak > 0.0
+    with pytest.raises(tv.InputError, match=r"the complex pair 0.0767 \+- 0.08106j 1/s"):
+        tv.closed_loop_boundary(plant, tv.TrimLaw(tv.Plant(plant.coefficients)), wind)
+
+
+def test_a_pair_that_flies_survives_with_what_is_required(configuration_i):
+    """The nonlinear equations, in winds so weak that they are linear, and not much below it."""
+    for velocity in (80.0, 110.0):
+        vehicle, wind = slow(configuration_i, velocity), triangle(5.0, np.radians(0.01))
+        plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+        flown = tv.flown_boundary(vehicle, wind, tolerance=2e-3)
+        required = tv.required_deflection(plant, wind)
+        assert flown.limit <= required.limit + 2e-3
+    assert flown.limit > 0.95 * required.limit
+
+
+def test_two_poles_that_are_together_count_as_a_pair(configuration_i):
+    c = tv.Coefficients.from_vehicle(slow(configuration_i, 125.0))
+    # s^3 + C1 s^2 - mu s + C2 has a double root r where its slope is zero.
+    r = (-2.0 * c.C1 + np.sqrt(4.0 * c.C1**2 + 12.0 * c.mu_alpha)) / 6.0
+    double = tv.Plant(c.replace(C2=-(r**3 + c.C1 * r**2 - c.mu_alpha * r)), "drift-exact")
+    found = tv.required_deflection(double, triangle(15.0))
+    assert found.status == PAIR
+    assert found.limit == pytest.approx(abs(tv.trim_deflection(double, triangle(15.0)).peak)
+                                        / abs(c.B * PEAK))  # fmt: skip
+
+
+def test_a_slow_real_pole_does_not_hide_a_faster_pair(configuration_i):
+    plant = tv.Plant.from_vehicle(slow(configuration_i, 100.0), "drift-and-speed")
+    assert np.iscomplexobj(tv.unstable_modes(plant).poles)
+    assert tv.boundary_limit(plant, triangle(15.0)).status == PAIR
+
+
+def test_a_stable_vehicle_needs_nothing():
+    stable = tv.Plant(tv.Coefficients(mu_alpha=[-0.3, 0.3], mu_delta=2.0))
+    found = tv.required_deflection(stable, triangle(7.5))
+    assert found.governs.tolist() == [NOTHING, BOUNDARY]
+    assert (found.deflection[0], found.limit[0]) == (0.0, 0.0)
+
+
+def test_every_room_says_no_where_the_pair_needs_more(configuration_i, tmp_path):
+    vehicle = slow(configuration_i, 80.0)
+    study = tv.Study.from_vehicle(
+        vehicle, duration=15.0, peak=PEAK, limit=1e-4, model="drift-exact"
+    )
+    assert study.sufficient is False
+    assert any("two unstable modes grow together" in note for note in study.notes)
+    schedule = tv.FlightSchedule(slow(configuration_i, np.array([70.0, 80.0, 90.0])).replace(
+        time=[15.0, 20.0, 25.0]))  # fmt: skip
+    sized = tv.size(schedule, triangle(15.0), times=[15.0, 20.0, 25.0])
+    assert np.all(sized.required["K = 1"] > 0.0)
+    campaign = tv.Campaign(
+        vehicle=slow(configuration_i, 128.0), wind=tv.ShapedWind("triangular", PEAK, 15.0),
+        cases=200, model="drift-exact", limit=1e-4, chunk=200,
+    )  # fmt: skip
+    found = tv.run_campaign(campaign, tmp_path / "c")
+    assert found.success().estimate == 0.0
+    assert any("grow together" in status for status in found.statuses())
+
+
+def test_the_command_exits_by_what_is_required():
+    given = ["study", "configuration-i", "--model", "drift-exact", "--duration", "60",
+             "--dead-band", "0.5", "--json"]  # fmt: skip
+    for limit, code in (("0.10", 1), ("0.12", 0)):
+        result = CliRunner().invoke(app, [*given, "--limit-deg", limit])
+        verdict = json.loads(result.stdout)["verdict"]
+        assert result.exit_code == code
+        assert verdict["governed_by"] == MINIMUM
+        assert verdict["sufficient"] is (code == 0)
+
+
+def fleet(rng: np.random.Generator, count: int) -> tv.Vehicle:
+    """Return vehicles from a sounding rocket's pace to far beyond a booster's, all unstable."""
+    mass = np.exp(rng.uniform(-1.0, 1.0, count))
+    thrust = 1.48e6 * mass * rng.uniform(1.05, 4.0, count)
+    return tv.Vehicle(
+        weight=1.48e6 * mass,
+        thrust=thrust,
+        moment_of_inertia=2.25e7 * mass * np.exp(rng.uniform(-1.0, 1.0, count)),
+        normal_force_slope=6.67e5 * np.exp(rng.uniform(-4.0, 2.0, count)),
+        aerodynamic_arm=rng.uniform(0.3, 15.0, count),
+        control_arm=rng.uniform(8.0, 30.0, count),
+        axial_force=rng.uniform(0.0, 0.3, count) * thrust,
+        velocity=np.exp(rng.uniform(np.log(40.0), np.log(1500.0), count)),
+        attitude=np.radians(rng.uniform(5.0, 90.0, count)),
+    )
+
+
+def blowing(rng: np.random.Generator, count: int) -> tv.History:
+    """Return winds of one sign, of one kind."""
+    tau = np.exp(rng.uniform(np.log(0.5), np.log(80.0), count))
+    kind = rng.integers(4)
+    if kind == 0:
+        return tv.TriangularWind(peak=PEAK, duration=tau)
+    if kind == 1:
+        return tv.RectangularWind(peak=-PEAK, duration=tau)
+    if kind == 2:
+        top = tau * rng.uniform(0.0, 1.0, count)
+        return tv.AsymmetricTriangularWind(peak=PEAK, duration=tau, peak_time=top)
+    time = np.concatenate([[0.0], np.cumsum(rng.uniform(0.05, 1.0, 5))]) * tau[0]
+    angle = rng.uniform(0.0, PEAK, (count, 6)) * np.array([0.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+    return tv.SampledWind(time=time, angle=angle)
+
+
+@settings(max_examples=25, deadline=None, derandomize=False, print_blob=True)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from(["fixed-path", "drift", "drift-exact"]),
+    st.sampled_from([1.0, 1.0, 0.75, 0.5, 0.1, 0.0]),
+)
+def test_no_verdict_is_too_good(seed, model, dead_band):
+    """A hundred vehicles in as many winds, for each model and dead band that is drawn."""
+    rng, count = np.random.default_rng(seed), 100
+    plant, wind = tv.Plant.from_vehicle(fleet(rng, count), model), blowing(rng, count)
+    needed = np.abs(tv.required_deflection(plant, wind, dead_band).deflection)
+    assert np.all(needed > 0.0)
+    assert np.all(tv.is_sufficient(plant, wind, np.minimum(1.0001 * needed, 1e3), dead_band)
+                  == np.isfinite(needed))  # fmt: skip
+    assert not np.any(tv.is_sufficient(plant, wind, np.minimum(0.9999 * needed, 1e3), dead_band))
+    for case in rng.choice(count, 3, replace=False).tolist():
+        alone = plant.one(case, (count,)), wind.one(case, (count,))
+        least = tv.optimum_deflection(*alone, float(alone[1].onset))
+        assert needed[case] >= least.certificate.dual * (1.0 - 1e-9)
+    if dead_band < 1.0:
+        return
+    bound = np.abs(tv.forecast_free_limit(plant, wind).deflection)
+    assert np.all(needed >= np.nan_to_num(bound) * (1.0 - 1e-9))
+    # Flights at what is required are on the edge: half a percent above it decides.
+    for above in (1.005, 1.02, 1.3):
+        flown = tv.fly_many(plant, trim_law(plant), wind, deflection_limit=above * needed)
+        assert not np.any(flown.status == "lost"), np.flatnonzero(flown.status == "lost")
+
+
+@settings(max_examples=10, deadline=None, print_blob=True)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1.0, 0.5, 0.0]))
+def test_the_report_s_control_flown_survives_with_what_is_required(seed, dead_band):
+    """The nonlinear equations in weak winds, in yaw, where no speed moves the path."""
+    rng = np.random.default_rng(seed)
+    one = fleet(rng, 1)
+    names = (n for n in tv.Vehicle.__dataclass_fields__ if np.ndim(getattr(one, n)))
+    vehicle = one.replace(**{n: float(getattr(one, n)[0]) for n in names})
+    plant = tv.Plant.from_vehicle(vehicle, "drift-exact", "yaw")
+    beta = plant.coefficients.beta
+    wind = tv.TriangularWind(peak=1e-4, duration=float(rng.uniform(2.0, 12.0)) / beta)
+    found = tv.required_deflection(plant, wind, dead_band)
+    if not np.isfinite(found.limit):
+        return
+    control = tv.ReportControl(dead_band)
+    survives = tv.flight.planar.verdict.planar_verdict(vehicle, wind, control, plane="yaw")
+    assert survives(1.01 * abs(found.deflection)), found
