@@ -168,7 +168,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 **{f.name: getattr(campaign, f.name) for f in dataclasses.fields(campaign)},
                 "limit": 0.01,
                 "until": 0.1,
-                "outputs": ("boundary", "flight"),
+                "outputs": ("required", "flight"),
                 "flight": tv.Flight(deflection_limit=0.01),
             },
         ),
@@ -177,6 +177,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "CampaignResults.column": Door(results.column, {"name": "thrust"}),
         "CampaignResults.convergence": Door(results.convergence, {"output": results.angles[0]}),
         "CampaignResults.drivers": Door(results.drivers, {"output": results.angles[0]}),
+        "CampaignResults.loss": Door(results.loss, {"confidence": 0.9}),
         "CampaignResults.quantile": Door(
             results.quantile,
             {"output": results.angles[0], "probability": 0.5, "confidence": 0.5},
@@ -226,7 +227,14 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "DeadBandLaw": Door(tv.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}),
         "DeflectionTotal": Door(
-            tv.DeflectionTotal, {"lines": (line,), "reserve": 0.1, "limit": 0.01, "time": 66.0}
+            tv.DeflectionTotal,
+            {
+                "lines": (line,),
+                "reserve": 0.1,
+                "limit": 0.01,
+                "time": 66.0,
+                "not_sized": ("above 12 km",),
+            },
         ),
         "Dispersion": Door(
             tv.Dispersion,
@@ -331,6 +339,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust}),
         "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
+        "MeasuredWind.to_both_sides": Door(
+            tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
+        ),
         "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
         "Plant": Door(tv.Plant, {"coefficients": coefficients, "model": "drift-exact"}),
         "Plant.from_coefficients": Door(

@@ -46,7 +46,7 @@ def test_a_boundary_shows_its_numbers():
     assert float(shown["limit, of full trim"][0]) == pytest.approx(found.limit, rel=1e-5)
     assert float(shown["deflection"][0]) == pytest.approx(np.degrees(found.deflection), rel=1e-5)
     assert shown["deflection"][1] == "deg"
-    assert shown["status"][0] == "ok"
+    assert shown["status"][0] == found.status
 
 
 def test_margins_are_shown_in_the_units_they_name():

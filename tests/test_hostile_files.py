@@ -165,9 +165,9 @@ def test_a_file_of_winds_is_read_as_every_other(tmp_path: Path) -> None:
         (["fly", "--duration", "1e9"], "must be at most 1824 s long"),
         (["fly", "--peak-speed", "1e-9"], "at least 1.43e-05 deg"),
         (["fly", "--along-trajectory", "--peak-deg", "1e-9"], "at least 1.43e-05 deg"),
-        (["laws", "--wind", "triangle", "--sample-rate", "1e-18"], "at least 0.001701 Hz"),
-        (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "at most 5e+06 samples"),
-        (["laws", "--wind", "triangle", "--duration", "1e6"], "at most 5e+06 samples"),
+        (["laws", "--wind", "triangle", "--sample-rate", "1e-18"], "between 0.01 and 1e+06"),
+        (["laws", "--wind", "triangle", "--sample-rate", "1e9"], "between 0.01 and 1e+06"),
+        (["laws", "--wind", "triangle", "--duration", "1e6"], "samples"),
         (["size", "--gust", "45", "1e4", "--varying", "--every", "50"], "for at most 1826 s"),
     ],
 )
@@ -181,7 +181,7 @@ def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
     shown = CliRunner().invoke(app, command, env={"FORCE_COLOR": "1"})
 
     assert quiet.stderr == ""
-    assert "36 flights" in shown.stderr  # four laws, three scans, the wind and two stops
+    assert "48 flights" in shown.stderr  # four laws, four scans, the wind and two stops
     assert quiet.stdout == shown.stdout
 
 

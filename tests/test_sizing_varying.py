@@ -20,8 +20,11 @@ def test_constant_parameters_give_the_boundary_of_the_frozen_plant(configuration
     found = tv.size(schedule, wind, times=[80.0], dead_bands=BANDS, model=model, varying=True)
     for name in ("trim", *NAMES):
         frozen, varying = (found.required[f"{name}{end}"] for end in ("", ", varying"))
-        assert varying == pytest.approx(frozen, rel=1e-6), name
-        assert found.freezing_error[name] == pytest.approx(np.zeros((1, 1)), abs=1e-6)
+        # With a quick path the trim law is flown for K = 1, which says a little more than (4b).
+        flown = 1e-3 if name == "K = 1" and model != "fixed-path" else 1e-6
+        assert varying == pytest.approx(frozen, rel=flown), name
+        assert np.all(varying <= frozen * (1.0 + 1e-6))
+        assert found.freezing_error[name] == pytest.approx(np.zeros((1, 1)), abs=flown)
     assert found.required["minimum, varying"] == found.required["K = 0, varying"]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import OK, STABLE
+from tvclin.boundary import BOUNDARY, OK, STABLE
 from tvclin.closed_loop import closed_loop_boundary
 from tvclin.errors import InputError
 from tvclin.forecast_free import forecast_free_limit
@@ -45,6 +45,8 @@ class FrozenNeed:
         y of eq (C8) for this wind: from one on the slow mode of the flight path decides.
     said : tuple of str
         Why something is not defined, or not met exactly.
+    beyond : ndarray
+        What is required over the boundary (4b) alone, ``(k,)``, one or more.
     """
 
     trim: float
@@ -53,6 +55,7 @@ class FrozenNeed:
     minimum: float
     slow_mode: float
     said: tuple[str, ...]
+    beyond: FloatArray
 
 
 def frozen_need(
@@ -87,11 +90,15 @@ def frozen_need(
             said.append(str(error))
             return missing
 
+    beyond = np.ones(dead_bands.shape)
+
     def needed() -> FloatArray:
         found = required_deflection(plant, wind, dead_bands, whole=whole)
         statuses = dict.fromkeys(np.ravel(found.status).tolist())
         said.extend(one for one in statuses if one not in (OK, STABLE))
-        return np.abs(np.asarray(found.deflection))
+        alone, size = found.needs[BOUNDARY], np.abs(np.asarray(found.deflection))
+        np.divide(size, alone, out=beyond, where=np.isfinite(alone) & (alone > 0.0))
+        return size
 
     slow = slow_mode(plant, wind)
     exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
@@ -106,6 +113,7 @@ def frozen_need(
         minimum=minimum,
         slow_mode=slow,
         said=tuple(dict.fromkeys(said)),
+        beyond=beyond,
     )
 
 

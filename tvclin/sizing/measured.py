@@ -126,7 +126,7 @@ def fly_through(
     >>> met = tv.fly_through(west, flight, azimuth=np.radians(90))
     >>> found = tv.size(flight, met, times=[60.0, 66.0, 72.0])
     >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
-    array([0.393, 0.37 , 0.332])
+    array([0.439, 0.399, 0.347])
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     if gust is not None and (not isinstance(gust, History) or gust.batch):

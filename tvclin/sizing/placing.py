@@ -112,7 +112,10 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         first, last = wind.known
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, 0.0, known=False)
-        return PlacedWind(wind(vehicle), 0.0, whole=wind.to_both_sides(vehicle))
+        both = wind.to_both_sides(vehicle)
+        values = both(both.probe_times())
+        two_sided = values.min() < 0.0 < values.max()
+        return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None)
     history = wind(vehicle) if not isinstance(wind, History) and callable(wind) else wind
     if not isinstance(history, History) or history.batch:
         raise InputError("each wind must be one history, such as TriangularWind, or give one")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
@@ -132,7 +133,7 @@ def size(
     said = [one for row in needs for need in row for one in need.said]
     if varying:
         mode = _growing(schedule, model, plane, placed)
-        required |= _varying_columns(mode, placed, bands, told)
+        required |= _varying_columns(mode, placed, needs, bands, told)
         required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
         said += _missing(required, bands)
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
@@ -176,15 +177,20 @@ def _circumstances(
 def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenNeed:
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
-        return FrozenNeed(needs, np.full(bands.shape, needs), needs, needs, np.nan, ())
+        every = np.full(bands.shape, needs)
+        return FrozenNeed(needs, every, needs, needs, np.nan, (), np.ones(bands.shape))
     return frozen_need(plant, wind.history, bands, law, wind.whole)
 
 
-def _varying(mode: GrowingMode, wind: PlacedWind, bands: FloatArray) -> VaryingNeed:
+def _varying(
+    mode: GrowingMode, wind: PlacedWind, frozen: FrozenNeed, bands: FloatArray
+) -> VaryingNeed:
+    """With varying parameters; what is required beyond (4b) is taken in the frozen proportion."""
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
         return VaryingNeed(needs, np.full(bands.shape, needs), needs)
-    return varying_need(mode, wind.in_flight, bands)
+    along = varying_need(mode, wind.in_flight, bands)
+    return replace(along, required=np.maximum(along.required * frozen.beyond, along.minimum))
 
 
 def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
@@ -217,10 +223,14 @@ def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[st
 def _varying_columns(
     mode: GrowingMode,
     placed: list[list[PlacedWind]],
+    frozen: list[list[FrozenNeed]],
     bands: FloatArray,
     told: Callable[[VaryingNeed], VaryingNeed],
 ) -> dict[str, FloatArray]:
-    needs = [[told(_varying(mode, wind, bands)) for wind in row] for row in placed]
+    needs = [
+        [told(_varying(mode, wind, need, bands)) for wind, need in zip(*row, strict=True)]
+        for row in zip(placed, frozen, strict=True)
+    ]
     return {
         f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
         **_bands(needs, bands, VARYING),

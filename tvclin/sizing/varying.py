@@ -38,8 +38,8 @@ class VaryingNeed:
     trim : float
         Largest |B(t) alpha_w(t)|, ideal trim without drift.
     required : ndarray
-        What the control needs at each dead band, ``(k,)``, at least the minimum; NaN for a wind
-        that changes its sign.
+        What (4b) asks of the control at each dead band, ``(k,)``; NaN for a wind that changes its
+        sign.
     minimum : float
         The whole wind being known: least peak that leaves nothing of the fastest growing part.
     """
@@ -76,8 +76,7 @@ def varying_need(mode: GrowingMode, wind: History, dead_bands: FloatArray) -> Va
         required = np.full(dead_bands.shape, np.nan)
     else:
         driver = np.array([side * course.trim(t) for t in times.tolist()])
-        each = [_boundary(course, times, driver, side, K) for K in dead_bands]
-        required = np.maximum(each, minimum)
+        required = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
     return VaryingNeed(float(trim.max()), required, minimum)
 
 
