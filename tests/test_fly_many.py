@@ -424,3 +424,15 @@ def test_what_cannot_be_flown_is_refused_in_one_sentence(change, message):
     given = {"plant": plant_of(), "law": LAWS["gains"](plant_of()), "wind": wind}
     with pytest.raises(InputError, match=message):
         tv.fly_many(**{**given, "deflection_limit": 0.01} | change)
+
+
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=NEEDS_NUMBA)])
+def test_a_flight_that_leaves_all_numbers_is_lost_without_a_warning(compiled):
+    """It grows by e^1000 while the wind blows."""
+    wind, limits = TriangularWind(peak=PEAK, duration=2000.0), B * PEAK * np.array([0.02, 1.02])
+    with pinned(compiled):
+        law = LAWS["trim"](plant_of())
+        found = tv.fly_many(plant_of(), law, wind, deflection_limit=limits, sample_rate=4.0)
+    assert found.status.tolist() == ["lost", "survived"]
+    assert found.peak_attitude[0] == np.inf
+    assert found.peak_deflection[0] == limits[0]

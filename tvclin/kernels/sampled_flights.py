@@ -41,7 +41,8 @@ def sampled_flights(flights: FlightTable, steps: SampledSteps) -> FloatArray:
     samples = float(np.nan_to_num(span).max(initial=0.0)) / steps.length
     twin = compiled_twin("sampled_flights", samples * _NUMPY * (1.0 + cases / _AT_ONCE))
     if twin is None:
-        _fly(flights, steps, out)
+        with np.errstate(over="ignore", invalid="ignore"):  # a lost flight may leave all numbers
+            _fly(flights, steps, out)
         return out
     arrays = (
         *steps.plant, steps.free, steps.first, steps.last, *steps.servo, *steps.memory, steps.gust
@@ -175,7 +176,7 @@ def _looked(given: _Given, state: _State, here: FloatArray, k: int) -> tuple[Flo
     deflection = np.clip(state.servo[0], -limit, limit)
     seen = np.stack([x[0], x[1], path, x[0] - path - here[0], deflection])
     tops = state.tops.copy()
-    tops[[0, 1, 4]] = np.maximum(tops[[0, 1, 4]], np.abs(seen[[0, 1, 3]]))
+    tops[[0, 1, 4]] = np.fmax(tops[[0, 1, 4]], np.abs(seen[[0, 1, 3]]))
     fate, quiet = state.fate, state.quiet
     due = (k > given.ends) & ((k - given.ends) % table.LOOK == 0) & (fate == table.UNDECIDED)
     due &= ~np.isnan(given.rows[table.REACH])
@@ -213,8 +214,8 @@ def _stepped(
     x += given.last * end + _times(given.gust, here)
     memory = _times(given.memory_free, state.memory) + _times(given.memory_drive, seen)
     tops = state.tops.copy()
-    tops[2] = np.maximum(tops[2], np.abs(end))
-    tops[3] = np.maximum(tops[3], np.abs(end - seen[4]) / steps.length)
+    tops[2] = np.fmax(tops[2], np.abs(end))
+    tops[3] = np.fmax(tops[3], np.abs(end - seen[4]) / steps.length)
     tops[5] += np.abs(command) >= limit
     now = rows[table.START] + steps.length * k
     then = rows[table.START] + steps.length * (k + 1)
