@@ -81,7 +81,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
     smallest = _NOTHING * abs(float(wind.peak))
 
     def attitude(times: FloatArray) -> FloatArray:
-        return attitude_responses(plant, deflection, wind, times)["attitude"]
+        return attitude_responses(plant, deflection, wind, times, ["attitude"])["attitude"]
 
     def at(time: float) -> Point:
         return Point(float(attitude(np.array([time]))[0]), time)

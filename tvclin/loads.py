@@ -93,7 +93,7 @@ def _largest(
     """The value of largest size, with its sign, and its time."""
 
     def output(t: FloatArray) -> FloatArray:
-        return attitude_responses(plant, deflection, wind, t)[name]
+        return attitude_responses(plant, deflection, wind, t, [name])[name]
 
     values = output(times)
     sign = float(np.sign(values[np.argmax(np.abs(values))])) or 1.0

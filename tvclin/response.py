@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -185,11 +186,20 @@ def _by_lags(
     shape: tuple[int, ...],
 ) -> FloatArray:
     """The response by a chain of lags, which needs no distinct poles (a vehicle without moment)."""
-    rows = []
+    rows, lagged = [], _lagged if shape else _latest
     for output in outputs:
         parts = [
-            history.filter(plant.numerator(output, name), plant.denominator)(times)
+            lagged(plant, output, name, history)(times)
             for name, history in zip(INPUTS, (deflection, wind), strict=True)
         ]
         rows.append(np.broadcast_to(parts[0] + parts[1], (*shape, times.size)))
     return np.stack(rows, axis=-2)
+
+
+def _lagged(plant: Plant, output: str, name: str, history: History) -> History:
+    """The history of an output that answers one input alone."""
+    return history.filter(plant.numerator(output, name), plant.denominator)
+
+
+_latest = lru_cache(maxsize=8)(_lagged)
+"""The same, kept: where one response is looked at again and again, it takes nearly all the time."""
