@@ -59,6 +59,7 @@ BARE = {
     "vanishes",  # of the arithmetic that a loop stands on
     "one",
     "path_per_attitude",
+    "place",
     "deviates",
     "history",
     "chosen",
@@ -374,6 +375,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
         "ShapedWind": Door(tv.ShapedWind, {"shape": "triangular", **pulse}),
         "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
+        "Sizing.not_sized": Door(sizing.not_sized, {"name": "K = 1"}),
+        "Sizing.worst_in": Door(sizing.worst_in, {"wind": sizing.winds[0]}),
         "Sizing.to_csv": Door(sizing.to_csv, {"path": folder / "sizing.csv"}),
         "SizingAsked": Door(
             tv.SizingAsked,
@@ -504,6 +507,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "closed_loop_boundary": Door(
             tv.closed_loop_boundary,
             {
+                "progress": None,
                 **history,
                 "law": law,
                 "rate_limit": 1.0,
@@ -643,6 +647,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "sample_rate": 60.0,
                 "cuts": 0,
                 "loads": False,
+                "progress": None,
                 **hardware,
             },
         ),
@@ -654,7 +659,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.load_schedule,
             {"source": "configuration-i", "start": 60.0, "stop": 70.0, "step": 5.0},
         ),
-        "load_sizing": Door(tv.load_sizing, {"source": sizing_file}),
+        "load_sizing": Door(tv.load_sizing, {"source": sizing_file, "soundings": None}),
         "load_study": Door(tv.load_study, {"source": study_file}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
         "loop_margins": Door(tv.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
@@ -717,6 +722,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "dead_bands": [1.0],
                 "model": "drift-exact",
                 "plane": "pitch",
+                "progress": None,
                 "placing": "peak",
                 "window": 20.0,
                 "law": "bound",

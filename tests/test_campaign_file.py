@@ -91,7 +91,7 @@ def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     for k in range(5):
         wind = tv.SampledWind(time=time, angle=np.radians(angle[k]))
         rows = found["wind"] == k
-        limit = abs(tv.boundary_limit(plant, wind).deflection)
+        limit = abs(tv.required_deflection(plant, wind).deflection)
         np.testing.assert_allclose(found["required_K1"][rows], limit, rtol=1e-11)
         free = abs(tv.forecast_free_limit(plant, wind).deflection)
         np.testing.assert_allclose(found["forecast_free"][rows], free, rtol=1e-11)

@@ -86,14 +86,17 @@ class History(ABC):
         its whole effect; for all others it is the usual one-sided transform.
         """
         s = _laplace_variable(s)
-        return _real_if_real(integrals.laplace(self.pieces, s), s)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _real_if_real(_carried(integrals.laplace(self.pieces, s), s), s)
 
     def laplace_magnitude(self, s: ArrayLike) -> FloatArray:
         """Return the sum of the sizes of all terms of ``laplace(s)``.
 
         Times the floating-point epsilon it bounds the rounding error of the transform.
         """
-        return integrals.magnitude(self.pieces, _laplace_variable(s))
+        s = _laplace_variable(s)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return _carried(integrals.magnitude(self.pieces, s), s)
 
     def future(self, s: ArrayLike, t: ArrayLike) -> NDArray[Any]:
         """Return the discounted future, the integral from `t` on of e^(-s (r - t)) f(r) dr.
@@ -325,6 +328,13 @@ def _laplace_variable(s: ArrayLike) -> NDArray[Any]:
             f"s must be numbers up to {_FASTEST:g} in size, real or complex; got {shown(s)}"
         )
     return array.astype(complex if array.dtype.kind == "c" else float)
+
+
+def _carried(values: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
+    """The values; `InputError` where e^(-s t) has outgrown every number and left none."""
+    if np.any(np.isnan(values)):
+        raise InputError(f"s must be such that e^(-s t) can be carried; got {shown(s)}")
+    return values
 
 
 def _real_if_real(values: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:

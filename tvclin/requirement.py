@@ -32,7 +32,7 @@ from tvclin.cards import Row, card
 from tvclin.closed_loop import fly_many
 from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_deflection
-from tvclin.errors import instance, nonzero, plain, within
+from tvclin.errors import InputError, instance, nonzero, plain, within
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import pieces as kernel
 from tvclin.modes import unstable_poles
@@ -146,6 +146,10 @@ def required_deflection(
     blows = wind
     if whole is not None:
         instance("whole", whole, History, "the wind with what blows to the other side")
+        if whole.batch != wind.batch:
+            raise InputError(
+                f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
+            )
         blows = whole
         needs[MINIMUM] = np.maximum(needs[MINIMUM], least_peaks(plant, whole))
     least = np.max(list(needs.values()), axis=0)

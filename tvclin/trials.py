@@ -14,13 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import canonical_gains
 from tvclin.closed_loop import closed_loop_boundary, fly
-from tvclin.errors import (
-    each,
-    flag,
-    instance,
-    number,
-    positive,
-)
+from tvclin.errors import callable_for, each, flag, instance, number, positive
 from tvclin.histories import History
 from tvclin.laws import DeadBandLaw, Law, RecoverableAttitudeLaw, SaturatedLaw, TrimLaw
 from tvclin.plant import Plant
@@ -161,6 +155,8 @@ def law_trials(
     **hardware
         rate_limit and actuator, as of `closed_loop_boundary`.
     """
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
     for name, given, kind in (("laws", laws, Law), ("winds", winds, History)):
         instance(name, given, Mapping, "by name")
         each(name, tuple(given.values()), kind, "by name")

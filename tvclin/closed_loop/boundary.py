@@ -27,14 +27,7 @@ from tvclin.closed_loop.checks import (
     check_samples,
 )
 from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
-from tvclin.errors import (
-    InputError,
-    between,
-    number,
-    positive,
-    shown,
-    whole_number,
-)
+from tvclin.errors import InputError, between, callable_for, number, positive, shown, whole_number
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -176,6 +169,8 @@ def closed_loop_boundary(
     >>> [(round(step, 5), round(end, 3)) for step, end in found.looked]  # and none is lost there
     [(0.00206, 0.82), (0.00013, 0.697), (1e-05, 0.689)]
     """
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
     check_flight(plant, law, wind)
     modes = unstable_coordinates(plant)
     length = 1.0 / check_sample_rate(sample_rate, actuator)

@@ -44,11 +44,12 @@ def _beyond_one_pole(found: Sizing) -> list[str]:
     for j, wind in enumerate(found.winds):
         if np.any(beyond[:, j]):
             i = int(np.argmax(beyond[:, j]))
-            lasts = found.ends[i, j] - found.begins[i, j]
+            lasts, edge = found.ends[i, j] - found.begins[i, j], found.edge[i]
+            holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
             notes.append(
                 f"{wind} ({lasts:.4g} s at {found.times[i]:.6g} s) is beyond the single-pole"
-                f" theory, which holds for triangles up to {found.edge[i]:.1f} s there: the"
-                " minimum is the two-pole result, and the dead bands meet the fast pole only"
+                f" theory, which holds for {holds} there: the minimum is the two-pole result, and"
+                " no dead band counts for less"
             )
     return notes
 

@@ -11,14 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.coefficients import PLANES, Coefficients
-from tvclin.errors import (
-    InputError,
-    finite,
-    flag,
-    instance,
-    one_of,
-    within,
-)
+from tvclin.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.optimum import single_pole_validity
 from tvclin.plant import MODELS, Plant
 from tvclin.sizing.frozen import LAWS, FrozenNeed, frozen_need
@@ -112,6 +105,8 @@ def size(
     for name, value in (("model", model), ("plane", plane), ("law", law)):
         one_of(name, value, WORDS[name])
     flag("varying", varying)
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
     if chosen.ndim != 1 or not chosen.size or not bands.size:

@@ -86,6 +86,7 @@ class DeflectionTotal:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
+        object.__setattr__(self, "not_sized", each("not_sized", self.not_sized, str, "a place"))
         reserve = number("reserve", self.reserve, nonnegative)
         if reserve >= 1.0:
             raise InputError(f"reserve must be a part of the limit, below 1; got {reserve:.6g}")

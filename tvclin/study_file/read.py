@@ -10,7 +10,7 @@ from typing import Any
 from tvclin.campaign.file import parse_campaign
 from tvclin.campaign.keys import quantities_of
 from tvclin.campaign.tables import dispersions_of, question_of, subject_of, winds_of
-from tvclin.errors import InputError, one_of, path, shown
+from tvclin.errors import InputError, instance, one_of, path, shown
 from tvclin.files import called, tables_of
 from tvclin.margins import CRITERIA, Criteria
 from tvclin.sizing import load_schedule
@@ -78,6 +78,8 @@ def load_sizing(
     >>> tv.load_sizing("configuration-i").times[[0, 1, -1]]
     array([ 44.75,  45.  , 112.25])
     """
+    if soundings is not None:
+        instance("soundings", soundings, Mapping, "of names to SoundingAsked")
     more = dict(soundings or {})
     if _is_study(source):
         asked = load_study(source).sizing
