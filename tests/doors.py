@@ -393,6 +393,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "SizingAsked.peak_at": Door(asked.peak_at, {"vehicle": booster, "pulse": shaped}),
+        "SizingAsked.sizing": Door(asked.sizing, {"progress": None}),
         "SizingAsked.total": Door(asked.total, {"found": sizing}),
         "SoundingAsked": Door(tv.SoundingAsked, {"profile": west, "azimuth": 1.5}),
         "Study.from_vehicle": Door(

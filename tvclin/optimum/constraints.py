@@ -143,8 +143,11 @@ def constraints_of(
         raise InputError(
             f"the deflection must reach every unstable pole; it has no effect at {lost:.6g} 1/s"
         )
-    with np.errstate(over="ignore", invalid="ignore"):
-        demands = -strength * wind.shift(-start).laplace(poles)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            demands = -strength * wind.shift(-start).laplace(poles)
+    except InputError:
+        demands = np.full(poles.shape, np.inf)
     if not np.all(np.isfinite(demands)):
         raise InputError(f"start is so late that no deflection can make up for it; got {start} s")
     bare = Constraints(poles, np.zeros(0), end - start)
