@@ -215,6 +215,11 @@ def boundary_alone(
     _check_wind(wind)
     pole, paired = leading_pole(plant)
     unstable = ~np.isnan(pole)
+    if np.any(unstable & (np.asarray(plant.coefficients.B) == 0.0)):
+        raise InputError(
+            "plant must have an aerodynamic moment, mu_alpha other than zero, where its path grows:"
+            " limits are counted in the deflection that trims the wind"
+        )
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     trim = trim_deflection(plant, wind)
     driver = dead_band_driver(plant, wind, trim, switch)

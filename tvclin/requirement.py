@@ -49,6 +49,8 @@ _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
 _QUICK = 0.1
 """A path that answers with more than this part of the fastest rate has a say beside it."""
+_HIGHEST = 4.0
+"""Over the trim deflection without drift: where trim grows without end no more is tried."""
 _TRIES = 12
 _ROUNDS = 3
 _MORE = 1e-6
@@ -155,6 +157,7 @@ def required_deflection(
     least = np.max(list(needs.values()), axis=0)
     beaten = (least > needs[BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
     flies = (K == 1.0) & _can_fly(plant) & (_path_counts(plant) | _comes_back(wind) | beaten)
+    flies = flies & np.isfinite(least)
     needs[TRIM_LAW] = _trim_law_flown(plant, blows, flies, least)
     governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
     most = np.array(needs[BOUNDARY])
@@ -263,8 +266,7 @@ def _trim_law_flown(
 def _can_fly(plant: Plant) -> NDArray[np.bool_]:
     """Whether flights of the trim law can be judged: something grows, and no pair does."""
     rate, paired = leading_pole(plant)
-    held = np.asarray(plant.coefficients.mu_alpha) > 0.0
-    return np.asarray(held & ~paired & ~np.isnan(rate))
+    return np.asarray(~paired & ~np.isnan(rate))
 
 
 def _comes_back(wind: History) -> NDArray[np.bool_]:
@@ -281,9 +283,9 @@ def _path_counts(plant: Plant) -> NDArray[np.bool_]:
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:
         return np.zeros(plant.batch, dtype=bool)
-    fast = np.real(poles[..., 0])
+    fast, b1 = np.real(poles[..., 0]), np.asarray(plant.coefficients.b1)
     with np.errstate(invalid="ignore"):  # NaN stands for a pole that is not there
-        counts = np.abs(plant.coefficients.b1) > _QUICK * fast
+        counts = (b1 < 0.0) | (b1 > _QUICK * fast)
         if poles.shape[-1] > 1:
             counts = counts | (np.real(poles[..., 1]) > COMPARABLE * fast)
     return np.asarray(counts)
@@ -292,17 +294,24 @@ def _path_counts(plant: Plant) -> NDArray[np.bool_]:
 def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
     """The least limit [rad] above which all that are tried survive, from `low` to `high`.
 
-    The law is delta = B (alpha + gain (theta + theta'/beta)), which `high` does not limit.
+    The law is delta = B alpha + ``|B|`` gain (theta + theta'/beta), which `high` does not limit.
+    With b1 < 0 trim itself grows without end: no more is tried than a few times the wind's, and
+    where that is lost no limit is enough.
     """
     c = plant.coefficients
-    law = Autopilot(attitude_gain=_GAIN * c.B, rate_gain=_GAIN * c.B / c.beta, alpha_gain=c.B)
+    gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
+    law = Autopilot(attitude_gain=gain, rate_gain=gain / beta, alpha_gain=c.B)
+    grows = np.asarray(c.b1) < 0.0
+    high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * wind.peak)), high)
     parts = np.linspace(0.0, 1.0, _TRIES)[:, np.newaxis]
     high = np.maximum(high * (1.0 + _MORE), low)
+    never = np.zeros(low.shape, dtype=bool)
     for _ in range(_ROUNDS):
         tried = low + parts * (high - low)
         lost = fly_many(plant, law, wind, deflection_limit=tried).status != "survived"
+        never |= grows & lost[-1]
         last = np.where(lost.any(axis=0), _TRIES - 1 - np.argmax(lost[::-1], axis=0), -1)
         everyone = np.arange(low.size)
         high = tried[np.minimum(last + 1, _TRIES - 1), everyone]
         low = tried[np.maximum(last, 0), everyone]
-    return high
+    return np.where(never, np.inf, high)

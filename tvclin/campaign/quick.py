@@ -25,6 +25,7 @@ from tvclin.errors import (
     shown,
     whole_number,
 )
+from tvclin.requirement import covers
 from tvclin.study import Study
 
 FloatArray = NDArray[np.float64]
@@ -169,5 +170,5 @@ def _campaign(
 def _success(deflection: FloatArray, limit: float | None, confidence: float) -> Success | None:
     if limit is None:
         return None
-    enough = int(np.sum(deflection <= limit))
+    enough = int(np.sum(covers(limit, deflection)))
     return success_probability(enough, deflection.size, confidence)

@@ -90,6 +90,8 @@ def make_case(
         limit = required * float(
             within("--capability", 1.1 if capability is None else capability, 1e-3, 1e3)
         )
+        if np.isinf(limit):
+            raise InputError(f"no limit is enough with K = {K:g} here; give --limit-deg")
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     opposing = -float(np.sign(plant.coefficients.B * peak)) or 1.0

@@ -91,6 +91,8 @@ def _probability(found: Findings, limit: float) -> Question:
         return Question("probability", None, (_reason(found, "dispersed"),))
     r = d.required
     percent = number("asked.probability", 100.0 * r.probability, 3, "% of flights")
+    if np.isinf(r.estimate):
+        return Question("probability", False, (*percent, " need more than any limit"))
     if np.isinf(r.upper):
         return Question("probability", None, ("too few cases to speak of ", *percent))
     needed = degrees("asked.covers", r.upper, unit="deg")

@@ -46,6 +46,8 @@ def _not_only_wind(found: Findings, failed: Question) -> Line:
 
 def _in_this_wind(need: float, limit: float, enough: bool) -> Line:
     """By how much a limit is enough, or not."""
+    if need == float("inf"):
+        return ("Not enough: with this dead band no limit is, see Assumptions.",)
     needed = degrees("verdict.required", need, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
     by = degrees("verdict.surplus", abs(limit - need), unit="deg")

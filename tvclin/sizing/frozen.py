@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import BOUNDARY, OK, STABLE
+from tvclin.boundary import BOUNDARY, OK, PAIR, STABLE
 from tvclin.closed_loop import closed_loop_boundary
 from tvclin.errors import InputError
 from tvclin.forecast_free import forecast_free_limit
@@ -47,6 +47,8 @@ class FrozenNeed:
         Why something is not defined, or not met exactly.
     beyond : ndarray
         What is required over the boundary (4b) alone, ``(k,)``, one or more.
+    paired : bool
+        Whether two modes grow together, so that the dead band must never be left.
     """
 
     trim: float
@@ -56,6 +58,7 @@ class FrozenNeed:
     slow_mode: float
     said: tuple[str, ...]
     beyond: FloatArray
+    paired: bool = False
 
 
 def frozen_need(
@@ -90,30 +93,32 @@ def frozen_need(
             said.append(str(error))
             return missing
 
-    beyond = np.ones(dead_bands.shape)
+    alone, paired = np.full(dead_bands.shape, np.nan), False
 
     def needed() -> FloatArray:
+        nonlocal alone, paired
         found = required_deflection(plant, wind, dead_bands, whole=whole)
         statuses = dict.fromkeys(np.ravel(found.status).tolist())
         said.extend(one for one in statuses if one not in (OK, STABLE))
-        alone, size = found.needs[BOUNDARY], np.abs(np.asarray(found.deflection))
-        np.divide(size, alone, out=beyond, where=np.isfinite(alone) & (alone > 0.0))
-        return size
+        alone, paired = np.asarray(found.needs[BOUNDARY]), PAIR in statuses
+        return np.abs(np.asarray(found.deflection))
 
     slow = slow_mode(plant, wind)
     exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
     two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
     minimum = asked(lambda: float(least_peaks(two, wind)), np.nan)
+    required = np.maximum(asked(needed, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum)))
+    counted = np.isfinite(alone) & (alone > 0.0) & np.isfinite(required)
+    beyond = np.divide(required, alone, out=np.ones(dead_bands.shape), where=counted)
     return FrozenNeed(
         trim=abs(float(plant.coefficients.B * wind.peak)),
-        required=np.maximum(
-            asked(needed, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum))
-        ),
+        required=required,
         no_forecast=asked(lambda: _no_forecast(plant, wind, law), np.nan),
         minimum=minimum,
         slow_mode=slow,
         said=tuple(dict.fromkeys(said)),
         beyond=beyond,
+        paired=paired,
     )
 
 

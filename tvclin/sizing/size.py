@@ -185,6 +185,9 @@ def _varying(
         needs = 0.0 if wind.known else np.nan
         return VaryingNeed(needs, np.full(bands.shape, needs), needs)
     along = varying_need(mode, wind.in_flight, bands)
+    if frozen.paired:
+        with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
+            return replace(along, required=along.trim / bands)
     return replace(along, required=np.maximum(along.required * frozen.beyond, along.minimum))
 
 
