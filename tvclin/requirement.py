@@ -49,6 +49,10 @@ _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
 _QUICK = 0.1
 """A path that answers with more than this part of the fastest rate has a say beside it."""
+_LITTLE = 1.005
+"""What a flight that survives with so many times (4b) adds to it is not looked for."""
+_TINY = 1e-12
+"""A limit [rad] in place of none, where nothing is needed and nothing asked."""
 _HIGHEST = 4.0
 """Over the trim deflection without drift: where trim grows without end no more is tried."""
 _TRIES = 12
@@ -125,11 +129,11 @@ def required_deflection(
     -----
     The eqs (4b), (17) and (C1). The condition (4b) of the fastest mode speaks for the trim law as
     long as the wind rises and falls once and the path is slow. Where the wind comes back, a second
-    mode grows at more than a twentieth of that rate, b1 is above a tenth of it, or another
-    requirement is larger than that of (4b), the trim law is flown with limits up to the largest
-    trim deflection, with which it is never limited, and the least above which all that were tried
-    survive is required for K = 1. (The speed is left out in these flights.) For a pair it is that
-    largest trim deflection over K, infinite for K = 0.
+    mode grows at more than a twentieth of that rate, b1 is above a tenth of it, another
+    requirement is larger than that of (4b), or a flight with half a percent more is lost, the trim
+    law is flown with limits up to the largest trim deflection, with which it is never limited, and
+    the least above which all that were tried survive is required for K = 1. (The speed is left out
+    in these flights.) For a pair it is that largest trim deflection over K, infinite for K = 0.
 
     Examples
     --------
@@ -156,8 +160,10 @@ def required_deflection(
         needs[MINIMUM] = np.maximum(needs[MINIMUM], least_peaks(plant, whole))
     least = np.max(list(needs.values()), axis=0)
     beaten = (least > needs[BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
-    flies = (K == 1.0) & _can_fly(plant) & (_path_counts(plant) | _comes_back(wind) | beaten)
-    flies = flies & np.isfinite(least)
+    can = (K == 1.0) & _can_fly(plant) & np.isfinite(least)
+    flies = can & (_path_counts(plant) | _comes_back(wind) | beaten)
+    if plant.model != "fixed-path" and np.any(can & ~flies):
+        flies = flies | (can & ~_survives(plant, blows, _LITTLE * least))
     needs[TRIM_LAW] = _trim_law_flown(plant, blows, flies, least)
     governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
     most = np.array(needs[BOUNDARY])
@@ -256,8 +262,7 @@ def _trim_law_flown(
         name: np.broadcast_to(getattr(plant.coefficients, name), shape).ravel()[which]
         for name in Coefficients.__dataclass_fields__
     }
-    model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
-    some = Plant(Coefficients(**held), model)
+    some = Plant(Coefficients(**held), plant.model)
     winds = Piecewise(kernel.take(kernel.spread(wind.pieces, shape), which))
     found.ravel()[which] = _least_flown(some, winds, least.ravel()[which], trim.ravel()[which])
     return found
@@ -291,16 +296,30 @@ def _path_counts(plant: Plant) -> NDArray[np.bool_]:
     return np.asarray(counts)
 
 
-def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
-    """The least limit [rad] above which all that are tried survive, from `low` to `high`.
+def _survives(plant: Plant, wind: History, limit: FloatArray) -> NDArray[np.bool_]:
+    """Whether delta = B alpha + ``|B|`` gain (theta + theta'/beta) survives with limits [rad].
 
-    The law is delta = B alpha + ``|B|`` gain (theta + theta'/beta), which `high` does not limit.
-    With b1 < 0 trim itself grows without end: no more is tried than a few times the wind's, and
-    where that is lost no limit is enough.
+    The speed of a plant is left out.
     """
     c = plant.coefficients
     gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
-    law = Autopilot(attitude_gain=gain, rate_gain=gain / beta, alpha_gain=c.B)
+    with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown
+        rate_gain = np.where(beta > 0.0, gain / beta, 0.0)
+    law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
+    model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
+    limits = np.where(limit > 0.0, limit, _TINY)
+    return np.asarray(
+        fly_many(Plant(c, model), law, wind, deflection_limit=limits).status == "survived"
+    )
+
+
+def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
+    """The least limit [rad] above which all that are tried survive, from `low` to `high`.
+
+    The law is not limited by `high`. With b1 < 0 trim itself grows without end: no more is tried
+    than a few times the wind's, and where that is lost no limit is enough.
+    """
+    c = plant.coefficients
     grows = np.asarray(c.b1) < 0.0
     high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * wind.peak)), high)
     parts = np.linspace(0.0, 1.0, _TRIES)[:, np.newaxis]
@@ -308,7 +327,7 @@ def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray)
     never = np.zeros(low.shape, dtype=bool)
     for _ in range(_ROUNDS):
         tried = low + parts * (high - low)
-        lost = fly_many(plant, law, wind, deflection_limit=tried).status != "survived"
+        lost = ~_survives(plant, wind, tried)
         never |= grows & lost[-1]
         last = np.where(lost.any(axis=0), _TRIES - 1 - np.argmax(lost[::-1], axis=0), -1)
         everyone = np.arange(low.size)
