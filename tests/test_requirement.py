@@ -238,7 +238,7 @@ def blowing(rng: np.random.Generator, count: int) -> tv.History:
     return tv.SampledWind(time=time, angle=angle)
 
 
-@settings(max_examples=25, deadline=None, derandomize=False, print_blob=True)
+@settings(max_examples=25, deadline=None, derandomize=True)
 @given(
     st.integers(0, 2**32 - 1),
     st.sampled_from(["fixed-path", "drift", "drift-exact"]),
