@@ -7,7 +7,7 @@ rounding each kernel states; nobody above the kernels knows which one ran.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
@@ -15,6 +15,9 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+
+from tvclin.kernels.source import machine_code
 
 _LOADING, _COMPILING = 0.1, 10.0
 """Seconds of work for which a twin is loaded, and for which one is compiled that never was."""
@@ -22,6 +25,7 @@ _asked: dict[str, float] = {}
 """Seconds of work that each twin has been asked for: many small calls are worth as much as one."""
 _loaded: dict[str, ModuleType] = {}
 """Twins that were taken before, which is quicker than asking for a module again."""
+_swift: dict[str, Callable[..., Any]] = {}
 _CACHE = Path(__file__).parent / "compiled" / "__pycache__"
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
@@ -48,6 +52,35 @@ def compiled_twin(name: str, seconds: float) -> ModuleType | None:
         return None
     _loaded[name] = import_module(path)
     return _loaded[name]
+
+
+def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
+    """Return a kernel as it is, or as machine code where that pays.
+
+    Parameters
+    ----------
+    function : callable
+        Marked by `kernels.source.kernel`.
+    seconds : float
+        About what it would take in plain Python.
+    """
+    wanted = _pinned.get()
+    name = f"{function.__module__}.{function.__name__}"
+    if wanted is None:
+        _asked[name] = _asked.get(name, 0.0) + seconds
+        wanted = name in _swift or _asked[name] > (_LOADING if _is_kept(function) else _COMPILING)
+    if not (wanted and available()):
+        return function
+    if name not in _swift:
+        _swift[name] = machine_code(function)
+    return _swift[name]
+
+
+def _is_kept(function: Callable[..., Any]) -> bool:
+    """Whether machine code of a kernel is kept beside its source."""
+    file = Path(function.__code__.co_filename)
+    kept = (file.parent / "__pycache__").glob(f"{file.stem}.{function.__name__}_*.nbi")
+    return next(kept, None) is not None
 
 
 def _kept(name: str) -> bool:
