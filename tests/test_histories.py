@@ -289,3 +289,9 @@ def test_a_filter_must_not_differentiate_nor_begin_with_zero():
     for num, den in (([1.0, 0.0], [1.0]), ([1.0], [0.0, 1.0]), ([0.0, 1.0], [2.0])):
         with pytest.raises(tv.InputError, match=r"^numerator must not be of higher degree"):
             tri().filter(num, den)
+
+
+def test_a_filter_that_numbers_cannot_carry_is_refused():
+    denominator = [-3.8e198, 1.0e-208, 3.5e123, -1.2e-289]
+    with pytest.raises(tv.InputError, match="denominator"):
+        tv.TriangularWind(peak=0.1, duration=5.0).filter([1.0], denominator)

@@ -12,7 +12,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import InputError, finite, instance, nonzero, one_of, plain, together, within
+from tvclin.errors import (
+    InputError,
+    finite,
+    instance,
+    nonzero,
+    one_of,
+    plain,
+    shown,
+    together,
+    within,
+)
 from tvclin.histories import History, Piecewise, linear_pieces
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.crossings import first_crossing
@@ -87,8 +97,8 @@ class BangBang(History):
         together(limit=limit, start=start, switch_times=times[..., 0] if times.size else limit)
         if times.size and (np.any(np.diff(times) < 0.0) or np.any(times[..., 0] < start)):
             raise InputError(
-                f"switch_times must not decrease, nor come before start ({plain(start)} s); got"
-                f" {np.array2string(times, precision=6)}"
+                f"switch_times must not decrease, nor come before start ({shown(start.tolist())}"
+                f" s); got {shown(times.tolist())}"
             )
         object.__setattr__(self, "limit", plain(limit))
         object.__setattr__(self, "start", plain(start))

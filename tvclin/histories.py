@@ -151,7 +151,8 @@ class History(ABC):
         Raises
         ------
         InputError
-            When the filter differentiates or its denominator begins with zero.
+            When the filter differentiates, its denominator begins with zero, or its poles are so
+            far from each other or so fast that numbers cannot tell its answer.
         """
         num = np.atleast_1d(finite("numerator", numerator))
         den = np.atleast_1d(finite("denominator", denominator))
@@ -160,7 +161,11 @@ class History(ABC):
                 "numerator must not be of higher degree than denominator, which must not begin"
                 f" with zero; got {num.shape[-1] - 1} over {den.shape[-1] - 1}"
             )
-        return _cascade(self.pieces, num, den)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            answer = _cascade(self.pieces, num, den)
+        if not np.all(np.isfinite(answer.pieces.coefficients)):
+            raise InputError("denominator has poles beyond what numbers can carry; scale it")
+        return answer
 
     def one(self, case: int, shape: tuple[int, ...]) -> History:
         """Return one history of the batch spread to `shape`, by its flat position there."""
