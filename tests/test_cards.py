@@ -144,7 +144,8 @@ def test_only_vehicles_that_are_all_unstable_show_a_response_parameter():
 def test_many_flights_are_counted_by_what_became_of_them() -> None:
     need = abs(tv.boundary_limit(PLANT, WIND).deflection)
     limits = need * np.array([0.5, 1.5, 1.6, -1.0])
-    flown = tv.fly_many(PLANT, tv.TrimLaw(PLANT), WIND, deflection_limit=limits)
+    law = tv.TrimLaw(PLANT)
+    flown = tv.fly_many(PLANT, law, WIND, deflection_limit=limits, sample_rate=100.0)
     assert flown.counts == {"survived": 2, "lost": 1, "no flight": 1}
     assert repr(flown) == "<FlownCases (4,): 2 survived, 1 lost, 1 no flight>"
     shown = cells(flown)

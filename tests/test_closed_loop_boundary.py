@@ -19,9 +19,7 @@ from tvclin import (
     closed_loop_boundary,
     fly,
 )
-from tvclin.closed_loop.airframe import Nozzle, steps
 from tvclin.closed_loop.boundary import OPEN
-from tvclin.closed_loop.survival import LOST, SAVED, Trial
 from tvclin.laws import Seen
 from tvclin.recoverable import unstable_coordinates
 
@@ -385,18 +383,6 @@ def test_a_very_slow_pole_costs_no_memory():
         limits.append(edge.limit)
     assert unstable_coordinates(plant).poles[1] < 1e-9
     assert limits[0] == pytest.approx(limits[1], abs=1e-3)
-
-
-def test_lost_flights_are_not_flown_on():
-    """In so long a wind a lost flight would leave the range of numbers: e^1000."""
-    plant, h = plant_of(), 0.25
-    wind, scale = triangle(plant, 1000.0), plant.coefficients.B * PEAK
-    made = steps(plant, wind, 0.0, float(wind.end), h)
-    nozzle, modes = Nozzle(None, np.inf, h), unstable_coordinates(plant)
-    trial = Trial(plant, TrimLaw(plant), wind, nozzle, made, modes, plant.coefficients.B, PEAK)
-    limits = scale * np.array([0.02, 0.5, 0.95, 1.02])
-    for verdicts in (trial._step_by_step, trial._together):
-        np.testing.assert_array_equal(verdicts(limits), [LOST, LOST, LOST, SAVED])
 
 
 MANY = Plant.from_coefficients(Coefficients(mu_alpha=[0.2, 0.3], mu_delta=2.6))

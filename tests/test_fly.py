@@ -158,44 +158,58 @@ def stepped(name, model, limit, rate, times, actuator=None, rate_limit=np.inf):
     plant, h, knots = plant_of(model), 1.0 / rate, WIND.knots
     law, n = LAWS[name](plant), len(plant.states)
     A, inputs, _, _ = plant.matrices()
-    driven = np.zeros((n + 4, n + 4))
-    driven[:n, :n], driven[:n, n], driven[:n, n + 2] = A, inputs[:, 0], inputs[:, 1]
-    driven[n, n + 1] = driven[n + 2, n + 3] = 1.0
-
-    @cache
-    def grown(seconds):
-        return expm(driven * seconds)[:n]
-
-    def carried(x, a, b, deflection, slope):
-        for one, two in pairwise([a, *np.unique(knots[(knots > a) & (knots < b)]), b]):
-            first, last = WIND([one, np.nextafter(two, one)])
-            begun = [deflection + slope * (one - a), slope, first, (last - first) / (two - one)]
-            x = grown(round(two - one, 13)) @ [*x, *begun]
-        return x
-
-    servo_step = np.array([[0.0, 1.0]])
+    even = np.zeros((n + 4, n + 4))  # states, a deflection that goes evenly, the wind
+    even[:n, :n], even[:n, n], even[:n, n + 2] = A, inputs[:, 0], inputs[:, 1]
+    even[n, n + 1] = even[n + 2, n + 3] = 1.0
+    order = 1 if actuator is None or actuator.damping is None else 2
+    free = np.zeros((n + order + 3, n + order + 3))  # states, nozzle, command, the wind
+    free[:n, :n], free[:n, n + order + 1] = A, inputs[:, 1]
+    free[:n, n if actuator else n + 1] = inputs[:, 0]
+    free[n + order + 1, n + order + 2] = 1.0
     if actuator is not None:
         w, zeta = actuator.natural_frequency, actuator.damping
-        second = [[0, 1, 0], [-w * w, -2 * w * (zeta or 0), w * w], [0, 0, 0]]
-        servo_step = expm(h * np.array([[-w, w], [0, 0]] if zeta is None else second))[:-1]
-    x, servo, memory = np.zeros(n), np.zeros(len(servo_step)), np.zeros(len(law.states[0]))
+        second = [[0, 1, 0], [-w * w, -2 * w * (zeta or 0), w * w]]
+        free[n : n + order, n : n + order + 1] = [[-w, w]] if zeta is None else second
+
+    @cache
+    def grown(bounded, seconds):
+        return expm((even if bounded else free) * seconds)
+
+    def carried(x, a, b, bounded, *given):
+        for one, two in pairwise([a, *np.unique(knots[(knots > a) & (knots < b)]), b]):
+            first, last = WIND([one, np.nextafter(two, one)])
+            begun = [*x, *given, first, (last - first) / (two - one)]
+            moved = grown(bounded, round(two - one, 13)) @ begun
+            x, given = moved[:n], moved[n:-2]
+        return x, given
+
+    x, servo, memory = np.zeros(n), np.zeros(order), np.zeros(len(law.states[0]))
     remembered = memory_step(name, len(memory), h)
     onset = float(WIND.onset)
     found = {t: np.zeros(n + 1) for t in times[times < onset]}
     for k in range(int((times.max() - onset) * rate) + 1):
         t, later = onset + k * h, onset + (k + 1) * h
         before = np.clip(servo[0], -limit, limit)
-        moved = servo_step @ [*servo, asked(name, law, x, memory, float(WIND(t)), limit)]
-        moved[0] = servo[0] + np.clip(moved[0] - servo[0], -rate_limit * h, rate_limit * h)
-        moved[1:] = np.clip(moved[1:], -rate_limit, rate_limit)
-        last = np.clip(moved[0], -limit, limit)
-        first = last if actuator is None and rate_limit == np.inf else before
-        slope = (last - first) / h
+        command = asked(name, law, x, memory, float(WIND(t)), limit)
+        given = (*(servo if actuator else [command]), command)
+        moved = np.array(carried(x, t, later, False, *given)[1][:order])
+        free_to = np.clip(moved[0], servo[0] - rate_limit * h, servo[0] + rate_limit * h)
+        slowed = np.clip(moved[1:], -rate_limit, rate_limit)
+        bounded = free_to != moved[0] or np.any(slowed != moved[1:])
+        if order == 1:  # the rate at the beginning, which is the largest
+            pace = np.inf if actuator is None else abs(command - servo[0]) * w
+            bounded = bounded or pace > rate_limit
+        else:
+            bounded = bounded or abs(servo[1]) >= rate_limit
+        bounded = bounded or max(abs(servo[0]), abs(moved[0])) > limit * (1.0 + 1e-9)
+        moved = np.array([free_to, *slowed])
+        if bounded:
+            given = (before, (np.clip(moved[0], -limit, limit) - before) / h)
         for time in times[(times >= t) & (times < later)]:
-            state = carried(x, t, time, first, slope) if time > t else x
-            found[time] = [*state, first + slope * (time - t)]
+            state, nozzle = carried(x, t, time, bounded, *given) if time > t else (x, given)
+            found[time] = [*state, np.clip(nozzle[0], -limit, limit)]
         memory = remembered @ [*memory, x[0], x[1], before]
-        x, servo = carried(x, t, later, first, slope), moved
+        x, servo = carried(x, t, later, bounded, *given)[0], moved
     return np.array([found[t] for t in times]).T
 
 

@@ -1,11 +1,7 @@
-"""Many flights at once: beside `fly`, beside scipy's solver, beside closed forms, case by case."""
-
-import itertools
-from functools import lru_cache
+"""Many flights at once: beside `fly`, with pause and without, beside closed forms, case by case."""
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import tvclin as tv
@@ -35,7 +31,7 @@ LAWS = {
 }
 HARDWARE = ({}, {"actuator": SERVO, "rate_limit": 0.006}, {"actuator": LAG, "rate_limit": 0.01})
 NEEDS_NUMBA = pytest.mark.skipif(not available(), reason="needs numba")
-EACH_TWIN = pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=NEEDS_NUMBA)])
+EACH_WAY = pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=NEEDS_NUMBA)])
 
 
 def plant_of(model="fixed-path", coefficients=COEFFICIENTS):
@@ -60,7 +56,7 @@ def numbers(flown):
     )
 
 
-@EACH_TWIN
+@EACH_WAY
 @pytest.mark.parametrize("hardware", [*HARDWARE, {"rate_limit": 0.006}])
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 @pytest.mark.parametrize("name", LAWS)
@@ -80,210 +76,178 @@ def test_one_sampled_flight_is_that_of_fly(name, model, hardware, compiled):
     np.testing.assert_allclose(numbers(many), expected, rtol=1e-10, atol=1e-10 * expected[0])
 
 
-@pytest.mark.parametrize("hardware", HARDWARE)
-@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
-@pytest.mark.parametrize(
-    ("name", "compiled"),
-    [
-        *((name, False) for name in ("all gains", "trim", "dead band")),
-        # Of the lean numpy's twin, the same to rounding, is slow for one flight.
-        *(
-            pytest.param(name, True, marks=NEEDS_NUMBA)
-            for name in ("all gains", "trim", "dead band", "lean", "estimated")
-        ),
-    ],
-)
-def test_one_flight_without_pause_is_that_of_fly(name, model, hardware, compiled):
-    plant, limit = plant_of(model), 0.9 * B * PEAK
-    # That of fly, where limits leave corners; the lean is followed in fixed steps.
-    law, accuracy = LAWS[name](plant), 1e-5 if name == "lean" and hardware else 2e-6
-    flown = tv.fly(plant, law, WIND, [5.0, 20.0], deflection_limit=limit, **hardware)
-    for k, stop in enumerate((5.0, 20.0)):
-        with pinned(compiled):
-            many = tv.fly_many(plant, law, WIND, deflection_limit=limit, until=stop, **hardware)
-        expected = flown.outputs[0, k]
-        assert float(many.final_attitude) == pytest.approx(
-            expected, abs=accuracy * max(PEAK, abs(expected))
-        )
+def held(plant, rate):
+    """Return what takes states, a held deflection and a wind that stays over a sample."""
+    A, inputs, _, _ = plant.matrices()
+    return expm(np.block([[A, inputs], [np.zeros((2, len(A) + 2))]]) / rate)[: len(A)]
 
 
-def saturated(limit, most, gains, wind, times):
-    """Return attitude and deflection of gains behind limits, with scipy's solver."""
-    w, damping, c = SERVO.natural_frequency, SERVO.damping, COEFFICIENTS
-
-    def rates(t, y):
-        command = np.clip(gains["attitude_gain"] * y[0] + gains["rate_gain"] * y[1], -limit, limit)
-        pull = w * w * (command - y[2]) - 2 * damping * w * y[3]
-        if abs(y[3]) >= most and pull * y[3] > 0.0:
-            pull = 0.0
-        turn = c.mu_alpha * (y[0] - float(wind(t))) - c.mu_delta * np.clip(y[2], -limit, limit)
-        return [y[1], turn, np.clip(y[3], -most, most), pull]
-
-    edges, y, found = [*np.unique(wind.knots), times[-1]], np.zeros(4), []
-    for a, b in itertools.pairwise(edges):
-        here = times[(times >= a) & (times < b)]
-        run = solve_ivp(
-            rates,
-            (a, np.nextafter(b, a)),
-            y,
-            method="DOP853",
-            max_step=0.02,
-            rtol=1e-12,
-            atol=1e-14,
-            dense_output=True,
-        )
-        found.append(run.sol(here))
-        y = run.y[:, -1]
-    return np.concatenate([*found, y[:, np.newaxis]], axis=1)
-
-
-@EACH_TWIN
-@pytest.mark.parametrize(("part", "most"), [(1.25, 0.02), (1.25, 0.0045), (3.0, 1.0)])
-def test_gains_with_all_limits_are_flown_to_2e_8_of_the_peak(part, most, compiled):
-    limit, wind = part * B * PEAK, TriangularWind(peak=PEAK, duration=12.0)
-    times = np.linspace(0.0, 24.0, 24001)
-    states = saturated(limit, most, GAINS, wind, times)
-    with pinned(compiled):
-        flown = tv.fly_many(
-            plant_of(),
-            tv.SaturatedLaw(Autopilot(**GAINS)),
-            wind,
-            deflection_limit=limit,
-            rate_limit=most,
-            actuator=SERVO,
-            until=24.0,
-        )
-    peak = np.abs(states[0]).max()
-    # The largest of 24,000 samples is below the summit by theta'' h^2/8.
-    below = np.abs(np.diff(states[1])).max() * 1e-3 / 8
-    assert -2e-8 * peak <= float(flown.peak_attitude) - peak <= 2e-8 * peak + below
-    assert float(flown.final_attitude) == pytest.approx(states[0, -1], abs=2e-8 * peak)
-    assert float(flown.peak_deflection) == pytest.approx(
-        min(np.abs(states[2]).max(), limit), rel=1e-5
-    )
-    assert float(flown.peak_deflection_rate) == pytest.approx(
-        min(np.abs(states[3]).max(), most), rel=1e-5
-    )
-
-
-@lru_cache
-def solved(limit, most):
-    """Return the attitude after 24 s by a solver that knows no limits, and the largest."""
-    wind = TriangularWind(peak=PEAK, duration=12.0)
-    theta = saturated(limit, most, GAINS, wind, np.linspace(0.0, 24.0, 2401))[0]
-    return theta[-1], np.abs(theta).max()
-
-
-@EACH_TWIN
-@pytest.mark.parametrize(("accuracy", "off"), [(1e-11, 1e-10), (2e-7, 5e-7), (1e-5, 1e-4)])
-def test_flights_are_as_exact_as_asked(accuracy, off, compiled):
-    most, limits = 0.02, np.array([1.25, 1.4, 1.6]) * B * PEAK
-    wind = TriangularWind(peak=PEAK, duration=12.0)
-    with pinned(compiled):
-        flown = tv.fly_many(
-            plant_of(),
-            tv.SaturatedLaw(Autopilot(**GAINS)),
-            wind,
-            deflection_limit=limits,
-            rate_limit=most,
-            actuator=SERVO,
-            until=24.0,
-            accuracy=accuracy,
-        )
-    true = [solved(limit, most) for limit in limits]
-    last, peak = np.transpose(true)
-    assert np.max(np.abs(flown.final_attitude - last) / peak) < off
-
-
-def test_the_errors_of_peaks_are_those_that_are_stated():
-    part = np.random.default_rng(1).uniform(1.2, 1.6, 200)
-
-    def flown(accuracy):
-        return tv.fly_many(
-            plant_of(),
-            tv.SaturatedLaw(Autopilot(**GAINS)),
-            TriangularWind(peak=PEAK, duration=12.0),
-            deflection_limit=part * B * PEAK,
-            rate_limit=0.02,
-            actuator=SERVO,
-            until=24.0,
-            accuracy=accuracy,
-        )
-
-    exact = flown(1e-11)
-    for accuracy, off, rate_off in ((1e-10, 1e-9, 1e-6), (1e-8, 2e-8, 1e-5), (2e-7, 5e-7, 5e-4)):
-        found = flown(accuracy)
-        np.testing.assert_allclose(found.peak_attitude, exact.peak_attitude, rtol=off)
-        rates = found.peak_deflection_rate, exact.peak_deflection_rate
-        np.testing.assert_allclose(*rates, rtol=rate_off)
-
-
-@EACH_TWIN
+@EACH_WAY
 def test_a_late_short_gust_is_an_impulse_that_is_not_missed(compiled):
-    width, size, late, stop = 1e-3, 0.5, 30.0037, 30.525
+    rate, width, size, late, steps = 40.0, 1e-3, 0.5, 30.0037, 1221
     gust = SampledWind(time=[late, late, late + width, late + width], angle=[0, size, size, 0])
     calm = TriangularWind(peak=0.01, duration=5.0)
-    plant, law, c = plant_of(), LAWS["gains"](None), COEFFICIENTS
-    closed = np.zeros((3, 3))  # attitude, rate, wind
-    closed[0, 1], closed[1, 2] = 1.0, -c.mu_alpha
-    closed[1, 0] = c.mu_alpha - c.mu_delta * GAINS["attitude_gain"]
-    closed[1, 1] = -c.mu_delta * GAINS["rate_gain"]
-    hit = expm(width * closed) @ [0.0, 0.0, size]
-    expected = (expm((stop - late - width) * closed[:2, :2]) @ hit[:2])[0]
-    limits = {"deflection_limit": 1.0}
+    plant, law = plant_of(), LAWS["gains"](None)
     with pinned(compiled):
         before, after = (
-            tv.fly_many(plant, law, wind, **limits, until=stop).final_attitude
+            tv.fly_many(
+                plant, law, wind, deflection_limit=1.0, sample_rate=rate, until=steps / rate
+            ).final_attitude
             for wind in (calm, calm + gust)
         )
-        sampled = tv.fly_many(plant, law, calm + gust, **limits, sample_rate=40.0, until=stop)
-    assert abs(expected) > 1e-5
-    assert float(after - before) == pytest.approx(expected, abs=1e-8 * size)
-    flown = tv.fly(plant, law, calm + gust, [stop], **limits, sample_rate=40.0)
-    assert float(sampled.final_attitude) == pytest.approx(flown.outputs[0, 0], rel=1e-9)
+    A, inputs, _, _ = plant.matrices()
+    whole = np.block([[A, inputs], [np.zeros((2, 4))]])
+    x = expm(width * whole)[:2] @ [0.0, 0.0, 0.0, size]
+    x = expm((30.025 - late - width) * A) @ x
+    for _ in range(20):
+        x = held(plant, rate) @ [*x, GAINS["attitude_gain"] * x[0] + GAINS["rate_gain"] * x[1], 0.0]
+    assert abs(x[0]) > 1e-5
+    assert float(after - before) == pytest.approx(x[0], abs=1e-10 * size)
 
 
-@EACH_TWIN
-def test_without_limits_a_flight_is_the_linear_closed_loop(compiled):
-    gains = Autopilot(**GAINS, **MORE)
-    c = COEFFICIENTS
-    closed = np.zeros((4, 4))  # attitude, rate, integral, wind
-    closed[0, 1] = closed[2, 0] = 1.0
-    closed[1, 0] = c.mu_alpha - c.mu_delta * (GAINS["attitude_gain"] + MORE["alpha_gain"])
-    closed[1, 1] = -c.mu_delta * GAINS["rate_gain"]
-    closed[1, 2] = -c.mu_delta * MORE["integral_gain"]
-    closed[1, 3] = -c.mu_alpha + c.mu_delta * MORE["alpha_gain"]
-    begun = expm(6.0 * closed) @ [0, 0, 0, PEAK]
-    expected = expm(3.0 * closed[:3, :3]) @ begun[:3]
+@EACH_WAY
+def test_without_limits_a_flight_is_the_linear_sampled_loop(compiled):
+    plant, rate = plant_of("drift-exact"), 50.0
+    step, x, integral = held(plant, rate), np.zeros(3), 0.0
+    for k in range(450):
+        gust = PEAK if k < 300 else 0.0
+        asked = GAINS["attitude_gain"] * x[0] + GAINS["rate_gain"] * x[1]
+        asked += MORE["alpha_gain"] * (x[0] - x[2] - gust) + MORE["integral_gain"] * integral
+        integral += x[0] / rate
+        x = step @ [*x, asked, gust]
     wind = tv.RectangularWind(peak=PEAK, duration=6.0)
+    law = tv.SaturatedLaw(Autopilot(**GAINS, **MORE))
     with pinned(compiled):
-        flown = tv.fly_many(
-            plant_of(), tv.SaturatedLaw(gains), wind, deflection_limit=10.0, until=9.0
-        )
-    assert float(flown.final_attitude) == pytest.approx(expected[0], abs=1e-8 * PEAK)
+        flown = tv.fly_many(plant, law, wind, deflection_limit=10.0, sample_rate=rate, until=9.0)
+    assert float(flown.final_attitude) == pytest.approx(x[0], abs=1e-11 * PEAK)
     assert float(flown.saturated_time_fraction) == 0.0
 
 
-@EACH_TWIN
+@EACH_WAY
+@pytest.mark.parametrize("samples", [0.3, 1.0, 2.0, 2.6])
+@pytest.mark.parametrize("actuator", [None, SERVO, LAG])
+def test_a_command_takes_effect_after_any_delay(samples, actuator, compiled):
+    plant, rate = plant_of("drift"), 50.0
+    A, inputs, _, _ = plant.matrices()
+    n, order = len(A), 0 if actuator is None else actuator.denominator.size - 1
+    whole = np.zeros((n + order + 2, n + order + 2))  # states, nozzle, command, wind
+    whole[:n, :n], whole[:n, -1] = A, inputs[:, 1]
+    whole[:n, n if order else -2] = inputs[:, 0]
+    if order:
+        F, G, _, _ = actuator.matrices()
+        whole[n:-2, n:-2], whole[n:-2, [-2]] = F, G
+    late, rest = int(samples + 1e-9), samples - int(samples + 1e-9)
+    first, second = (expm(part / rate * whole)[:-2] for part in (rest, 1.0 - rest))
+    y, commands = np.zeros(n + order), [0.0] * (late + 1)
+    for k in range(400):
+        gust = PEAK if k < 300 else 0.0
+        commands.append(GAINS["attitude_gain"] * y[0] + GAINS["rate_gain"] * y[1])
+        y = first @ [*y, commands[-2 - late], gust]
+        y = second @ [*y, commands[-1 - late], gust]
+    with pinned(compiled):
+        flown = tv.fly_many(
+            plant,
+            LAWS["gains"](None),
+            tv.RectangularWind(peak=PEAK, duration=6.0),
+            deflection_limit=10.0,
+            actuator=actuator,
+            sample_rate=rate,
+            delay=samples / rate,
+            until=8.0,
+        )
+    assert float(flown.final_attitude) == pytest.approx(y[0], abs=1e-11 * max(PEAK, abs(y[0])))
+
+
+def test_a_delay_is_flown_as_in_one_flight():
+    options = {"sample_rate": 50.0, "delay": 0.031, "actuator": SERVO, "rate_limit": 0.05}
+    options |= {"deflection_limit": 1.2 * B * PEAK}
+    flown = tv.fly(plant_of(), LAWS["gains"](None), WIND, [9.0, 12.0], **options)
+    many = tv.fly_many(plant_of(), LAWS["gains"](None), WIND, until=12.013, **options)
+    assert float(many.final_attitude) != flown.outputs[0, -1]  # it ends on a sample, later
+    later = tv.fly(plant_of(), LAWS["gains"](None), WIND, [float(many.end_time)], **options)
+    assert float(many.final_attitude) == pytest.approx(later.outputs[0, 0], rel=1e-10)
+
+
+@pytest.mark.parametrize("name", ["trim", "dead band", "all gains", "estimated", "noisy"])
+def test_a_law_that_only_python_can_ask_is_flown_by_the_same_steps(name):
+    plant, limits = plant_of("drift-exact"), B * PEAK * np.array([0.4, 0.7, 1.1])
+    law = LAWS[name](plant)
+
+    class Mine(tv.Law):
+        engage, release, rate_noise = law.engage, law.release, law.rate_noise
+        states = law.states
+
+        def demand(self, seen, states, limit):
+            return law.demand(seen, states, limit)
+
+    options = {"deflection_limit": limits, "sample_rate": 50.0, "actuator": SERVO}
+    every = tv.fly_many(plant, law, WIND, **options)
+    mine = tv.fly_many(plant, Mine(), WIND, **options)
+    assert mine.status.tolist() == every.status.tolist()
+    saved = every.status == "survived"
+    np.testing.assert_allclose(numbers(mine)[:, saved], numbers(every)[:, saved], rtol=1e-8)
+
+
+@EACH_WAY
+@pytest.mark.parametrize("hardware", HARDWARE[1:])
+def test_limits_of_the_nozzle_are_flown_to_a_hundredth_of_a_percent(hardware, compiled):
+    """Beside substeps of a thousandth of a sample, in which the rate and the stop bound it."""
+    rate, parts, limit = 50.0, 1000, 1.25 * B * PEAK
+    plant, wind, most = plant_of(), TriangularWind(peak=PEAK, duration=12.0), hardware["rate_limit"]
+    A, inputs, _, _ = plant.matrices()
+    servo, h = hardware["actuator"], 1.0 / rate / parts
+    w, zeta = servo.natural_frequency, servo.damping
+    x, s, v, worst = np.zeros(2), 0.0, 0.0, 0.0
+    for k in range(int(14 * rate)):
+        command = np.clip(GAINS["attitude_gain"] * x[0] + GAINS["rate_gain"] * x[1], -limit, limit)
+        for j in range(parts):
+            old = np.clip(s, -limit, limit)
+            if zeta is None:
+                s += h * np.clip(w * (command - s), -most, most)
+            else:
+                v = np.clip(v + h * (w * w * (command - s) - 2 * zeta * w * v), -most, most)
+                s += h * v
+            blows = float(wind(k / rate + (j + 0.5) * h))
+            mean = 0.5 * (old + np.clip(s, -limit, limit))
+            middle = x + 0.5 * h * (A @ x + inputs @ [mean, blows])
+            x = x + h * (A @ middle + inputs @ [mean, blows])
+        worst = max(worst, abs(x[0]))
+    with pinned(compiled):
+        flown = tv.fly_many(
+            plant,
+            LAWS["gains"](None),
+            wind,
+            deflection_limit=limit,
+            sample_rate=rate,
+            until=14.0,
+            **hardware,
+        )
+    assert float(flown.final_attitude) == pytest.approx(x[0], abs=1e-4 * worst)
+    assert float(flown.peak_attitude) == pytest.approx(worst, rel=1e-4)
+
+
 @pytest.mark.parametrize("name", ["trim", "lean"])
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
-def test_fates_are_those_of_the_boundary(name, model, compiled):
+def test_fates_are_those_of_flights_without_pause(name, model):
+    """Just above the boundary a flight settles, just below it leaves for ever."""
     plant, wind = plant_of(model), TriangularWind(peak=PEAK, duration=8.0)
     law = LAWS[name](plant)
-    found = tv.closed_loop_boundary(plant, law, wind, sample_rate=40.0)
+    found = tv.closed_loop_boundary(plant, law, wind, sample_rate=400.0)
     limits = found.scan * B * PEAK
-    with pinned(compiled):
-        sampled = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=40.0)
-        flown = tv.fly_many(plant, law, wind, deflection_limit=limits)
+    sampled = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=400.0)
     np.testing.assert_array_equal(sampled.status == "survived", found.survives)
     assert set(sampled.status) == {"survived", "lost"}
-    apart = np.flatnonzero((flown.status == "survived") != found.survives)
-    within = np.ptp(found.scan[apart]) if apart.size else 0.0
-    assert within < (found.scan[-1] - found.scan[0]) / 60  # the edge, computed without pause
     assert np.all(sampled.peak_deflection <= limits)
+    edge, late = found.limit * B * PEAK, [8.0, 30.0]
+    above, below = (
+        np.abs(tv.fly(plant, law, wind, late, deflection_limit=part * edge).outputs[0])
+        for part in (1.02, 0.98)
+    )
+    assert above[1] < 0.5 * above[0]
+    assert below[1] > 10.0 * below[0]
 
 
-@EACH_TWIN
+@EACH_WAY
 def test_every_case_has_its_own_plant_wind_gains_and_limit(compiled):
     rng = np.random.default_rng(5)
     factors = rng.uniform(0.9, 1.1, (4, 3, 2))
@@ -295,7 +259,9 @@ def test_every_case_has_its_own_plant_wind_gains_and_limit(compiled):
     gains = Autopilot(attitude_gain=3 * B * factors[2], rate_gain=3 * B / BETA)
     limit = B * PEAK * factors[3]
     with pinned(compiled):
-        flown = tv.fly_many(plant, gains, wind, deflection_limit=limit, until=12.0)
+        flown = tv.fly_many(
+            plant, gains, wind, deflection_limit=limit, sample_rate=50.0, until=12.0
+        )
         for place in np.ndindex(3, 2):
             one = plant_of(
                 "drift-exact",
@@ -310,6 +276,7 @@ def test_every_case_has_its_own_plant_wind_gains_and_limit(compiled):
                 ),
                 TriangularWind(peak=PEAK * factors[1][place], duration=8.0),
                 deflection_limit=limit[place],
+                sample_rate=50.0,
                 until=12.0,
             )
             np.testing.assert_allclose(
@@ -329,26 +296,15 @@ def test_laws_may_be_an_array():
         assert every.status[k] == alone.status
 
 
-@EACH_TWIN
-def test_a_curved_gust_is_that_of_fly(compiled):
-    wind = tv.OneMinusCosineGust(peak=PEAK, duration=7.0)
-    plant, law, limit = plant_of(), LAWS["trim"](plant_of()), 0.9 * B * PEAK
-    expected = tv.fly(plant, law, wind, [6.0], deflection_limit=limit).outputs[0, -1]
-    with pinned(compiled):
-        flown = tv.fly_many(plant, law, wind, deflection_limit=limit, until=6.0)
-    assert float(flown.final_attitude) == pytest.approx(expected, abs=1e-8 * PEAK)
-
-
-@EACH_TWIN
-@pytest.mark.parametrize("sample_rate", [None, 50.0])
-def test_a_bad_case_has_its_status_and_the_others_go_on(sample_rate, compiled):
+@EACH_WAY
+def test_a_bad_case_has_its_status_and_the_others_go_on(compiled):
     plant, law = plant_of(), LAWS["trim"](plant_of())
     wind = TriangularWind(peak=PEAK, duration=8.0) * np.array([1.0, 0.0, 1.0, 1.0, 1.0])
     limits = B * PEAK * np.array([0.9, 0.9, np.nan, -1.0, 0.3])
     with pinned(compiled):
-        flown = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=sample_rate)
+        flown = tv.fly_many(plant, law, wind, deflection_limit=limits, sample_rate=50.0)
         alone = tv.fly_many(
-            plant, law, wind * np.ones(5), deflection_limit=limits[0], sample_rate=sample_rate
+            plant, law, wind * np.ones(5), deflection_limit=limits[0], sample_rate=50.0
         )
     expected = ["survived", "no flight", "no flight", "no flight", "lost"]
     assert flown.status.tolist() == expected
@@ -356,19 +312,7 @@ def test_a_bad_case_has_its_status_and_the_others_go_on(sample_rate, compiled):
     np.testing.assert_array_equal(numbers(flown)[:, 0], numbers(alone)[:, 0])
 
 
-@EACH_TWIN
-def test_a_gust_of_many_powers_is_that_of_fly(compiled):
-    """A wind that is filtered again and again is a polynomial of the 50th degree."""
-    once = TriangularWind(peak=PEAK, duration=6.0)
-    wind = once.filter([1.0], np.poly([-1.0] * 4)).before(12.0)
-    law = tv.SaturatedLaw(Autopilot(**GAINS))
-    with pinned(compiled):
-        found = tv.fly_many(plant_of(), law, wind, deflection_limit=B * PEAK, until=14.0)
-    flown = tv.fly(plant_of(), law, wind, [14.0], deflection_limit=B * PEAK)
-    assert float(found.final_attitude) == pytest.approx(flown.outputs[0, 0], abs=1e-7 * PEAK)
-
-
-@EACH_TWIN
+@EACH_WAY
 def test_a_flight_that_grows_again_after_a_calm_is_not_saved(compiled):
     """Too small a gain leaves a slow mode that grows, from next to nothing, to beyond return."""
     law = tv.SaturatedLaw(Autopilot(attitude_gain=0.9 * B, rate_gain=GAINS["rate_gain"]))
@@ -376,7 +320,10 @@ def test_a_flight_that_grows_again_after_a_calm_is_not_saved(compiled):
     ends = np.array([60.0, 700.0])
     with pinned(compiled):
         early, late = (
-            tv.fly_many(plant_of(), law, wind, deflection_limit=B * PEAK, until=end) for end in ends
+            tv.fly_many(
+                plant_of(), law, wind, deflection_limit=B * PEAK, sample_rate=25.0, until=end
+            )
+            for end in ends
         )
     assert early.status == "survived"
     assert late.status == "lost"
@@ -387,43 +334,35 @@ def test_a_stable_plant_flies_to_a_time_but_has_no_fate():
     stable = plant_of(coefficients=Coefficients(mu_alpha=-0.2, mu_delta=1.0))
     law = tv.SaturatedLaw(Autopilot(attitude_gain=0.1, rate_gain=0.5))
     wind = TriangularWind(peak=PEAK, duration=8.0)
-    assert tv.fly_many(stable, law, wind, deflection_limit=0.1).status == "no flight"
-    flown = tv.fly_many(stable, law, wind, deflection_limit=0.1, until=9.0)
-    expected = tv.fly(stable, law, wind, [9.0], deflection_limit=0.1).outputs[0, -1]
+    options = {"deflection_limit": 0.1, "sample_rate": 50.0}
+    assert tv.fly_many(stable, law, wind, **options).status == "no flight"
+    flown = tv.fly_many(stable, law, wind, until=9.0, **options)
     assert flown.status == "undecided"
-    assert float(flown.final_attitude) == pytest.approx(expected, abs=1e-8 * PEAK)
-
-
-class Odd(tv.Law):
-    """A law that is not linear."""
-
-    def demand(self, seen, states, limit):
-        return seen.attitude**3
+    assert 0.0 < abs(flown.final_attitude) < PEAK
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"law": Odd()}, "neither linear"),
         ({"law": "trim"}, "law must be a Law"),
         ({"law": Autopilot(**GAINS, delay=0.1)}, "gains only"),
         ({"deflection_limit": -1.0}, "deflection_limit must be positive"),
         ({"deflection_limit": np.ones(3), "rate_limit": np.ones(2)}, "broadcast"),
-        ({"rate_limit": 0.1}, "needs an actuator or a sample_rate"),
-        ({"law": LAWS["noisy"](plant_of())}, "give a sample_rate"),
+        ({"delay": -0.1}, "delay must be zero or positive"),
+        ({"delay": 1e4}, "delay must be at most 10000 samples"),
+        ({"sample_rate": np.ones(2), "delay": np.ones(3)}, "broadcast"),
+        ({"sample_rate": None}, "sample_rate must"),
         ({"actuator": SERVO, "sample_rate": 10.0}, "sample_rate must be at least 40"),
         ({"plant": 1}, "plant must be a Plant"),
         ({"wind": 1}, "wind must be a History"),
         ({"until": np.nan}, "until must be finite"),
-        ({"accuracy": 0.0}, "accuracy must be between 1e-11 and 0.0001; got 0"),
-        ({"accuracy": [1e-8]}, "accuracy must be one number"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_in_one_sentence(change, message):
     wind = TriangularWind(peak=PEAK, duration=8.0)
     given = {"plant": plant_of(), "law": LAWS["gains"](plant_of()), "wind": wind}
     with pytest.raises(InputError, match=message):
-        tv.fly_many(**{**given, "deflection_limit": 0.01} | change)
+        tv.fly_many(**{**given, "deflection_limit": 0.01, "sample_rate": 50.0} | change)
 
 
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=NEEDS_NUMBA)])

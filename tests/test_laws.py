@@ -345,8 +345,8 @@ def saturated(**arguments):
         (lambda: WindEstimator(bandwidth=5.0, seed=1.5), "seed must be"),
         (lambda: WindEstimator(bandwidth=5.0, seed=True), "seed must be"),
         (lambda: SaturatedLaw(plant_of()), "autopilot must be an Autopilot"),
-        (saturated(actuator=Actuator()), r"takes gains only: give the actuator to fly\(\)"),
-        (saturated(delay=0.1), "takes gains only.* no delay"),
+        (saturated(actuator=Actuator()), r"takes gains only: give actuator and delay to fly\(\)"),
+        (saturated(delay=0.1), "takes gains only"),
         (
             saturated(attitude_gain=[0.3, 0.4]),
             r"autopilot must be one autopilot; got a batch of shape \(2,\)",

@@ -219,22 +219,6 @@ def test_a_plant_is_brought_to_rest_from_inside_by_its_own_matrices(name):
 
 
 @EACH_PAIR
-def test_the_fast_range_is_the_inverse_of_the_slow_range(poles):
-    coordinates, reach = two(poles), np.array([0.3, 7.0])
-    fast = np.linspace(-0.99, 0.99, 21)[:, np.newaxis] * reach
-    low, high = coordinates.slow_range(fast, reach)
-    assert np.all(low < high)
-    np.testing.assert_allclose(coordinates.fast_range(high, reach)[0], fast, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(coordinates.fast_range(low, reach)[1], fast, rtol=1e-9, atol=1e-9)
-    slow = np.linspace(-0.99, 0.99, 21)[:, np.newaxis] * reach
-    for k, ends in enumerate(coordinates.fast_range(slow, reach)):
-        again = coordinates.slow_range(ends, reach)[1 - k]
-        clear = np.abs(ends) < (1.0 - 1e-4) * reach  # nearer the corner the digits are gone
-        assert clear.sum() >= 10
-        np.testing.assert_allclose(again[clear], slow[clear], rtol=1e-9, atol=1e-9)
-
-
-@EACH_PAIR
 def test_the_edge_itself_is_not_recoverable(poles):
     coordinates, reach = two(poles), 1.7
     for fast in np.linspace(-0.9, 0.9, 7) * reach:
@@ -251,7 +235,6 @@ def test_one_mode_is_recoverable_inside_the_reach_and_not_on_it():
     z = np.array([[-0.2], [-0.19], [0.0], [0.19], [0.2], [0.3]])
     np.testing.assert_array_equal(modes.inside(z, 0.2), [False, True, True, True, False, False])
     assert modes.ratio == 0.0
-    assert modes.fast_range(0.0, 0.2) == (-0.2, 0.2)
 
 
 @EACH_PAIR

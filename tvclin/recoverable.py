@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import InputError, instance, single
+from tvclin.kernels.control_laws import slow_ends
 from tvclin.kernels.crossings import roots_between
 from tvclin.modes import poles_in_words, unstable_poles
 from tvclin.plant import Plant
@@ -64,19 +65,8 @@ class UnstableCoordinates:
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return the ends of the slow coordinate that go with a fast one, |fast| <= reach."""
-        low, high = slow_ends(fast / reach, self.ratio)
+        low, high = slow_ends(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
-
-    def fast_range(self, slow: Any, reach: Any) -> tuple[Any, Any]:
-        """Return the ends of the fast coordinate that go with a slow one: the same curve."""
-        if self.poles.size == 1:
-            return -reach, reach
-        x = smaller(larger(slow / reach, -1.0), 1.0)
-        power = 1.0 / self.ratio
-        return (
-            reach * (2.0 * ((1.0 + x) / 2.0) ** power - 1.0),
-            reach * (1.0 - 2.0 * ((1.0 - x) / 2.0) ** power),
-        )
 
 
 def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
@@ -135,7 +125,7 @@ def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatA
 
     def spare(reach: FloatArray, i: NDArray[np.intp]) -> FloatArray:
         """How far the slow coordinate is from its ends, over the reach."""
-        low, high = slow_ends(fast[i] / reach, ratio[i])
+        low, high = slow_ends(np.clip(fast[i] / reach, -1.0, 1.0), ratio[i])
         return np.minimum(high - slow[i] / reach, slow[i] / reach - low)
 
     # Neither coordinate may lie beyond the reach; with a reach far beyond both, all is inside.
@@ -149,25 +139,6 @@ def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatA
     found = least.copy()
     found[some] = roots_between(least[some], enough[some], lambda t, i: spare(t, some[i]))
     return found
-
-
-def slow_ends(fast: Any, ratio: Any) -> tuple[Any, Any]:
-    """Return the ends of the slow coordinate that go with a fast one, both over the reach.
-
-    They are the paths that end at rest with one switch, 1 - 2 ((1 - x)/2)^r and its mirror image.
-    """
-    x = np.clip(fast, -1.0, 1.0)
-    return 1.0 - 2.0 * ((1.0 - x) / 2.0) ** ratio, 2.0 * ((1.0 + x) / 2.0) ** ratio - 1.0
-
-
-def smaller(a: Any, b: Any) -> Any:
-    """Return the smaller of two, elementwise; of two floats without numpy, which takes longer."""
-    return min(a, b) if isinstance(a, float) and isinstance(b, float) else np.minimum(a, b)
-
-
-def larger(a: Any, b: Any) -> Any:
-    """Return the larger of two, as `smaller`."""
-    return max(a, b) if isinstance(a, float) and isinstance(b, float) else np.maximum(a, b)
 
 
 def left_vector(A: FloatArray, pole: float) -> FloatArray:

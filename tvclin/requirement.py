@@ -47,6 +47,10 @@ _WIDEST = 1e9
 """Limits beyond this [rad] mean nothing."""
 _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
+_SAMPLES = 250.0
+"""Of that law in the time in which the fastest mode grows by e: it is late by a part of 0.002."""
+_RATES = (0.01, 1e6)
+"""Sample rates that can be flown [Hz]."""
 _QUICK = 0.1
 """A path that answers with more than this part of the fastest rate has a say beside it."""
 _LITTLE = 1.005
@@ -308,9 +312,9 @@ def _survives(plant: Plant, wind: History, limit: FloatArray) -> NDArray[np.bool
     law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
     model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
     limits = np.where(limit > 0.0, limit, _TINY)
-    return np.asarray(
-        fly_many(Plant(c, model), law, wind, deflection_limit=limits).status == "survived"
-    )
+    rate = np.clip(_SAMPLES * leading_pole(plant)[0], *_RATES)
+    flown = fly_many(Plant(c, model), law, wind, deflection_limit=limits, sample_rate=rate)
+    return np.asarray(flown.status == "survived")
 
 
 def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -1,10 +1,10 @@
 """Closed loops with limits: flights of a law, and the least limit with which it survives.
 
-The rooms inside: `airframe` steps plant and nozzle exactly, `sampled` flies a law at its sample
-rate, `continuous` one that is computed without pause on the `equations` of what flies, `fly` is
-the door to both, `survival` decides whether flights survive, `boundary` finds the limit, and
-`checks` says what is refused. `many` is the door to batches of flights: `law_rows`, `gusts`,
-`step_matrices` and `fates` make the numbers for the kernels that fly them.
+The rooms inside: `fly` is the door to one flight, `many` to batches of them, and `boundary` finds
+the limit. `continuous` flies a law that is computed without pause, on the `equations` of what
+flies; `sampled` one at its sample rate, with the laws of `law_batch`, the winds of `gusts` and the
+judges of `fates` as numbers for the kernel. `track` tells a sampled flight at any time, `growth`
+how it grows near rest, and `checks` says what is refused.
 """
 
 from tvclin.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary

@@ -4,7 +4,7 @@ Survival need not grow with the limit (a law that leans further may be further o
 turns), so limits are scanned, and the edge is that above the highest limit that does not survive.
 The steps above an edge are looked at again, in finer steps, and the edge moves up until they are
 clean; then the finer steps likewise. Only a window of losses that is narrower than the steps where
-it lies is missed. To survive is to be brought back from the wind (see `survival`); a
+it lies is missed. To survive is to be brought back from the wind (see `fly_many`); a
 slow mode which the law then lets creep away is told apart from it.
 """
 
@@ -12,22 +12,37 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.cards import card
-from tvclin.closed_loop.airframe import Nozzle, steps
 from tvclin.closed_loop.checks import (
+    check_delays,
     check_flight,
+    check_pace,
     check_rate_limit,
     check_sample_rate,
     check_samples,
 )
-from tvclin.closed_loop.survival import SAVED, UNDECIDED, Trial
-from tvclin.errors import InputError, between, callable_for, number, positive, shown, whole_number
+from tvclin.closed_loop.growth import growth_near_rest
+from tvclin.closed_loop.law_batch import law_batch
+from tvclin.closed_loop.many import SURVIVED, UNDECIDED, fly_many
+from tvclin.closed_loop.sampled import Batch
+from tvclin.errors import (
+    InputError,
+    between,
+    callable_for,
+    nonnegative,
+    number,
+    positive,
+    shown,
+    whole_number,
+)
 from tvclin.histories import History
 from tvclin.laws import Law
 from tvclin.plant import Plant
@@ -116,6 +131,7 @@ def closed_loop_boundary(
     rate_limit: float = np.inf,
     actuator: Actuator | None = None,
     sample_rate: float = 200.0,
+    delay: float = 0.0,
     cuts: int = 0,
     lowest: float = 0.02,
     highest: float = 2.0,
@@ -137,6 +153,8 @@ def closed_loop_boundary(
         Without one the deflection follows its command within a sample.
     sample_rate : float
         Samples of the law in a second [Hz].
+    delay : float
+        Computing delay [s], as of `fly`.
     cuts : int
         So many sudden stops are tried as well, at even instants of the wind: a limit survives if
         it survives them all.
@@ -174,7 +192,7 @@ def closed_loop_boundary(
     check_flight(plant, law, wind)
     modes = unstable_coordinates(plant)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
-    nozzle = Nozzle(actuator, check_rate_limit(rate_limit), length)
+    most_rate = check_rate_limit(rate_limit)
     check_samples(1.0 / float(modes.poles[0]), length)
     stops = whole_number("cuts", cuts)
     if stops > _MOST_CUTS:
@@ -185,28 +203,31 @@ def closed_loop_boundary(
     )
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
-    B, gust = abs(float(plant.coefficients.B)), abs(float(wind.peak))
-    start, end = float(wind.onset), float(wind.end)
-    if (stops + 1) * (end - start) / length > _SAMPLES:
-        raise InputError(
-            f"cuts and sample_rate may make at most {_SAMPLES:g} samples of all winds; got"
-            f" {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
-        )
-    winds = [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
-    paces = [steps(plant, one, start, float(one.end), length) for one in winds]
-    trials = [
-        Trial(plant, law, one, nozzle, pace, modes, B, gust)
-        for one, pace in zip(winds, paces, strict=True)
-    ]
-    flown, most = count(1), (1 + LEVELS) * len(trials)
+    late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
+    scale = abs(float(plant.coefficients.B) * float(wind.peak))
+    check_pace(plant, length)
+    winds = _winds(wind, stops, length)
+    nozzle: dict[str, Any] = {"rate_limit": most_rate, "actuator": actuator}
+    fates = partial(fly_many, plant, law, sample_rate=1.0 / length, delay=late, **nozzle)
+    flown, most = count(1), (1 + LEVELS) * len(winds)
 
-    def tell() -> None:
-        if progress is not None:
-            progress(min(next(flown), most), most)
+    def survives(limits: FloatArray) -> NDArray[np.str_]:
+        """The status over all winds of each limit: the first that is not survived counts."""
+        found = np.full(limits.size, SURVIVED, dtype=object)
+        for one in winds:
+            alive = found == SURVIVED
+            if np.any(alive):
+                found[alive] = fates(wind=one, deflection_limit=limits[alive] * scale).status
+            if progress is not None:
+                progress(min(next(flown), most), most)
+        return found.astype(str)
 
-    edge = _edge(trials, np.linspace(low, high, STEPS + 1), B * gust, tell)
+    edge = _edge(survives, np.linspace(low, high, STEPS + 1))
     at = edge.limit if np.isfinite(edge.limit) else high
-    growth = trials[0].growth(at * B * gust)
+    level, quickest, step, behind = map(np.asarray, (at * scale, most_rate, length, late))
+    laws = law_batch(law, ())
+    batch = Batch(plant, wind, laws, level, quickest, actuator, step, behind, np.inf, ())
+    growth = growth_near_rest(batch)
     words = [] if edge.status == OK else [edge.status]
     creeps = bool(growth > _CREEPS * modes.poles[0])
     if creeps:
@@ -215,7 +236,7 @@ def closed_loop_boundary(
         limit=edge.limit,
         deflection=-edge.limit * float(plant.coefficients.B) * float(wind.peak),
         scan=edge.scan,
-        survives=edge.verdicts == SAVED,
+        survives=edge.found == SURVIVED,
         looked=edge.looked,
         growth=growth,
         creeps=creeps,
@@ -223,20 +244,32 @@ def closed_loop_boundary(
     )
 
 
+def _winds(wind: History, stops: int, length: float) -> list[History]:
+    """The wind, and the same with so many sudden stops, at even instants."""
+    start, end = float(wind.onset), float(wind.end)
+    if (stops + 1) * (end - start) / length > _SAMPLES:
+        raise InputError(
+            f"cuts and sample_rate may make at most {_SAMPLES:g} samples of all winds; got"
+            f" {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
+        )
+    check_samples(end - start, length)
+    return [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
+
+
 @dataclass(frozen=True, eq=False)
 class _Edge:
-    """The limit, the limits tried, their verdicts, what was looked at, and what is to be said."""
+    """The limit, the limits tried, their status, what was looked at, and what is to be said."""
 
     limit: float
     scan: FloatArray
-    verdicts: NDArray[np.int_]
+    found: NDArray[np.str_]
     looked: tuple[tuple[float, float], ...]
     status: str
 
 
-def _edge(trials: list[Trial], scan: FloatArray, scale: float, tell: Callable[[], None]) -> _Edge:
-    """The edge above the highest limit that does not survive, over the scale [rad]."""
-    limits, found = scan, _verdicts(trials, scan * scale, tell)
+def _edge(survives: Callable[[FloatArray], NDArray[np.str_]], scan: FloatArray) -> _Edge:
+    """The edge above the highest limit that does not survive."""
+    limits, found = scan, survives(scan)
     bottom, top = float(scan[0]), float(scan[-1])
     step, looked = float(scan[1] - scan[0]), []
     for _ in range(LEVELS):
@@ -247,9 +280,9 @@ def _edge(trials: list[Trial], scan: FloatArray, scale: float, tell: Callable[[]
             parts = parts[parts % PARTS != 0]  # the others have been tried a level above
             ahead = base + step * parts
             ahead = ahead[ahead < top]
-            verdicts = _verdicts(trials, ahead * scale, tell)
-            limits, found = np.append(limits, ahead), np.append(found, verdicts)
-            lost = np.flatnonzero(verdicts != SAVED)
+            new = survives(ahead)
+            limits, found = np.append(limits, ahead), np.append(found, new)
+            lost = np.flatnonzero(new != SURVIVED)
             if not lost.size:
                 break
             first, last = last + 1, int(parts[lost[-1]]) + ABOVE * PARTS
@@ -265,18 +298,6 @@ def _edge(trials: list[Trial], scan: FloatArray, scale: float, tell: Callable[[]
     return _Edge(edge, limits[order], found[order], tuple(looked), status)
 
 
-def _highest_lost(limits: FloatArray, verdicts: NDArray[np.int_]) -> float:
+def _highest_lost(limits: FloatArray, found: NDArray[np.str_]) -> float:
     """The highest limit that does not survive, or minus infinity."""
-    return float(limits[verdicts != SAVED].max(initial=-np.inf))
-
-
-def _verdicts(
-    trials: list[Trial], limits: FloatArray, tell: Callable[[], None]
-) -> NDArray[np.int_]:
-    """The verdict over all winds for each limit [rad]: the first that is not survived counts."""
-    found = np.full(limits.size, SAVED)
-    for trial in trials:
-        alive = found == SAVED
-        found[alive] = trial.verdicts(limits[alive])
-        tell()
-    return found
+    return float(limits[found != SURVIVED].max(initial=-np.inf))

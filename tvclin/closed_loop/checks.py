@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.errors import (
@@ -11,14 +11,21 @@ from tvclin.errors import (
     between,
     ending,
     instance,
+    nonnegative,
     number,
+    plain,
     positive,
+    shown,
     single,
+    together,
+    within,
 )
 from tvclin.histories import History
 from tvclin.kernels import polynomials
 from tvclin.laws import Law
 from tvclin.plant import Plant
+
+FloatArray = NDArray[np.float64]
 
 LOST = 1e100
 """A state beyond this is not flown on."""
@@ -30,6 +37,8 @@ FASTEST = 100.0
 """Most e-foldings of a plant in a sample of the law."""
 _LONGEST = 1e5
 """Longest flight [s]."""
+_LATE = 10_000
+"""Samples by which a command may be late."""
 _SAMPLES = 2.0
 """Least samples of the law in the time 1/omega_n of the actuator."""
 
@@ -61,6 +70,32 @@ def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
             f" {actuator.natural_frequency:.6g} rad/s; got {rate:.6g} Hz"
         )
     return rate
+
+
+def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
+    """Return the rates [Hz], one or many; `InputError` if one is too slow for its actuator."""
+    rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_RATES, "Hz")
+    if actuator is not None:
+        least = _SAMPLES * np.asarray(actuator.natural_frequency)
+        together(sample_rate=rates, actuator=least)
+        if np.any(rates < least):
+            raise InputError(
+                f"sample_rate must be at least {least.max():.6g} Hz for an actuator of"
+                f" {least.max() / _SAMPLES:.6g} rad/s; got {shown(plain(rates))} Hz"
+            )
+    return rates
+
+
+def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
+    """Return the delays [s]; `InputError` if one is below zero or of too many samples [s]."""
+    delays = nonnegative("delay", delay, "s")
+    together(delay=delays, sample_rate=length)
+    if np.any(delays > _LATE * length):
+        raise InputError(
+            f"delay must be at most {_LATE} samples; got {shown(plain(delays))} s at"
+            f" {1.0 / float(length.min()):.6g} Hz"
+        )
+    return delays
 
 
 def check_samples(span: float, length: float) -> None:
@@ -101,9 +136,9 @@ def check_rate_limit(rate_limit: float) -> float:
     return np.inf if unlimited else number("rate_limit", rate_limit, positive, "rad/s")
 
 
-def check_not_lost(time: float, states: NDArray[np.float64]) -> None:
+def check_not_lost(time: float, states: FloatArray) -> None:
     """Raise `InputError` when states at a time [s] have grown beyond all meaning."""
-    if np.abs(states).max() > LOST:
+    if not np.abs(states).max() <= LOST:
         raise InputError(
             f"the flight is lost and grows without bounds; ask for times before t = {time:.6g} s"
         )

@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 from tvclin.autopilot import Actuator
 from tvclin.closed_loop.checks import LOST, check_not_lost
 from tvclin.closed_loop.equations import Equations
-from tvclin.closed_loop.sampled import switched
 from tvclin.errors import InputError
 from tvclin.histories import History
+from tvclin.kernels.control_laws import switched
 from tvclin.laws import Law, Seen
 
 FloatArray = NDArray[np.float64]
@@ -293,8 +293,8 @@ class ContinuousFlight:
 
     def _mode(self, t: float, states: FloatArray, mode: float, gust: Any) -> float:
         demand = self._demand(states, self._seen(t, states, gust(t)))
-        found = switched(self.law, np.asarray(demand), np.asarray(mode), np.asarray(self.limit))
-        return float(found)
+        law, limit = self.law, self.limit
+        return switched(law.engage * limit, law.release * limit, float(demand), mode)
 
     def _taken_up(self, t: float, states: FloatArray, regime: _Regime, gust: Any) -> _Regime:
         """The regime after the command may have jumped: the rate is held at its limit, or not."""

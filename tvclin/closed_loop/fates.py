@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels import flight_table as table
 from tvclin.modes import unstable_poles
 from tvclin.plant import Plant
 
@@ -18,12 +19,31 @@ PATIENCE = 60.0
 _MOST = 2
 
 
-def judging_rows(plant: Plant) -> FloatArray:
-    """Return the rows from FAST to PATIENCE of a `FlightTable`, ``(12, *batch)``.
+class Judging(NamedTuple):
+    """What judges the flights of plants ``(p,)`` with states ``(n,)``.
 
-    The reach is one over B, to be multiplied by the deflection limit; NaN where a plant has not
-    one or two real unstable poles, so that nothing can be said of its flights.
+    Attributes
+    ----------
+    rows : ndarray
+        Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n)``; zeros for no second.
+    reach : ndarray
+        Of the coordinates, over the deflection limit, ``(p,)``. NaN where a plant has not one or
+        two real unstable poles, so that nothing can be said of its flights.
+    ratio : ndarray
+        The slow pole over the fast one; zero where there is one, ``(p,)``.
+    calm, patience : ndarray
+        How long a flight must be settled to be saved, and may be open [s], ``(p,)``.
     """
+
+    rows: FloatArray
+    reach: FloatArray
+    ratio: FloatArray
+    calm: FloatArray
+    patience: FloatArray
+
+
+def judging(plant: Plant) -> Judging:
+    """Return what judges the flights of a batch of plants, flattened."""
     size = int(np.prod(plant.batch))
     poles = unstable_poles(plant)
     poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
@@ -38,28 +58,33 @@ def judging_rows(plant: Plant) -> FloatArray:
     two = known & ~np.isnan(slow)
     slow = np.where(two, slow, fast)
     B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
-    found = np.zeros((12, len(poles)))
-    found[0:4] = _coordinate(plant, fast, B)
-    if np.any(two):
-        found[4:8] = np.where(two, _coordinate(plant, slow, B), 0.0)
-    found[table.REACH - table.FAST] = np.where(known, 1.0 / np.abs(B), np.nan)
-    found[table.RATIO - table.FAST] = np.where(two, slow / fast, 0.0)
-    found[table.CALM - table.FAST] = CALM / fast
-    found[table.PATIENCE - table.FAST] = PATIENCE / slow
-    return found.reshape(12, *plant.batch)
+    second = np.where(two[:, np.newaxis], _coordinate(plant, slow, B), 0.0)
+    return Judging(
+        rows=np.stack([_coordinate(plant, fast, B), second], axis=1),
+        reach=np.where(known, 1.0 / np.abs(B), np.nan),
+        ratio=np.where(two, slow / fast, 0.0),
+        calm=CALM / fast,
+        patience=PATIENCE / slow,
+    )
+
+
+def decidable(plant: Plant) -> NDArray[np.bool_]:
+    """Return which plants of a batch have one or two real unstable poles and a moment."""
+    judges = judging(plant)
+    return (np.isfinite(judges.reach) & (judges.reach > 0.0)).reshape(plant.batch)
 
 
 def _coordinate(plant: Plant, pole: FloatArray, B: FloatArray) -> FloatArray:
-    """The rows z of `recoverable.unstable_coordinates`, ``(4, plants)``: l with l A = pole l."""
+    """The rows z of `recoverable.unstable_coordinates`, ``(plants, n)``: l with l A = pole l."""
     A, inputs, _, _ = plant.matrices()
     n = A.shape[-1]
     A, drive = A.reshape(-1, n, n), inputs.reshape(-1, n, 2)[..., 0]
-    row = np.zeros((4, len(A)))
-    row[1], row[0] = 1.0, pole
+    row = np.zeros((len(A), n))
+    row[:, 1], row[:, 0] = 1.0, pole
     if n > 2:
         turning = A[:, 2, 3] * A[:, 3, 2] / pole if n > 3 else 0.0
-        row[2] = A[:, 1, 2] / (pole - A[:, 2, 2] - turning)
+        row[:, 2] = A[:, 1, 2] / (pole - A[:, 2, 2] - turning)
     if n > 3:
-        row[3] = row[2] * A[:, 2, 3] / pole
+        row[:, 3] = row[:, 2] * A[:, 2, 3] / pole
     with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
-        return row * (-pole / B) / np.einsum("im,mi->m", row[:n], drive)
+        return row * (-pole / B / np.einsum("mi,mi->m", row, drive))[:, np.newaxis]

@@ -9,21 +9,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.autopilot.systems import wind_response
-from tvclin.closed_loop.airframe import Nozzle, gust_steps, steps
 from tvclin.closed_loop.checks import (
     check_actuator,
+    check_delays,
     check_flight,
-    check_not_lost,
+    check_pace,
     check_rate_limit,
     check_sample_rate,
+    check_samples,
     check_span,
 )
 from tvclin.closed_loop.continuous import ContinuousFlight
 from tvclin.closed_loop.equations import LinearEquations
-from tvclin.closed_loop.sampled import Sampler, at_rest
-from tvclin.errors import InputError, number, positive, times_row
+from tvclin.closed_loop.law_batch import law_batch
+from tvclin.closed_loop.sampled import Batch, flown
+from tvclin.closed_loop.track import between_samples, check_track
+from tvclin.errors import InputError, nonnegative, number, positive, times_row
 from tvclin.histories import History
-from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law
 from tvclin.plant import Plant
 
@@ -43,6 +45,7 @@ def fly(
     rate_limit: float = np.inf,
     actuator: Actuator | None = None,
     sample_rate: float | None = None,
+    delay: float = 0.0,
 ) -> TimeResponseData:
     """Return the flight of a law with limits, as `control.TimeResponseData`.
 
@@ -66,8 +69,10 @@ def fly(
         Without one the deflection follows its command at once.
     sample_rate : float, optional
         Samples of the law in a second [Hz], the first at the onset of the wind; the command is
-        held between them, and the deflection goes evenly over each step. Without one the law is
-        computed without pause.
+        held between them. Without one the law is computed without pause.
+    delay : float
+        Computing delay [s], from a sample to when its command takes effect; it needs a sample
+        rate, of which it need not be a whole number of samples.
 
     Returns
     -------
@@ -78,17 +83,19 @@ def fly(
     ------
     InputError
         For batches, limits that are not positive, a wind that never ends, times long after the
-        flight is lost, a sample rate too slow for the actuator, noise or a rate limit that need a
-        sample rate, and a law that looks at the deflection where it has neither an actuator nor a
-        sample before it.
+        flight is lost, a sample rate too slow for the actuator, noise, a delay or a rate limit
+        that need a sample rate, and a law that looks at the deflection where it has neither an
+        actuator nor a sample before it.
 
     Notes
     -----
     Without pause, the knots of the wind, the limit, the switches of the law, and the rate limit and
     the stop of an actuator are hit by the solver, which runs anew from each to the next, however
     short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to 1e-8
-    with a law that leans; a flight that is nearly lost multiplies both. With a sample rate every
-    step is exact. Either way a late gust is never missed.
+    with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a step
+    is exact in which the nozzle meets no limit; in one in which its rate or its stop bounds it the
+    deflection goes evenly from where it begins to where it ends, which is exact while it stays
+    bounded. Either way a late gust is never missed.
 
     Examples
     --------
@@ -107,10 +114,13 @@ def fly(
     start = float(wind.onset)
     check_span(start, float(times.max()))
     if sample_rate is None:
+        if delay:
+            raise InputError("a delay belongs to samples; give a sample_rate")
         rows = _continuous(plant, law, wind, times, (limit, most), actuator, start)
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
-        rows = _sampled(plant, law, wind, times, limit, Nozzle(actuator, most, length), start)
+        late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
+        rows = _sampled(plant, law, wind, times, (limit, most), actuator, length, late)
     return _response(plant, wind, times, rows)
 
 
@@ -138,38 +148,22 @@ def _sampled(
     law: Law,
     wind: History,
     times: FloatArray,
-    limit: float,
-    nozzle: Nozzle,
-    start: float,
+    limits: tuple[float, float],
+    actuator: Actuator | None,
+    length: float,
+    delay: float,
 ) -> FloatArray:
-    last = max(float(times.max()), start) + nozzle.length
-    made = steps(plant, wind, start, last, nozzle.length)
-    sampler = Sampler(law, made, nozzle)
-    flights = at_rest(law, made, nozzle, np.array([limit]))
-    every = [flights]
-    for time, one in zip(made.times[1:], sampler.each(flights, 0, len(made.gusts)), strict=True):
-        check_not_lost(float(time), one.airframe)
-        every.append(one)
-    x = np.stack([one.airframe[:, 0] for one in every])
-    servo = np.clip([one.servo[0, 0] for one in every], -limit, limit)
-    k = np.maximum(np.searchsorted(made.times, times, side="right") - 1, 0)
-    first = servo[k + 1] if nozzle.jumps else servo[k]
-    slope = (servo[k + 1] - first) / nozzle.length
-    A, inputs, _, _ = plant.matrices()
-    n = len(A)
-    held_and_ramp = np.column_stack([inputs[:, 0], np.zeros(n)])
-    matrix = driven(A, held_and_ramp, np.eye(2, k=1))
-    u = np.maximum(times - made.times[k], 0.0)
-    grown = exponentials(matrix, u)
-    begun = np.concatenate([x[k], first[:, np.newaxis], slope[:, np.newaxis]], axis=1)
-    rows = np.zeros((n + 1, times.size))
-    rows[:n] = np.einsum("mij,mj->im", grown[:, :n], begun)
-    for i, (j, t) in enumerate(zip(k, times, strict=True)):
-        if t > made.times[j]:
-            edges = np.array([made.times[j], t])
-            rows[:n, i] += gust_steps(A, inputs[:, 1], wind, edges)[0]
-    rows[n] = first + slope * u
-    return np.where(times < start, 0.0, rows)
+    start, last = float(wind.onset), float(times.max())
+    check_samples(max(last - start, 0.0), length)
+    check_pace(plant, length)
+    laws = law_batch(law, ())
+    until = max(last, start) + length
+    numbers = (np.asarray(one) for one in (*limits, length, delay))
+    limit, most, step, late = numbers
+    batch = Batch(plant, wind, laws, limit, most, actuator, step, late, until, ())
+    f = flown(batch, track=True)
+    check_track(f, len(plant.states))
+    return between_samples(f, plant, actuator, wind, times)
 
 
 def _response(plant: Plant, wind: History, times: FloatArray, rows: FloatArray) -> TimeResponseData:

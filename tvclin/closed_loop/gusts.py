@@ -28,9 +28,9 @@ def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
     batch = pieces.batch or (1,)
     pieces = spread(pieces, batch)
     size = int(np.prod(batch))
-    knots = pieces.knots.reshape(size, -1)
+    knots = pieces.knots.reshape(size, pieces.knots.shape[-1])
     c = pieces.coefficients.reshape(size, *pieces.coefficients.shape[-3:])
-    rates = pieces.rates.reshape(size, -1)
+    rates = pieces.rates.reshape(size, pieces.rates.shape[-1])
     if not np.any(rates):
         return knots.copy(), np.real(c.sum(axis=-2)).astype(float)
     edges = _cut(knots, np.abs(rates).max(axis=-1))

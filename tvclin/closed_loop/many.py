@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.autopilot import Actuator
 from tvclin.cards import Row, card
-from tvclin.closed_loop.checks import FASTEST, check_sample_rate, check_samples, check_span, paces
-from tvclin.closed_loop.fates import judging_rows
-from tvclin.closed_loop.gusts import polynomial_pieces
-from tvclin.closed_loop.law_rows import LawRows, law_batch, law_rows
-from tvclin.closed_loop.step_matrices import sampled_steps
+from tvclin.closed_loop.checks import (
+    FASTEST,
+    check_delays,
+    check_sample_rates,
+    check_samples,
+    check_span,
+    paces,
+)
+from tvclin.closed_loop.fates import decidable
+from tvclin.closed_loop.law_batch import law_batch, shape_of
+from tvclin.closed_loop.sampled import Batch, flown
+from tvclin.coefficients import Coefficients
 from tvclin.errors import (
     LATEST,
-    InputError,
     between,
     broadcast,
     instance,
@@ -26,37 +33,31 @@ from tvclin.errors import (
     numbers,
     positive,
 )
-from tvclin.histories import History
-from tvclin.kernels import flight_table as table
-from tvclin.kernels.arcs import linear_flights
-from tvclin.kernels.flight_table import FlightTable
-from tvclin.kernels.leaning_flights import leaning_flights
-from tvclin.kernels.sampled_flights import sampled_flights
+from tvclin.histories import History, Piecewise
+from tvclin.kernels import pieces
+from tvclin.kernels.flights import Flights
 from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
-STATUS = ("undecided", "survived", "lost", "no flight")
+UNDECIDED, SURVIVED, LOST, NO_FLIGHT = STATUS = ("undecided", "survived", "lost", "no flight")
 _WIDEST = 1e9
 """A limit of so many radians, or more, is none."""
-_ACCURACIES = (1e-11, 1e-4)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownCases:
     """What came of many flights, each field in the shape of the batch.
 
-    With a sample rate the largest values are those at samples, and rates are means over a step;
-    without one they are those of the whole flight. All are sizes, and NaN where there was no
-    flight.
+    The largest values are those at samples, and rates of the nozzle are means over a step. All
+    are sizes, and NaN where there was no flight.
 
     Attributes
     ----------
     peak_attitude, peak_attitude_rate : ndarray
         Largest attitude [rad] and attitude rate [rad/s].
     peak_deflection, peak_deflection_rate : ndarray
-        Largest deflection [rad], and rate of the nozzle [rad/s]; without an actuator the jumps of
-        the deflection do not count.
+        Largest deflection [rad], and rate of the nozzle [rad/s].
     peak_angle_of_attack : ndarray
         Largest angle of attack [rad].
     final_attitude : ndarray
@@ -107,9 +108,9 @@ def fly_many(
     deflection_limit: ArrayLike,
     rate_limit: ArrayLike = np.inf,
     actuator: Actuator | None = None,
-    sample_rate: float | None = None,
+    sample_rate: ArrayLike,
+    delay: ArrayLike = 0.0,
     until: float | None = None,
-    accuracy: float = table.TOLERANCE,
 ) -> FlownCases:
     """Return what comes of many flights of laws with limits, each from rest.
 
@@ -121,25 +122,21 @@ def fly_many(
     plant : Plant
         One plant or a batch.
     law : Law, array of Law, or Autopilot
-        The laws of this package; an `Autopilot` with a batch of gains stands for a `SaturatedLaw`
-        of each.
+        An `Autopilot` with a batch of gains stands for a `SaturatedLaw` of each.
     wind : History
         One wind or a batch; each must end.
     deflection_limit, rate_limit : array_like
-        Largest deflection [rad] and deflection rate [rad/s], positive. A rate limit needs an
-        actuator or a sample rate.
+        Largest deflection [rad] and deflection rate [rad/s], positive.
     actuator : Actuator, optional
         One or a batch. Without one the deflection follows its command at once.
-    sample_rate : float, optional
-        Samples of the laws in a second [Hz], as of `fly`. Without one they are computed without
-        pause.
+    sample_rate : array_like
+        Samples of the laws in a second [Hz], the first at the onset of the wind, as of `fly`.
+    delay : array_like
+        Computing delay [s], from a sample to when its command takes effect; any, not only whole
+        samples.
     until : float, optional
         When the flights end [s]. Without it each ends when it is lost or saved, which needs one
-        or two real unstable poles. Flights of gains and of a dead band without pause are judged
-        at their end; others as soon as they are lost or saved, though they go on.
-    accuracy : float, optional
-        What a step of a flight without pause may leave off of the attitude, over the peak of the
-        wind or over a larger attitude, 1e-11 to 1e-4; see the notes.
+        or two real unstable poles.
 
     Returns
     -------
@@ -152,18 +149,16 @@ def fly_many(
     Raises
     ------
     InputError
-        For shapes that do not broadcast, laws that `fly` alone can fly, a single limit that is
-        not positive, a sample rate too slow for the actuator, noise or a rate limit that need
-        a sample rate, and an accuracy out of its range.
+        For shapes that do not broadcast, a single limit that is not positive, a delay below zero,
+        and a sample rate too slow for the actuator.
 
     Notes
     -----
-    With a sample rate every step is exact. Without one the flight is a chain of Taylor series
-    from limit to limit and from knot to knot, to about 1e-8 of the largest attitude, and 1e-5 of
-    the largest rate of a nozzle. With an `accuracy` of 2e-7 it takes about a tenth less
-    time, to 5e-7 of the attitude and 5e-4 of the rate; a flight that is nearly lost multiplies
-    both. A recoverable-attitude law is integrated in fixed steps instead, whatever the accuracy,
-    to about 1e-6, and 1e-5 with a nozzle that is often at its rate limit.
+    A step is exact, the wind with all its knots included, in which the nozzle meets no limit.
+    In one in which its rate or its stop bounds it the deflection goes evenly from where it begins
+    to where it ends, which is exact while it stays bounded. Laws of the package are compiled
+    (extra `fast`); without numba a second of flight at 100 Hz takes some milliseconds. A law
+    written in Python is asked at every sample for all its flights at once.
 
     Examples
     --------
@@ -171,7 +166,8 @@ def fly_many(
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
     >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)
     >>> limits = np.array([0.6, 0.68, 0.7, 0.9]) * 0.01
-    >>> flown = tv.fly_many(plant, tv.TrimLaw(plant), wind, deflection_limit=limits)
+    >>> flown = tv.fly_many(plant, tv.TrimLaw(plant), wind, deflection_limit=limits,
+    ...                     sample_rate=100.0)
     >>> flown.status.tolist()
     ['lost', 'lost', 'survived', 'survived']
     """
@@ -179,64 +175,87 @@ def fly_many(
     instance("wind", wind, History, "such as TriangularWind")
     limits = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
     limit, most = (_limit(name, value) for name, value in limits.items())
-    if actuator is not None:
-        instance("actuator", actuator, Actuator, "see Actuator")
+    rate = check_sample_rates(sample_rate, actuator)
+    late = check_delays(delay, 1.0 / rate)
     shape = broadcast(
         plant=plant.batch,
-        law=law_batch(law),
+        law=shape_of(law),
         wind=wind.batch,
         deflection_limit=limit.shape,
         rate_limit=most.shape,
         actuator=() if actuator is None else actuator.batch,
+        sample_rate=rate.shape,
+        delay=late.shape,
     )
-    laws = law_rows(law, shape)
+    laws = law_batch(law, shape)
     stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
     if until is not None:
-        check_span(float(np.min(wind.onset, initial=stop)), stop)
-    exact = number("accuracy", accuracy, between(*_ACCURACIES))
-    flights, good = _table(plant, laws, wind, (limit, most), actuator, stop, exact, shape)
-    length = np.nan
-    if sample_rate is not None:
-        length = 1.0 / _sample_rate(sample_rate, actuator)
-        good &= np.broadcast_to(paces(plant) * length <= FASTEST, shape).ravel()
-        if until is not None:
-            check_samples(stop - float(np.min(wind.onset, initial=stop)), length)
-    out = np.full((table.RESULTS, good.size), np.nan)
-    if np.any(good):
-        some = flights.take(good)
-        if sample_rate is None:
-            _check_continuous(laws, most, actuator)
-            out[:, good] = _continuous(some)
-        else:
-            steps = sampled_steps(plant, laws, actuator, some, shape, good, length)
-            out[:, good] = sampled_flights(some, steps)
-    return _flown_cases(out, good, shape)
+        span = stop - float(np.min(wind.onset, initial=stop))
+        check_span(0.0, span)
+        check_samples(span, 1.0 / float(rate.max()))
+    limit, most = (np.broadcast_to(a, shape) for a in (limit, most))
+    good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(wind.end)
+    good &= paces(plant) <= FASTEST * rate
+    good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
+    batch = Batch(plant, wind, laws, limit, most, actuator, 1.0 / rate, late, stop, shape)
+    if not np.all(good):
+        batch = _only(batch, good)
+    return _flown_cases(flown(batch), good)
 
 
-def _flown_cases(out: FloatArray, good: NDArray[np.bool_], shape: tuple[int, ...]) -> FlownCases:
-    fate = np.where(good, np.nan_to_num(out[table.FATE], nan=0.0), len(STATUS) - 1).astype(int)
-    return FlownCases(
-        peak_attitude=out[table.PEAK_ATTITUDE].reshape(shape),
-        peak_attitude_rate=out[table.PEAK_RATE].reshape(shape),
-        peak_deflection=out[table.PEAK_DEFLECTION].reshape(shape),
-        peak_deflection_rate=out[table.PEAK_DEFLECTION_RATE].reshape(shape),
-        peak_angle_of_attack=out[table.PEAK_ALPHA].reshape(shape),
-        final_attitude=out[table.FINAL_ATTITUDE].reshape(shape),
-        end_time=out[table.ENDED].reshape(shape),
-        saturated_time_fraction=out[table.SATURATED].reshape(shape),
-        status=np.array(STATUS)[fate].reshape(shape),
+def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
+    """The flights of a batch that can be flown, in a row."""
+    where = np.flatnonzero(good)
+    shape = good.shape
+    some = partial(_some, shape=shape, where=where)
+    fields = Coefficients.__dataclass_fields__
+    coefficients = Coefficients(
+        **{name: some(getattr(batch.plant.coefficients, name)) for name in fields}
+    )
+    actuator = batch.actuator
+    if actuator is not None:
+        damping = None if actuator.damping is None else some(actuator.damping)
+        actuator = Actuator(natural_frequency=some(actuator.natural_frequency), damping=damping)
+    wind = Piecewise(pieces.take(pieces.spread(batch.wind.pieces, shape), where))
+    laws = replace(batch.laws, which=batch.laws.which[where])
+    return Batch(
+        plant=Plant(coefficients, batch.plant.model),
+        wind=wind,
+        laws=laws,
+        limit=some(batch.limit),
+        rate_limit=some(batch.rate_limit),
+        actuator=actuator,
+        length=some(batch.length),
+        delay=some(batch.delay),
+        until=batch.until,
+        shape=where.shape,
     )
 
 
-def _continuous(flights: FlightTable) -> FloatArray:
-    leans = flights.rows[table.LEAN] != 0.0
-    if not np.any(leans):
-        return linear_flights(flights)
-    out = np.zeros((table.RESULTS, leans.size))
-    for kind, fly in ((leans, leaning_flights), (~leans, linear_flights)):
-        if np.any(kind):
-            out[:, kind] = fly(flights.take(kind))
-    return out
+def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> FloatArray:
+    return np.broadcast_to(array, shape).ravel()[where]
+
+
+def _flown_cases(f: Flights, good: NDArray[np.bool_]) -> FlownCases:
+    def whole(values: FloatArray) -> FloatArray:
+        found = np.full(good.shape, np.nan)
+        found[good] = values
+        return found
+
+    h = f.lengths[f.vehicle, 0]
+    fate = np.full(good.shape, len(STATUS) - 1)
+    fate[good] = f.fate
+    return FlownCases(
+        peak_attitude=whole(f.tops[:, 0]),
+        peak_attitude_rate=whole(f.tops[:, 1]),
+        peak_deflection=whole(f.tops[:, 2]),
+        peak_deflection_rate=whole(f.tops[:, 3]),
+        peak_angle_of_attack=whole(f.tops[:, 4]),
+        final_attitude=whole(f.y[:, 0]),
+        end_time=whole(f.start + f.ended * h),
+        saturated_time_fraction=whole(f.tops[:, 5] / np.maximum(f.ended, 1)),
+        status=np.array(STATUS)[fate],
+    )
 
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
@@ -245,77 +264,3 @@ def _limit(name: str, value: ArrayLike) -> FloatArray:
     if array.ndim or (name == "rate_limit" and array == np.inf):
         return array
     return positive(name, value)
-
-
-def _sample_rate(rate: float, actuator: Actuator | None) -> float:
-    if actuator is None or not actuator.batch:
-        return check_sample_rate(rate, actuator)
-    fastest = Actuator(natural_frequency=float(np.max(actuator.natural_frequency)))
-    return check_sample_rate(rate, fastest)
-
-
-def _check_continuous(laws: LawRows, most: FloatArray, actuator: Actuator | None) -> None:
-    if any(level for level, _ in laws.noise):
-        raise InputError("noise belongs to samples; give a sample_rate")
-    if actuator is None and np.any(most < np.inf):
-        raise InputError("a rate_limit needs an actuator or a sample_rate")
-
-
-def _table(
-    plant: Plant,
-    laws: LawRows,
-    wind: History,
-    limits: tuple[FloatArray, FloatArray],
-    actuator: Actuator | None,
-    stop: float,
-    accuracy: float,
-    shape: tuple[int, ...],
-) -> tuple[FlightTable, NDArray[np.bool_]]:
-    """The table of all flights, and which of them can be flown."""
-    rows = laws.rows
-    limit, most = (np.broadcast_to(a, shape).ravel() for a in limits)
-    limit = np.minimum(limit, _WIDEST)
-    order = _plant_rows(rows, plant, shape)
-    for row, judged in enumerate(judging_rows(plant), start=table.FAST):
-        rows[row] = np.broadcast_to(judged, shape).ravel()
-    rows[table.LIMIT], rows[table.RATE_LIMIT] = limit, most
-    for row in (table.ENGAGE, table.RELEASE, table.REACH):
-        rows[row] *= limit
-    servo = 0
-    if actuator is not None:
-        terms = actuator.denominator
-        servo = terms.shape[-1] - 1
-        rows[table.STIFFNESS] = np.broadcast_to(terms[..., -1], shape).ravel()
-        rows[table.DRAG] = np.broadcast_to(terms[..., -2], shape).ravel() if servo > 1 else 0.0
-    knots, gust = polynomial_pieces(wind)
-    which = np.arange(len(knots)).reshape(wind.batch)
-    which = np.broadcast_to(which, shape).ravel().astype(np.int64)
-    rows[table.START] = np.broadcast_to(wind.onset, shape).ravel()
-    rows[table.END] = np.broadcast_to(wind.end, shape).ravel()
-    rows[table.UNTIL] = stop
-    size = np.abs(np.ascontiguousarray(gust[..., 0].T)).max(axis=0)[which]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rows[table.SCALE] = 1.0 / size
-        held = table.LARGE * np.abs(rows[table.GUST] / rows[table.MOMENT]) * size
-        rows[table.SERVO_SCALE] = 1.0 / np.where(held > 0.0, np.minimum(limit, held), limit)
-    rows[table.ACCURACY] = accuracy
-    good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(rows[table.END])
-    good &= ~np.isnan(rows[table.REACH]) | (stop < np.inf)
-    return FlightTable(rows, order, servo, knots, gust, which, laws.free, laws.driven), good
-
-
-def _plant_rows(rows: FloatArray, plant: Plant, shape: tuple[int, ...]) -> int:
-    """Fill the rows of the plants; return their order."""
-    A, inputs, _, _ = plant.matrices()
-    order = A.shape[-1]
-    entries = {table.MU: A[..., 1, 0], table.MOMENT: inputs[..., 1, 0]}
-    entries[table.GUST] = inputs[..., 1, 1]
-    if order > 2:
-        entries |= {table.MU_PATH: A[..., 1, 2], table.PATH_ATTITUDE: A[..., 2, 0]}
-        entries |= {table.PATH_PATH: A[..., 2, 2], table.PATH_DEFLECTION: inputs[..., 2, 0]}
-        entries[table.PATH_GUST] = inputs[..., 2, 1]
-    if order > 3:
-        entries |= {table.PATH_SPEED: A[..., 2, 3], table.SPEED_PATH: A[..., 3, 2]}
-    for row, entry in entries.items():
-        rows[row] = np.broadcast_to(entry, shape).ravel()
-    return order

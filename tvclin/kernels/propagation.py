@@ -20,6 +20,8 @@ from tvclin.kernels.pieces import Pieces, locate, moved
 
 FloatArray = NDArray[np.float64]
 
+_BATCH = 3
+"""Axes of many matrices."""
 _SMALL, _TERMS = 0.5, 14
 """0.5^15/15! is below 1e-16: the series of an exponent of that size ends after so many terms."""
 
@@ -110,22 +112,31 @@ def inputs_at(pieces: Pieces, times: FloatArray) -> NDArray[Any]:
 
 
 def exponentials(matrix: NDArray[Any], steps: FloatArray) -> NDArray[Any]:
-    """Return e^(matrix step) for each of the steps ``(m,)``, shape ``(m, n, n)``.
+    """Return e^(matrix step) of one matrix for each of the steps ``(m,)``, or of each with its own.
 
-    By Taylor series, scaling and squaring of the balanced matrix, each step with as many
-    squarings as it needs: what it gives does not depend on the others. What is beyond
-    all numbers is infinite or NaN.
+    By Taylor series, scaling and squaring, each with as many squarings as it needs: what it
+    gives does not depend on the others. One matrix is balanced first. What is beyond all numbers
+    is infinite or NaN.
+
+    Parameters
+    ----------
+    matrix : ndarray
+        ``(n, n)`` or ``(m, n, n)``.
+    steps : ndarray
+        ``(m,)``.
     """
     from scipy.linalg import matrix_balance  # late: it takes 0.1 s to import
 
     if not matrix.size:
-        return np.zeros((len(steps), *matrix.shape))
-    matrix, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
-    size = float(np.abs(matrix).sum(axis=0).max(initial=0.0))
+        return np.zeros((len(steps), *matrix.shape[-2:]))
+    scale = np.ones(matrix.shape[-1])
+    if matrix.ndim < _BATCH:
+        matrix, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
+    size = np.abs(matrix).sum(axis=-2).max(axis=-1)
     # x = f 2^e with f in [0.5, 1): e squarings take a size of x times _SMALL below _SMALL.
     squarings = np.maximum(np.frexp(size * np.abs(steps) / _SMALL)[1], 0)
     scaled = matrix * np.ldexp(steps, -squarings)[:, np.newaxis, np.newaxis]
-    unit = np.eye(len(matrix))
+    unit = np.eye(matrix.shape[-1])
     result = np.broadcast_to(unit, scaled.shape)
     for k in range(_TERMS, 0, -1):
         result = unit + scaled @ result / k

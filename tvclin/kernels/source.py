@@ -4,8 +4,8 @@ A function that is marked with `kernel` stays what it is. `machine_code` compile
 (extra `fast`), and with it the marked functions that it calls, which it finds by their names.
 Products and sums are not fused, so both give the same bits but for the last digit of
 exponentials, on any processor. A kernel is written so that both can run it: numbers, tuples of
-numbers and arrays; loops and branches; no arrays made in a loop; exponents kept in bounds, since
-Python's `math` raises where machine code goes to infinity.
+numbers and arrays; loops and branches; no new arrays, which Python brings; exponents kept in
+bounds, since Python's `math` raises where machine code goes to infinity.
 """
 
 from collections.abc import Callable
@@ -17,14 +17,25 @@ from typing import Any, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 
 _marked: set[Callable[..., Any]] = set()
-_OPTIONS: Any = {"nogil": True, "error_model": "numpy"}
-"""Other threads run beside; a division by zero is numpy's."""
+_inlined: set[Callable[..., Any]] = set()
+_OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False}
+"""Other threads run beside; a division by zero is numpy's; nobody counts who holds an array."""
 
 
 def kernel(function: F) -> F:
     """Mark a function that `machine_code` can compile; it is left as it is."""
     _marked.add(function)
     return function
+
+
+def inlined(function: F) -> F:
+    """Mark a function as `kernel` does, to be compiled into each that calls it.
+
+    For what is called in an inner loop with many arrays, which take longer to hand over than what
+    is done with them.
+    """
+    _inlined.add(function)
+    return kernel(function)
 
 
 @cache
@@ -48,7 +59,8 @@ def machine_code_within(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a kernel compiled for others to call; its code is kept with theirs."""
     import numba
 
-    return numba.njit(**_OPTIONS)(_linked(function, function.__name__, machine_code_within))
+    options = _OPTIONS | {"forceinline": function in _inlined}
+    return numba.njit(**options)(_linked(function, function.__name__, machine_code_within))
 
 
 def _linked(

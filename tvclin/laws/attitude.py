@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tvclin.autopilot import Autopilot
 from tvclin.errors import InputError, instance, single
+from tvclin.kernels.control_laws import LawNumbers
 from tvclin.laws.law import Law, Seen
 
 FloatArray = NDArray[np.float64]
@@ -22,7 +23,7 @@ class SaturatedLaw(Law):
     Parameters
     ----------
     autopilot : Autopilot
-        One, for its gains; the actuator is given to the flight, and a delay is not flown.
+        One, for its gains; actuator and delay are given to the flight.
 
     Raises
     ------
@@ -36,9 +37,7 @@ class SaturatedLaw(Law):
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
         single("autopilot", self.autopilot.batch)
         if self.autopilot.actuator is not None or self.autopilot.delay:
-            raise InputError(
-                "a SaturatedLaw takes gains only: give the actuator to fly(), and no delay"
-            )
+            raise InputError("a SaturatedLaw takes gains only: give actuator and delay to fly()")
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
@@ -46,6 +45,17 @@ class SaturatedLaw(Law):
         if not self.autopilot.integral_gain:
             return super().states
         return np.zeros((1, 1)), np.eye(1, 5)
+
+    @property
+    def numbers(self) -> LawNumbers:
+        """The gains."""
+        gains = self.autopilot
+        return LawNumbers(
+            attitude=float(gains.attitude_gain),
+            attitude_rate=float(gains.rate_gain),
+            angle_of_attack=float(gains.alpha_gain),
+            first_state=float(gains.integral_gain),
+        )
 
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return a0 theta + a1 theta' + b0 alpha + aI * integral of theta [rad]."""

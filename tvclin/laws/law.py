@@ -7,7 +7,6 @@ holds no memory itself: states are handed to it, so that one law flies a thousan
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import InputError
+from tvclin.kernels.control_laws import LawNumbers
 from tvclin.plant import Plant
 from tvclin.recoverable import UnstableCoordinates, unstable_coordinates
 
@@ -58,6 +58,11 @@ class Law(ABC):
         """Noise of the measured attitude rate [rad/s rms for each sample], and its seed."""
         return 0.0, 0
 
+    @property
+    def numbers(self) -> LawNumbers | None:
+        """The law as numbers, for compiled flights; None for a law that only Python can ask."""
+        return None
+
     @abstractmethod
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return the deflection asked for [rad], without limit.
@@ -91,8 +96,3 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
             ' "drift-exact"'
         )
     return replace(modes, rows=modes.rows[:, :_SHOWN])
-
-
-def coordinate(row: Iterable[float], attitude: Any, rate: Any, path: Any) -> Any:
-    """Return the coordinate [rad] of one mode, its row being one of `seen_coordinates`."""
-    return sum(c * m for c, m in zip(row, (attitude, rate, path), strict=False))

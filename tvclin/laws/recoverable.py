@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import between, finite, instance, nonnegative, number, positive
-from tvclin.kernels.flight_table import EDGE, FAST_FIRST, HEADROOM, SLOW_LOOP
+from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.laws.estimator import WindEstimator
-from tvclin.laws.law import Law, Seen, coordinate, seen_coordinates
+from tvclin.laws.law import Law, Seen, seen_coordinates
 from tvclin.plant import Plant
-from tvclin.recoverable import UnstableCoordinates, larger, smaller
 
 FloatArray = NDArray[np.float64]
 
@@ -106,49 +105,36 @@ class RecoverableAttitudeLaw(Law):
         gyro = self.estimator
         return super().rate_noise if gyro is None else (gyro.rate_noise, gyro.seed)
 
+    @cached_property
+    def numbers(self) -> LawNumbers:
+        """The lean, as numbers."""
+        modes = seen_coordinates(self.plant)
+        fast, slow = ([*row.tolist(), 0.0][:3] for row in (modes.rows[0], modes.rows[-1]))
+        slow = slow if modes.ratio else [0.0, 0.0, 0.0]
+        return LawNumbers(
+            leans=True,
+            fast_attitude=fast[0],
+            fast_rate=fast[1],
+            fast_path=fast[2],
+            slow_attitude=slow[0],
+            slow_rate=slow[1],
+            slow_path=slow[2],
+            ratio=modes.ratio,
+            wind=float(modes.wind[0]),
+            B=float(self.plant.coefficients.B),
+            reach=self.reach,
+            gain=self.gain,
+            peak=np.inf if self.design_peak is None else self.design_peak,
+            trust=self.trust,
+            dead_band=self.dead_band,
+            estimates=self.estimator is not None,
+        )
+
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return the deflection asked for [rad]."""
-        B, rows, (strength, *_) = self._numbers
-        rate, wind = seen.attitude_rate, seen.attitude - seen.angle_of_attack
-        if self.estimator is not None:
-            rate, wind = states.tolist() if states.ndim == 1 else states
-        wind = wind - seen.flight_path_angle
-        size = larger(abs(wind) - self.dead_band, 0.0)
-        felt = strength * _where(wind < 0.0, -size, size)
-        z = [coordinate(row, seen.attitude, rate, seen.flight_path_angle) for row in rows]
-        lean = self._lean(z, felt, size, limit / abs(B))
-        return B * (z[0] - felt + self.gain * (z[0] - lean))
-
-    def _lean(self, z: list[Any], felt: Any, wind: Any, D: Any) -> Any:
-        """Z: the lean [rad] that the wind, the recoverable set and the design wind allow."""
-        most = reach = self.reach * D
-        if self.design_peak is not None:
-            largest = larger(self.design_peak, HEADROOM * wind)
-            asked = self._numbers[2][0] * largest - self.trust * D
-            most = smaller(reach, larger(asked, 0.0))
-        slow = SLOW_LOOP * z[1] if len(z) > 1 else 0.0
-        lean = smaller(most + larger(slow, 0.0), felt + slow)
-        lean = larger(lean, smaller(slow, 0.0) - most)
-        spare = FAST_FIRST * D
-        lean = _where(felt > 0.0, larger(lean, felt - spare), lean)
-        lean = _where(felt < 0.0, smaller(lean, felt + spare), lean)
-        bounded = smaller(larger(z[1], -EDGE * reach), EDGE * reach) if len(z) > 1 else 0.0
-        low, high = self._modes.fast_range(bounded, reach)
-        return smaller(larger(lean, low), high)
-
-    @cached_property
-    def _modes(self) -> UnstableCoordinates:
-        return seen_coordinates(self.plant)
-
-    @cached_property
-    def _numbers(self) -> tuple[float, list[list[float]], list[float]]:
-        """B, the rows of z, and the strengths of the wind: plain, for the innermost loop."""
-        modes = self._modes
-        return float(self.plant.coefficients.B), modes.rows.tolist(), modes.wind.tolist()
-
-
-def _where(condition: Any, this: Any, that: Any) -> Any:
-    """One of two, elementwise; of floats without numpy, which takes longer."""
-    if isinstance(condition, bool):
-        return this if condition else that
-    return np.where(condition, this, that)
+        shape = np.broadcast_shapes(*(np.shape(one) for one in (*seen[:4], limit)))
+        if not shape and states.ndim == 1:
+            return asked(self.numbers, seen, states.tolist(), limit)
+        rows = (np.broadcast_to(one, shape).ravel().tolist() for one in (*seen[:4], *states, limit))
+        each = [asked(self.numbers, one[:4], one[4:-1], one[-1]) for one in zip(*rows, strict=True)]
+        return np.array(each).reshape(shape)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.errors import between, nonnegative, number
+from tvclin.kernels.control_laws import LawNumbers
 from tvclin.laws.law import Law, Seen, seen_coordinates
 from tvclin.plant import Plant
 
@@ -48,6 +49,19 @@ class TrimLaw(Law):
     def __post_init__(self) -> None:
         seen_coordinates(self.plant)
         object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
+
+    @property
+    def numbers(self) -> LawNumbers:
+        """B (alpha + gain z), and when the whole limit is commanded."""
+        B, (attitude, rate, path) = self._numbers
+        return LawNumbers(
+            attitude=B * self.gain * attitude,
+            attitude_rate=B * self.gain * rate,
+            flight_path_angle=B * self.gain * path,
+            angle_of_attack=B,
+            engage=self.engage,
+            release=self.release,
+        )
 
     def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
         """Return the trim deflection and the attitude feedback [rad]."""

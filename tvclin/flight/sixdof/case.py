@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.closed_loop.airframe import Nozzle
 from tvclin.closed_loop.checks import check_span
 from tvclin.coefficients import PLANES, Coefficients
 from tvclin.errors import (
@@ -27,6 +26,7 @@ from tvclin.flight.door import check_one
 from tvclin.flight.sixdof.airframe import Place, borrowed
 from tvclin.flight.sixdof.departure import Course, course_of
 from tvclin.flight.sixdof.earth import Earth
+from tvclin.flight.sixdof.nozzle import Nozzle
 from tvclin.flight.sixdof.steering import Steering, TrimThenHold, by_history, by_law, step_means
 from tvclin.histories import History
 from tvclin.laws import TrimLaw

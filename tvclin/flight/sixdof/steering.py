@@ -12,8 +12,8 @@ from math import copysign
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.closed_loop.airframe import Nozzle
 from tvclin.flight.control import ONSET
+from tvclin.flight.sixdof.nozzle import Nozzle
 from tvclin.histories import History
 from tvclin.kernels.propagation import driven, exponentials
 from tvclin.laws import Law, Seen, TrimLaw

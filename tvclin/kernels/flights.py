@@ -1,0 +1,410 @@
+"""Flights of laws that are computed at a sample rate, each stepped exactly from sample to sample.
+
+The element is any linear system. From one sample to the next its states y, those of the vehicle
+and then those of the nozzle, the command c, and the wind as a polynomial w0 + w1 u + ... about
+the start of the step make
+
+    y <- J [y, c, w0, w1, ...],
+
+which is exact while the nozzle meets no limit. In a step in which its rate or its stop bounds it,
+the deflection goes evenly from where it begins to where it ends. A command that takes effect
+between two samples, by a computing delay, parts each step in two.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.kernels.control_laws import asked, slow_ends, switched
+from tvclin.kernels.source import inlined, kernel
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+UNDECIDED, SURVIVED, LOST = range(3)
+"""What became of a flight."""
+SETTLED = 0.3
+"""Saved: every unstable coordinate is below this part of the reach for a while."""
+LOOK = 8
+"""Samples between two looks at a flight."""
+TOPS = 6
+"""Largest attitude, its rate, deflection, its rate, angle of attack; and samples at the limit."""
+NEVER = 1 << 60
+"""Samples of a flight that ends when it is decided."""
+_BEYOND = 1.0 + 1e-9
+"""Over the stop: a nozzle that rests on it is not told apart from one that is just leaving."""
+_TERMS = 24
+"""Of the series of a wind that begins within a step."""
+
+
+class Flights(NamedTuple):
+    """A batch of m flights of p vehicles, with N states of which n are the vehicle's.
+
+    Attributes
+    ----------
+    vehicle, wind, law : ndarray of int
+        Those of each flight, ``(m,)``.
+    joint : ndarray
+        J of each part of a step, the part after the delay first, ``(p, parts, N, N + 1 + terms)``.
+    ramp : ndarray
+        What the deflection at both ends of a part does to the vehicle, ``(p, parts, n, 2)``.
+    lengths : ndarray
+        Of a step, and of its parts [s], ``(p, 1 + parts)``.
+    quick : ndarray
+        What a nozzle of first order would move in a part with the rate it begins with, over the way
+        that is left; infinite without one, zero for one of second order, ``(p, parts)``.
+    late : ndarray of int
+        Whole samples by which a command is late, ``(p,)``.
+    shown : ndarray
+        Attitude, rate, flight path angle and angle of attack of the states and of the wind,
+        ``(p, 4, n + 1)``.
+    A, gust : ndarray
+        Of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and ``(p, n)``.
+    judges : ndarray
+        Rows of the fast and of the slow unstable coordinate, ``(p, 2, n)``.
+    reach, ratio : ndarray
+        Of the coordinates over the deflection limit, NaN where nothing judges; and of their
+        poles, ``(p,)``.
+    knots, pieces : ndarray
+        Of the winds [s], ``(w, k)``, and their polynomials, lowest power first,
+        ``(w, k, terms)``.
+    laws : sequence of LawNumbers
+        Or an array with their fields; `law` says whose.
+    own, driven : ndarray
+        What a step makes of the states of a law and of what it sees, ``(l, s, s)``, ``(l, s, 5)``;
+        one for each flight, or one for all.
+    limit, rate_limit : ndarray
+        Of the deflection, ``(m,)``.
+    start : ndarray
+        When flights begin [s], ``(m,)``.
+    finish, ends, patience, calm : ndarray of int
+        Samples: of a flight that has an end, up to the end of the wind, after it, and in which a
+        flight must be calm to be saved, ``(m,)``.
+    noise : ndarray
+        Of the measured attitude rate [rad/s], ``(sequences, samples)``.
+    hears : ndarray of int
+        The sequence of each flight, ``(m,)``.
+    y, states, seen, here : ndarray
+        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, what is seen
+        ``(m, 5)``, and the wind about now ``(m, terms)``.
+    next, kick : ndarray
+        Room for the next states, ``(m, max(N, s))`` and ``(m, n)``.
+    commands : ndarray
+        The last ones, ``(m, largest late + parts)``.
+    mode : ndarray
+        +1 or -1 while the whole limit is commanded, ``(m,)``.
+    tops : ndarray
+        See `TOPS`, ``(m, 6)``.
+    piece, quiet, fate, ended : ndarray of int
+        The piece of the wind, samples of calm, fates, and the sample at which a flight ended or
+        -1, ``(m,)``.
+    track : ndarray
+        Of a single flight: y, command, deflection at the end and one where a limit was met, for
+        each part of each step, ``(parts * samples, N + 3)``; of no length if not asked for.
+    """
+
+    vehicle: IntArray
+    wind: IntArray
+    law: IntArray
+    joint: FloatArray
+    ramp: FloatArray
+    lengths: FloatArray
+    quick: FloatArray
+    late: IntArray
+    shown: FloatArray
+    A: FloatArray
+    gust: FloatArray
+    judges: FloatArray
+    reach: FloatArray
+    ratio: FloatArray
+    knots: FloatArray
+    pieces: FloatArray
+    laws: Any
+    own: FloatArray
+    driven: FloatArray
+    limit: FloatArray
+    rate_limit: FloatArray
+    start: FloatArray
+    finish: IntArray
+    ends: IntArray
+    patience: IntArray
+    calm: IntArray
+    noise: FloatArray
+    hears: IntArray
+    y: FloatArray
+    states: FloatArray
+    seen: FloatArray
+    here: FloatArray
+    next: FloatArray
+    kick: FloatArray
+    commands: FloatArray
+    mode: FloatArray
+    tops: FloatArray
+    piece: IntArray
+    quiet: IntArray
+    fate: IntArray
+    ended: IntArray
+    track: FloatArray
+
+
+@kernel
+def fly(f: Flights, first: int, last: int) -> None:
+    """Fly the cases from `first` up to `last`, each to its end."""
+    for i in range(first, last):
+        k = 0
+        law = f.laws[f.law[i]]
+        while looked(f, i, k):
+            stepped(
+                f, i, k, asked(law, f.seen[i], f.states[i], f.limit[i]), law.engage, law.release
+            )
+            k += 1
+
+
+@kernel
+def look(f: Flights, k: int) -> int:
+    """Look at all flights at a sample; return how many go on."""
+    some = 0
+    for i in range(f.limit.size):
+        if f.ended[i] < 0 and looked(f, i, k):
+            some += 1
+    return some
+
+
+@kernel
+def advance(
+    f: Flights, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray
+) -> None:
+    """Move all flights that go on by a sample, with what laws in Python ask for, ``(m,)``."""
+    for i in range(f.limit.size):
+        if f.ended[i] < 0:
+            stepped(f, i, k, demand[i], engage[i], release[i])
+
+
+@inlined
+def looked(f: Flights, i: int, k: int) -> bool:
+    """Write what a law is shown at a sample; return whether the flight goes on."""
+    p, tops, seen, x = f.vehicle[i], f.tops[i], f.seen[i], f.y[i]
+    n = f.A.shape[1]
+    about(f, i, f.start[i] + f.lengths[p, 0] * k)
+    for r in range(4):
+        total = f.shown[p, r, n] * f.here[i, 0]
+        for j in range(n):
+            total += f.shown[p, r, j] * x[j]
+        seen[r] = total
+    seen[4] = min(max(x[n], -f.limit[i]), f.limit[i])
+    raised(tops, 0, seen[0])
+    raised(tops, 1, seen[1])
+    raised(tops, 4, seen[3])
+    after = k - f.ends[i]
+    if after > 0 and after % LOOK == 0 and f.fate[i] != LOST:
+        judged(f, i)
+    going = f.fate[i] == UNDECIDED and after < f.patience[i]
+    if k >= f.finish[i] or (not going and f.finish[i] == NEVER):
+        f.ended[i] = k
+        return False
+    if k < f.noise.shape[1]:
+        seen[1] += f.noise[f.hears[i], k]
+    return True
+
+
+@inlined
+def raised(tops: FloatArray, row: int, value: float) -> None:
+    """Keep the largest size."""
+    tops[row] = max(tops[row], abs(value))
+
+
+@inlined
+def about(f: Flights, i: int, now: float) -> None:
+    """Write the polynomial of the wind about a time in its piece."""
+    here, w, j = f.here[i], f.wind[i], f.piece[i]
+    polynomial(f.pieces, f.knots, w, j, now, here)
+
+
+@inlined
+def polynomial(
+    pieces: FloatArray, knots: FloatArray, w: int, j: int, now: float, here: FloatArray
+) -> None:
+    """Write the coefficients of a piece of a wind about a time; zeros before the first."""
+    terms = here.size
+    if j < 0:
+        for r in range(terms):
+            here[r] = 0.0
+        return
+    u = now - knots[w, j]
+    for r in range(terms):
+        here[r] = pieces[w, j, r]
+    for low in range(terms - 1):
+        for r in range(terms - 2, low - 1, -1):
+            here[r] += here[r + 1] * u
+
+
+@inlined
+def judged(f: Flights, i: int) -> None:
+    """Decide a flight after its wind, if that can be done; one that was saved may yet be lost."""
+    p, n = f.vehicle[i], f.A.shape[1]
+    reach, ratio = f.reach[p] * f.limit[i], f.ratio[p]
+    if not reach > 0.0:
+        return
+    fast, slow = 0.0, 0.0
+    for j in range(n):
+        fast += f.judges[p, 0, j] * f.y[i, j]
+        slow += f.judges[p, 1, j] * f.y[i, j]
+    recoverable = abs(fast) < reach
+    if recoverable and ratio > 0.0:
+        low, high = slow_ends(fast / reach, ratio)
+        recoverable = low * reach < slow < high * reach
+    if not recoverable:
+        f.fate[i] = LOST
+        return
+    f.quiet[i] = f.quiet[i] + LOOK if max(abs(fast), abs(slow)) < SETTLED * reach else 0
+    if f.quiet[i] >= f.calm[i]:
+        f.fate[i] = SURVIVED
+
+
+@inlined
+def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
+    """Move a flight by a sample."""
+    p, limit, seen = f.vehicle[i], f.limit[i], f.seen[i]
+    mode = switched(engage * limit, release * limit, demand, f.mode[i])
+    f.mode[i] = mode
+    command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
+    if abs(command) >= limit:
+        f.tops[i, 5] += 1.0
+    begin = f.start[i] + f.lengths[p, 0] * k
+    end = f.start[i] + f.lengths[p, 0] * (k + 1)
+    parts, ring, since = f.joint.shape[1], f.commands.shape[1], k - f.late[p]
+    now = command
+    if ring > 1:
+        f.commands[i, k % ring] = command
+        now = f.commands[i, since % ring]
+    if parts > 1:
+        middle = begin + f.lengths[p, 2]
+        moved(f, i, 1, parts * k, f.commands[i, (since - 1) % ring], begin, middle)
+        about(f, i, middle)
+        begin = middle
+    moved(f, i, 0, parts * (k + 1) - 1, now, begin, end)
+    learnt(f, i)
+    n = f.A.shape[1]
+    deflection = min(max(f.y[i, n], -limit), limit)
+    raised(f.tops[i], 2, deflection)
+    raised(f.tops[i], 3, (deflection - seen[4]) / f.lengths[p, 0])
+
+
+@inlined
+def moved(f: Flights, i: int, part: int, row: int, c: float, begin: float, end: float) -> None:
+    """Move vehicle and nozzle through a part of a step, with the command c."""
+    p, n, y, new = f.vehicle[i], f.A.shape[1], f.y[i], f.next[i]
+    freely(f, i, f.joint[p, part], c)
+    bounded = held_back(f, i, part, c)
+    limit = f.limit[i]
+    last = min(max(new[n], -limit), limit)
+    if bounded:
+        evenly(f, i, f.joint[p, part], f.ramp[p, part], min(max(y[n], -limit), limit), last)
+    size = y.size
+    if row < f.track.shape[0]:
+        for r in range(size):
+            f.track[row, r] = y[r]
+        f.track[row, size], f.track[row, size + 1] = c, last
+        f.track[row, size + 2] = 1.0 if bounded else 0.0
+    for r in range(size):
+        y[r] = new[r]
+    blown(f, i, begin, end)
+
+
+@inlined
+def freely(f: Flights, i: int, J: FloatArray, c: float) -> None:
+    """Write J [y, c, w0, w1, ...]."""
+    y, here, new = f.y[i], f.here[i], f.next[i]
+    size = y.size
+    for r in range(size):
+        total = 0.0
+        for j in range(here.size):
+            total += J[r, size + 1 + j] * here[j]
+        for j in range(size):
+            total += J[r, j] * y[j]
+        new[r] = total + J[r, size] * c
+
+
+@inlined
+def held_back(f: Flights, i: int, part: int, c: float) -> bool:
+    """Return whether rate or stop bound the nozzle in a part, and bound where it comes to."""
+    p, n, y, new, most = f.vehicle[i], f.A.shape[1], f.y[i], f.next[i], f.rate_limit[i]
+    reach = most * f.lengths[p, 1 + part]
+    bounded = abs(c - y[n]) * f.quick[p, part] > reach
+    if max(abs(new[n]), abs(y[n])) > _BEYOND * f.limit[i]:
+        bounded = True
+    if abs(new[n] - y[n]) > reach:
+        bounded = True
+        new[n] = y[n] + (reach if new[n] > y[n] else -reach)
+    if y.size > n + 1 and max(abs(new[n + 1]), abs(y[n + 1])) >= most:
+        bounded = True
+        new[n + 1] = min(max(new[n + 1], -most), most)
+    return bounded
+
+
+@inlined
+def evenly(f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, last: float) -> None:
+    """Write the states of the vehicle where the deflection goes evenly from first to last."""
+    n, y, here, new = f.A.shape[1], f.y[i], f.here[i], f.next[i]
+    for r in range(n):
+        total = ramp[r, 0] * first + ramp[r, 1] * last
+        for j in range(here.size):
+            total += J[r, y.size + 1 + j] * here[j]
+        for j in range(n):
+            total += J[r, j] * y[j]
+        new[r] = total
+
+
+@inlined
+def learnt(f: Flights, i: int) -> None:
+    """Move the law's own states, by what was seen."""
+    s = f.states.shape[1]
+    own = i if f.own.shape[0] > 1 else 0
+    for r in range(s):
+        total = 0.0
+        for j in range(s):
+            total += f.own[own, r, j] * f.states[i, j]
+        for j in range(5):
+            total += f.driven[own, r, j] * f.seen[i, j]
+        f.next[i, r] = total
+    for r in range(s):
+        f.states[i, r] = f.next[i, r]
+
+
+@inlined
+def blown(f: Flights, i: int, begin: float, end: float) -> None:
+    """Add what the knots of the wind within a part change, and find the piece at its end."""
+    w = f.wind[i]
+    while f.piece[i] + 1 < f.knots.shape[1] and f.knots[w, f.piece[i] + 1] <= end:
+        knot = f.knots[w, f.piece[i] + 1]
+        if begin < knot < end:
+            kicked(f, i, knot, end - knot)
+        f.piece[i] += 1
+
+
+@inlined
+def kicked(f: Flights, i: int, knot: float, time: float) -> None:
+    """Add the answer to what the next piece of wind is more than this, by Taylor series.
+
+    Its terms are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), with x_0 = 0.
+    """
+    p, n, w = f.vehicle[i], f.A.shape[1], f.wind[i]
+    here, term, terms = f.here[i], f.next[i], f.here.shape[1]
+    polynomial(f.pieces, f.knots, w, f.piece[i], knot, here)
+    j = f.piece[i] + 1
+    for r in range(n):
+        term[r] = 0.0
+    old = f.kick[i]
+    power = time
+    for k in range(_TERMS):
+        more = power * (f.pieces[w, j, k] - here[k]) if k < terms else 0.0
+        for r in range(n):
+            old[r] = term[r]
+        for r in range(n):
+            total = 0.0
+            for q in range(n):
+                total += f.A[p, r, q] * old[q]
+            term[r] = (time * total + f.gust[p, r] * more) / (k + 1)
+            f.y[i, r] += term[r]
+        power *= time
