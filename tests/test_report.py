@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.report import flight, sections, verdict
+from tvclin.report import basis, flight, sections, verdict
 from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import find
 from tvclin.report.page import _template
@@ -566,6 +566,23 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyP
             any("Beware" in part for part in verdict.basis(find(long)) if isinstance(part, str))
             is told
         )
+
+
+def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
+    long = tv.StudyPlan(
+        vehicle=plan.vehicle,
+        wind=replace(plan.wind, duration=60.0),
+        model="drift-exact",
+        dead_band=0.5,
+        limit=np.radians(0.2),
+    )
+    found = find(long)
+    told = words(basis.assumptions(found))
+
+    assert len(found.study.notes) == 2
+    assert all(f"{note}." in told for note in found.study.notes)
+    beside = "".join(one for one in verdict.basis(found) if isinstance(one, str))
+    assert "trusts a forecast of the wind" in beside
 
 
 def test_a_notebook_shows_a_short_table() -> None:

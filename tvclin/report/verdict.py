@@ -9,9 +9,9 @@ from tvclin.report.flight import whose
 from tvclin.report.questions import Question, questions, sufficient
 from tvclin.report.sections import gust_words
 from tvclin.sizing import DeflectionTotal
-from tvclin.study import outlasts_one_pole
+from tvclin.study import TRUSTS, outlasts_one_pole
 
-_NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wind could excite."
+_NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
 
 
 _SENSIBLE = 1000.0
@@ -105,6 +105,8 @@ def basis(found: Findings) -> Line:
         line += (f" What is required is governed by {s.requirement.governs}.",)
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
+    if any(TRUSTS in note for note in s.notes):
+        line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
         kept = ", and a reserve" if found.flight[1].reserve else ""
         line += (f" The flight counts all else that the nozzle has to do{kept}.",)
