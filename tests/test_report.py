@@ -568,6 +568,29 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyP
         )
 
 
+@pytest.mark.parametrize(
+    ("change", "duration", "dead_band", "said"),
+    [
+        ({}, 60.0, 0.5, "enough for a control that lets go of it"),
+        ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "the attitude stays at zero"),
+    ],
+)
+def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
+    plan: tv.StudyPlan, change: dict[str, float], duration: float, dead_band: float, said: str
+) -> None:
+    asked = tv.StudyPlan(
+        vehicle=plan.vehicle.replace(**change),
+        wind=replace(plan.wind, duration=duration),
+        model="drift-exact",
+        dead_band=dead_band,
+        limit=np.radians(0.5),
+    )
+    found = find(asked)
+
+    assert found.study.sufficient
+    assert said in sections.response(found).blocks[0].caption
+
+
 def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
     long = tv.StudyPlan(
         vehicle=plan.vehicle,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.deflections import trim_then_hold
-from tvclin.extremes import FALLEN, LET_GO, WHOLE, Point, extremes, shown_until
+from tvclin.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
 from tvclin.histories import History
 from tvclin.loads import wind_loads
 from tvclin.plant import Plant
@@ -157,7 +157,13 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
         FALLEN: "It is shown until the attitude error exceeds 90 degrees.",
         WHOLE: "The attitude does not come back to zero in this time.",
     }
-    return shown.time, words[shown.why]
+    said = words[shown.why]
+    if shown.why == FALLEN and (found.study.limit is None or found.study.sufficient):
+        said += f" {TURNED_OVER}"
+    stands = extremes(plant, deflection, wind, shown.time)
+    if stands.with_wind is None and stands.against_wind is None:
+        said = "Trim is never limited, and the attitude stays at zero."
+    return shown.time, said
 
 
 def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
