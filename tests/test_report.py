@@ -591,6 +591,21 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
     assert said in sections.response(found).blocks[0].caption
 
 
+def test_a_page_says_where_no_limit_is_enough(plan: tv.StudyPlan) -> None:
+    slow = plan.vehicle.replace(velocity=45.0, attitude=1.5)
+    asked = tv.StudyPlan(
+        vehicle=slow, wind=plan.wind, model="drift-exact", dead_band=0.0, limit=0.1
+    )
+    found = find(asked)
+
+    assert dict(verdict.facts(found))["this wind needs"] == ("none is enough",)
+    assert words(sections.boundaries(found)).count("none is enough") == 2
+    assert [one.text for one in questions(found)] == ["with this dead band no limit is enough"]
+    endless = find(replace(asked, limit=None))
+    assert verdict.sentence(endless)[0].startswith("Not enough: with this dead band no limit is")
+    assert sections.response(endless) is None
+
+
 def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
     long = tv.StudyPlan(
         vehicle=plan.vehicle,

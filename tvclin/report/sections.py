@@ -18,6 +18,7 @@ from tvclin.report.blocks import (
     Section,
     Table,
     degrees,
+    least,
     number,
     significant,
 )
@@ -90,8 +91,8 @@ def boundaries(found: Findings) -> Section:
         row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), *_marked(K == s.dead_band))]
         for name in names:
             one, key = s.boundaries[name], f"boundary.{name}.{i}"
-            row.append(number(f"{key}.limit", one.limit[i]))
-            row.append(degrees(key, abs(one.deflection[i])))
+            row.append(least(number(f"{key}.limit", one.limit[i])))
+            row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
     free = {name: abs(one.deflection) for name, one in s.forecast_free.items()}
     for label, key, needs in (
@@ -126,10 +127,10 @@ def boundaries(found: Findings) -> Section:
 
 
 def response(found: Findings) -> Section | None:
-    """Return the exact response to the limit in question; None where nothing is needed."""
+    """Return the exact response to the limit in question; None where nothing is, or can be."""
     s = found.study
     limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
-    if not limit:
+    if not limit or np.isinf(limit):
         return None
     plant, wind = Plant(s.coefficients, s.model), blown(s)
     against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
