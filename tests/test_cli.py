@@ -15,6 +15,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.files import write_text
+from tvclin.vehicle_file import template
 
 
 def run(*arguments: str) -> Result:
@@ -166,6 +167,9 @@ def test_figures_are_written(tmp_path: Path, command: str, kind: str) -> None:
         ["study", "--limit-deg", "-1"],
         ["study", "--model", "drifty"],
         ["study", "--plane", "roll"],
+        ["study", "--cases", "100"],
+        ["study", "--seed", "1"],
+        ["study", "--gust-at", "3"],
         ["study", "--plot", "figure.xyz"],
         ["study", "--plot", "/nowhere/at/all/figure.png"],
         ["study", "."],
@@ -250,3 +254,33 @@ def test_no_help_holds_square_brackets_which_would_vanish() -> None:
     found = list(texts(typer.main.get_command(app)))
     assert len(found) > 100
     assert [text for text in found if "[" in text] == []
+
+
+def test_a_limit_that_does_not_exist_is_said_in_the_same_words_everywhere(tmp_path: Path) -> None:
+    slow = tmp_path / "slow.toml"
+    text = template().replace("velocity_m_per_s = 540.0", "velocity_m_per_s = 45.0")
+    slow.write_text(text.replace("attitude_deg = 45.0", "attitude_deg = 85.0"))
+    exact = (str(slow), "--model", "drift-exact")
+    study = run("study", *exact, "--dead-band", "0", "--limit-deg", "0.4")
+
+    assert study.exit_code == 1
+    assert "Required deflection: none is enough (model drift-exact, dead band 0)" in study.output
+    for others in (
+        run("boundary", *exact, "--tau-beta", "4"),
+        run("autopilot", *exact),
+        run("optimum", *exact),
+    ):
+        assert "none is enough" in others.output
+        assert " inf" not in others.output
+    flown = run("fly", str(slow), "--dead-band", "0")
+    assert flown.exit_code == 2
+    assert flown.stderr.startswith("Error: no limit is enough with this dead band")
+
+
+def test_a_table_of_boundaries_says_which_of_them_are_not_all_that_is_required() -> None:
+    asked = ("boundary", "configuration-i", "--tau-beta", "4", "--tau-beta", "20")
+    exact = " ".join(run(*asked, "--model", "drift-exact").output.split())
+
+    assert "Note: K = 0.25, 0, tau*beta 20: the minimum over all unstable poles is larger." in exact
+    assert "Note: K = 1, 0.75, 0.5, tau*beta 4 to 20: in flight" in exact
+    assert "Note" not in run("boundary", "--tau-beta", "4").output

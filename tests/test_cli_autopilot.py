@@ -158,6 +158,14 @@ def test_a_limit_is_judged():
     assert run(*gains, "0.7").exit_code == 0
 
 
+def test_a_limit_that_a_longer_wind_exceeds_is_not_called_enough_without_saying_so():
+    longer = json.loads(run("autopilot", "--json").stdout)["worst_duration"]
+    assert longer["peak_deflection_deg"] > 0.95
+    said = run("autopilot", "--limit-deg", "0.95").output
+    assert f"ENOUGH in this wind, but not in one of {longer['duration_s']:.3g} s" in said
+    assert "ENOUGH in this wind" not in run("autopilot", "--limit-deg", "1.1").output
+
+
 def test_the_comparison_is_drawn(tmp_path):
     file = tmp_path / "comparison.svg"
     assert run("autopilot", "--natural-frequency", "1", "--plot", str(file)).exit_code == 0

@@ -211,3 +211,15 @@ def test_bad_input_is_exit_code_two_in_one_sentence(arguments, words):
     assert result.exit_code == 2, result.output
     assert isinstance(result.exception, SystemExit)
     assert words in " ".join(result.output.split())
+
+
+def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
+    asked = ("--duration", 60, "--dead-band", 0.5)
+    wind = tv.TriangularWind(peak=PEAK, duration=60.0)
+    least = np.degrees(tv.optimum_deflection(linear(), wind).peak)
+    told = f"Note: {least:.4f} deg is the least of all by linear theory"
+
+    assert "Flown: SURVIVED" in run(*asked).output
+    assert told in run(*asked).output
+    assert "Note" not in run(*asked, "--limit-deg", 1.05 * least).output
+    assert document(*asked)["minimum_deg"] == pytest.approx(least, rel=1e-12)

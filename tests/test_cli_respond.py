@@ -242,3 +242,15 @@ def test_bad_input_is_exit_code_two_without_a_traceback(arguments):
     assert result.exit_code == 2
     assert isinstance(result.exception, SystemExit)
     assert result.output.strip()
+
+
+def test_a_limit_that_is_enough_and_turns_the_vehicle_over_is_explained():
+    asked = ("--duration", 60, "--dead-band", 0.5, "--model", "drift-exact")
+    words = "enough for a control that lets go of it"
+    enough, short = (run(*asked, "--capability", part).output for part in (1.1, 0.9))
+
+    assert "1.1 times that: SUFFICIENT" in enough
+    assert "exceeds 90 deg" in enough
+    assert words in enough
+    assert "exceeds 90 deg" in short
+    assert words not in short

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.report import flight, sections, verdict
+from tvclin.report import basis, flight, sections, verdict
 from tvclin.report.blocks import Number, Section
 from tvclin.report.findings import find
 from tvclin.report.page import _template
@@ -566,6 +566,61 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyP
             any("Beware" in part for part in verdict.basis(find(long)) if isinstance(part, str))
             is told
         )
+
+
+@pytest.mark.parametrize(
+    ("change", "duration", "dead_band", "said"),
+    [
+        ({}, 60.0, 0.5, "enough for a control that lets go of it"),
+        ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "the attitude stays at zero"),
+    ],
+)
+def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
+    plan: tv.StudyPlan, change: dict[str, float], duration: float, dead_band: float, said: str
+) -> None:
+    asked = tv.StudyPlan(
+        vehicle=plan.vehicle.replace(**change),
+        wind=replace(plan.wind, duration=duration),
+        model="drift-exact",
+        dead_band=dead_band,
+        limit=np.radians(0.5),
+    )
+    found = find(asked)
+
+    assert found.study.sufficient
+    assert said in sections.response(found).blocks[0].caption
+
+
+def test_a_page_says_where_no_limit_is_enough(plan: tv.StudyPlan) -> None:
+    slow = plan.vehicle.replace(velocity=45.0, attitude=1.5)
+    asked = tv.StudyPlan(
+        vehicle=slow, wind=plan.wind, model="drift-exact", dead_band=0.0, limit=0.1
+    )
+    found = find(asked)
+
+    assert dict(verdict.facts(found))["this wind needs"] == ("none is enough",)
+    assert words(sections.boundaries(found)).count("none is enough") == 2
+    assert [one.text for one in questions(found)] == ["with this dead band no limit is enough"]
+    endless = find(replace(asked, limit=None))
+    assert verdict.sentence(endless)[0].startswith("Not enough: with this dead band no limit is")
+    assert sections.response(endless) is None
+
+
+def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
+    long = tv.StudyPlan(
+        vehicle=plan.vehicle,
+        wind=replace(plan.wind, duration=60.0),
+        model="drift-exact",
+        dead_band=0.5,
+        limit=np.radians(0.2),
+    )
+    found = find(long)
+    told = words(basis.assumptions(found))
+
+    assert len(found.study.notes) == 2
+    assert all(f"{note}." in told for note in found.study.notes)
+    beside = "".join(one for one in verdict.basis(found) if isinstance(one, str))
+    assert "trusts a forecast of the wind" in beside
 
 
 def test_a_notebook_shows_a_short_table() -> None:

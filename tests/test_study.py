@@ -98,3 +98,50 @@ def test_what_is_doubtful_about_vehicle_and_plane_is_noted() -> None:
     assert "head wind" not in notes(1.0) + notes(5.0, "yaw")
     assert "T/W 0.18" in notes(1.0, thrust=0.18 * vehicle.weight)
     assert "T/W" not in notes(1.0)
+
+
+def _notes(vehicle: tv.Vehicle, duration: float, dead_band: float, model: str) -> str:
+    study = tv.Study.from_vehicle(
+        vehicle, duration=duration, peak=np.radians(5), dead_band=dead_band, model=model
+    )
+    return " ".join(study.notes)
+
+
+def test_a_limit_that_only_a_forecast_makes_enough_is_noted_with_the_bound_without_one(
+    configuration_i: tv.Vehicle,
+) -> None:
+    wind = tv.TriangularWind(peak=np.radians(5), duration=60.0)
+    plant = tv.Plant.from_vehicle(configuration_i, "drift-exact")
+    bound = np.degrees(abs(tv.forecast_free_limit(plant, wind).deflection))
+
+    said = _notes(configuration_i, 60.0, 0.5, "drift-exact")
+    assert "K = 0.5 trusts a forecast: any law that does not know when this wind" in said
+    assert f"at least {bound:.4f} deg" in said
+    for dead_band, duration in ((1.0, 60.0), (0.5, 7.5), (0.0, 7.5)):
+        assert "forecast" not in _notes(configuration_i, duration, dead_band, "drift-exact")
+
+
+def test_one_pole_is_doubted_in_a_long_wind_unless_both_were_flown(
+    configuration_i: tv.Vehicle,
+) -> None:
+    doubt = "outlasts what one pole can say"
+    assert doubt in _notes(configuration_i, 60.0, 1.0, "fixed-path")
+    assert doubt in _notes(configuration_i, 60.0, 0.75, "drift-exact")
+    assert doubt not in _notes(configuration_i, 60.0, 1.0, "drift-exact")
+
+
+@pytest.mark.parametrize("changes", [{"velocity": 45.0, "attitude": 1.5}, {"aerodynamic_arm": -2}])
+def test_a_model_that_leaves_out_what_the_exact_one_needs_says_so(
+    configuration_i: tv.Vehicle, changes: dict[str, float]
+) -> None:
+    vehicle = configuration_i.replace(**changes)
+    needs = [
+        tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.08, model=model).required_deflection
+        for model in ("fixed-path", "drift", "drift-exact")
+    ]
+    assert needs[2] > max(needs[:2])
+    for model in ("fixed-path", "drift"):
+        said = _notes(vehicle, 7.5, 1.0, model)
+        assert f"unstable modes that {model} leaves out" in said
+    assert "leaves out, and" not in _notes(vehicle, 7.5, 1.0, "drift-exact")
+    assert "leaves out, and" not in _notes(configuration_i, 7.5, 1.0, "fixed-path")

@@ -24,6 +24,11 @@ _FALLEN = np.pi / 2
 """An attitude error [rad] beyond which nothing is to be shown."""
 LET_GO, FALLEN, WHOLE = "let go", "fallen", "whole"
 """Why a response is shown no longer: the limit is let go, 90 degrees are exceeded, it was asked."""
+TURNED_OVER = (
+    "Held for ever this limit turns the vehicle over; it is enough for a control that lets go of it"
+    " in between, which this response does not show."
+)
+"""Of a limit that is enough, and a response with it that exceeds 90 degrees."""
 
 
 @dataclass(frozen=True)

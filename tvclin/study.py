@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import BOUNDARY, PAIR, BoundaryLimit, boundary_limit
+from tvclin.boundary import BOUNDARY, PAIR, ROUNDING, BoundaryLimit, boundary_limit
 from tvclin.cards import Row, card
 from tvclin.coefficients import Coefficients
 from tvclin.deflections import SWITCHES
@@ -29,6 +29,12 @@ _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
+
+_ONE_POLE = ("fixed-path", "drift")
+"""Models that leave the slow mode of the flight path out."""
+OUTLASTS = "outlasts what one pole can say"
+TRUSTS = "trusts a forecast"
+"""Of a wind and of a dead band, in the notes of a study."""
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 SHAPES: dict[str, Callable[..., Any]] = {
@@ -177,6 +183,15 @@ class Study:
         plant = plants.get(model) or Plant(coefficients, model)
         limit = None if limit is None else _capability(limit)
         required = required_deflection(plant, history, dead_band)
+        modes = {name: unstable_modes(each) for name, each in plants.items()}
+        needed = _needed(shown, history, dead_bands, switch)
+        free = needed["forecast_free"].get(plant.model)
+        notes = (
+            *_notes(plant, history, required, dead_band),
+            *_left_out(plant, modes),
+            *_forecast_trusted(required, dead_band, free),
+            *_doubts(vehicle, plane, peak),
+        )
         return cls(
             vehicle=vehicle,
             plane=plane,
@@ -185,15 +200,15 @@ class Study:
             shape=wind,
             wind=alone,
             switch=switch,
-            modes={name: unstable_modes(plant) for name, plant in plants.items()},
+            modes=modes,
             trim_deflection=abs(float(coefficients.B * history.peak)),
             dead_bands=dead_bands,
             dead_band=dead_band,
             requirement=required,
             limit=limit,
-            notes=(*_notes(plant, history, required), *_doubts(vehicle, plane, peak)),
+            notes=notes,
             gust=gust,
-            **_needed(shown, history, dead_bands, switch),
+            **needed,
             **_judged(required, history, limit),
         )
 
@@ -295,7 +310,9 @@ def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
         )
 
 
-def _notes(plant: Plant, wind: Any, required: RequiredDeflection) -> Iterator[str]:
+def _notes(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
     if required.status == PAIR:
         yield (
             "two unstable modes grow together here, whose two conditions one limit cannot meet:"
@@ -304,8 +321,36 @@ def _notes(plant: Plant, wind: Any, required: RequiredDeflection) -> Iterator[st
         )
         return
     edge = float(single_pole_validity(plant.coefficients))
-    if wind.end - wind.onset > edge and required.governs == BOUNDARY:
+    flown = dead_band == 1.0 and plant.model not in _ONE_POLE
+    if wind.end - wind.onset > edge and required.governs == BOUNDARY and not flown:
         yield (
-            f"a wind of more than {edge:.1f} s outlasts what one pole can say: the slow mode of the"
-            " flight path then needs more (tvclin optimum)"
+            f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
+            " then need more (tvclin optimum)"
+        )
+
+
+def _left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
+    """Where the exact model has more unstable modes, and no duration up to which one is enough."""
+    name = "drift-exact"
+    if plant.model not in _ONE_POLE or name not in modes:
+        return
+    more = modes[name].poles.size > modes[plant.model].poles.size
+    if more and np.isnan(single_pole_validity(plant.coefficients)):
+        yield (
+            f"the exact model has unstable modes that {plant.model} leaves out, and may need more"
+            f" (--model {name})"
+        )
+
+
+def _forecast_trusted(
+    required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
+) -> Iterator[str]:
+    """Where the limit required is one that only a control with a forecast can live with."""
+    if free is None or dead_band == 1.0:
+        return
+    bound = abs(float(free.deflection))
+    if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
+        yield (
+            f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
+            f" stop needs at least {np.degrees(bound):.4f} deg"
         )

@@ -151,6 +151,8 @@ def _print(
     wind: str,
     limit_deg: float | None,
 ) -> None:
+    import numpy as np
+
     from tvclin.cli.output import print_pairs, print_table
 
     title = f"{vehicle.name}, {found.plant.model}: {wind}, {document['wind_peak_deg']:.4g} deg"
@@ -168,10 +170,15 @@ def _print(
     typer.echo(f"Criteria {document['criteria']['name']}: {word}")
     if limit_deg is not None:
         word = "ENOUGH" if document["within_limit"] else "NOT ENOUGH for this autopilot"
+        if worst is not None and document["within_limit"]:
+            longer = limit_deg < float(np.degrees(worst.peak_deflection))
+            word += f" in this wind, but not in one of {worst.duration:.3g} s" if longer else ""
         typer.echo(f"Limit {limit_deg:g} deg: {word}")
 
 
 def _deflections(document: dict[str, Any]) -> list[list[str]]:
+    from tvclin.cli.output import limit_cell
+
     trim = document["trim_deg"]
     rows = [
         ("this autopilot", document["peak_deflection_deg"]),
@@ -182,7 +189,10 @@ def _deflections(document: dict[str, Any]) -> list[list[str]]:
         ),
         ("least of all, wind known beforehand", document["minimum_deg"]),
     ]
-    return [[name, f"{value:.4f}", f"{value / trim:.3f}" if trim else "-"] for name, value in rows]
+    return [
+        [name, limit_cell(value), limit_cell(value / trim, 3) if trim else "-"]
+        for name, value in rows
+    ]
 
 
 def _loads(document: dict[str, Any], worst: "WorstDuration | None") -> list[tuple[str, str]]:

@@ -35,7 +35,7 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
-    from tvclin.cli.output import print_json, print_table
+    from tvclin.cli.output import limit_cell, print_json, print_table
     from tvclin.errors import InputError, positive, within
     from tvclin.plots import boundary_chart, save_figure
 
@@ -61,10 +61,25 @@ def boundary(
             }
         )
         return
-    rows = [[f"{b:g}", *(f"{y:.4f}" for y in row)] for b, row in zip(x, limits.limit, strict=True)]
+    rows = [[f"{b:g}", *map(limit_cell, row)] for b, row in zip(x, limits.limit, strict=True)]
     headings = ["tau*beta", *(f"K = {k:g}" for k in K)]
     title = f"{name}, {model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
+    for note in _notes(x, K, limits.status):
+        typer.echo(f"Note: {note}.")
+
+
+def _notes(x: Any, K: Any, status: Any) -> list[str]:
+    """What is odd about a part of the table: for each K from which duration to which."""
+    from tvclin.boundary import OK
+
+    where: dict[tuple[str, str], list[str]] = {}
+    for k, column in zip(K, status.T, strict=True):
+        for said in dict.fromkeys(column[column != OK].tolist()):
+            odd = x[column == said]
+            span = f"{odd.min():g} to {odd.max():g}" if odd.size > 1 else f"{odd[0]:g}"
+            where.setdefault((said, span), []).append(f"{k:g}")
+    return [f"K = {', '.join(k)}, tau*beta {span}: {said}" for (said, span), k in where.items()]
 
 
 def _limits(

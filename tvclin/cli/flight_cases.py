@@ -27,7 +27,7 @@ _SMALLEST = 2.5e-7
 
 @dataclass(frozen=True, eq=False)
 class FlightCase:
-    """What is flown, and the linear boundary [rad] of it."""
+    """What is flown, and its linear boundary and the minimum over all unstable poles [rad]."""
 
     vehicle: "Vehicle"
     shape: str
@@ -38,6 +38,7 @@ class FlightCase:
     control: "ReportControl | Law"
     condition: "FlightCondition | None"
     boundary: float
+    minimum: float
     limit: float
 
     @property
@@ -124,8 +125,9 @@ def flight_case(
     """
     import numpy as np
 
-    from tvclin.errors import within
+    from tvclin.errors import InputError, within
     from tvclin.flight import LINEAR_MODEL, linear_boundary
+    from tvclin.optimum import optimum_deflection
     from tvclin.plant import Plant
 
     plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
@@ -133,9 +135,13 @@ def flight_case(
     control = _control(plant, law, dead_band, float(wind.peak))
     least = linear_boundary(plant, control, wind)
     limit = _SPARE * least
+    if np.isinf(limit) and limit_deg is None:
+        raise InputError("no limit is enough with this dead band; give --limit-deg")
     if limit_deg is not None:
         limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
-    return FlightCase(vehicle, shape, wind, engine, plane, law, control, condition, least, limit)
+    minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
+    asked = (vehicle, shape, wind, engine, plane, law, control, condition)
+    return FlightCase(*asked, least, minimum, limit)
 
 
 def _check_flight(plant: "Plant", wind: Any, length: float) -> None:

@@ -165,6 +165,11 @@ def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | Non
     print_table(title, ["over the wind, in deg", "flown", "linear", "difference"], rows)
     words = {True: "SURVIVED", False: "NOT SURVIVED"}
     typer.echo(f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}.")
+    if case.limit < case.minimum and (flight.survived or flight.predicted):
+        typer.echo(
+            f"Note: {np.degrees(case.minimum):.4f} deg is the least of all by linear theory; with"
+            "\nless a mode goes on growing, more slowly than this flight shows."
+        )
     if np.isfinite(flight.let_go[0]):
         typer.echo(
             f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
@@ -210,4 +215,5 @@ def _document(
             "linear": deg(case.boundary),
             "flown": None if found is None else deg(abs(found.deflection)),
         },
+        "minimum_deg": deg(case.minimum),
     }

@@ -150,11 +150,8 @@ def _first_segment(plant: "Plant", wind: "History", deflection: "History") -> st
 
 
 def _print(title: str, found: dict[str, Any]) -> None:
-    from math import isinf
+    from tvclin.cli.output import limit_cell, print_pairs
 
-    from tvclin.cli.output import print_pairs
-
-    held = found["held_deg"]
     switches = ", ".join(f"{t:.4g} s" for t in found["switch_times_s"][:6])
     more = len(found["switch_times_s"]) - 6
     part = "" if found["part_of_trim"] is None else f" ({found['part_of_trim']:.4f} of trim)"
@@ -162,7 +159,7 @@ def _print(title: str, found: dict[str, Any]) -> None:
         ("least peak deflection", f"{found['peak_deg']:.4f} deg{part}"),
         ("first segment", found["first_segment"]),
         ("switches", (switches or "none") + (f" and {more} more" if more > 0 else "")),
-        ("fast pole alone (K = 0)", "none is enough" if isinf(held) else f"{held:.4f} deg"),
+        ("fast pole alone (K = 0)", limit_cell(found["held_deg"], unit="deg")),
         ("ideal trim", f"{found['trim_deg']:.4f} deg"),
         ("lower bound (dual)", f"{found['certificate']['dual_deg']:.4f} deg"),
         ("certificate", f"gap {found['certificate']['gap']:.1e}, {found['status']}"),

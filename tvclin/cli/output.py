@@ -42,6 +42,13 @@ def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) 
     Console(highlight=False).print(table)
 
 
+def limit_cell(number: float, digits: int = 4, unit: str = "") -> str:
+    """Return a deflection limit in words; it is infinite where none is enough."""
+    from math import isinf
+
+    return "none is enough" if isinf(number) else f"{number:.{digits}f} {unit}".rstrip()
+
+
 def print_json(document: dict[str, Any]) -> None:
     """Print a document as JSON; numbers that do not exist become null."""
     typer.echo(json.dumps(_cleaned(document), indent=2, allow_nan=False))

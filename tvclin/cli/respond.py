@@ -40,7 +40,9 @@ def respond(
     ] = 1.0,
     capability: Annotated[
         float | None,
-        typer.Option(help="Deflection limit in units of the boundary; 1.1 if nothing is given."),
+        typer.Option(
+            help="Deflection limit in units of what is required; 1.1 if nothing is given."
+        ),
     ] = None,
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, in its place.")
@@ -122,7 +124,7 @@ def _print(
     import numpy as np
 
     from tvclin.cli.output import print_table
-    from tvclin.extremes import FALLEN, LET_GO
+    from tvclin.extremes import FALLEN, LET_GO, TURNED_OVER
 
     whole = _covers_the_wind(case, shown)
     angle, when = float(np.degrees(loads.peak_angle_of_attack)), loads.peak_time
@@ -152,6 +154,8 @@ def _print(
         )
     elif shown.why == FALLEN:
         typer.echo(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
+        if case.sufficient:
+            typer.echo(TURNED_OVER)
 
 
 def _covers_the_wind(case: Case, shown: "Shown") -> bool:

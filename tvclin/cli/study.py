@@ -98,11 +98,15 @@ def study(
     plan = changed_plan(
         load_study(source), wind, duration, (peak_deg, peak_speed), limit_deg, given
     )
+    if gust_at is not None and gust is None:
+        raise InputError("--gust-at needs --gust")
     if gust is not None:
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
     if disperse and plan.dispersions is None:
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
+    if plan.dispersions is None and (cases, seed) != (None, None):
+        raise InputError("--cases and --seed need --disperse, or a study file with dispersions")
     found = find(replace(plan, laws=None))
     result, dispersed = found.study, found.dispersed
     if disperse and dispersed is None:

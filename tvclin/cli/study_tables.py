@@ -193,7 +193,7 @@ def questions_document(found: "Findings") -> dict[str, Any]:
 def _print_boundaries(result: "Study") -> None:
     import numpy as np
 
-    from tvclin.cli.output import print_table
+    from tvclin.cli.output import limit_cell, print_table
 
     deg = np.degrees
     names = list(result.boundaries)
@@ -203,7 +203,7 @@ def _print_boundaries(result: "Study") -> None:
         row = [f"{K:g}{mark}"]
         for name in names:
             found = result.boundaries[name]
-            row += [_cell(found.limit[i]), _cell(abs(deg(found.deflection[i])))]
+            row += [limit_cell(found.limit[i]), limit_cell(abs(deg(found.deflection[i])))]
         rows.append(row)
     rows += _without_and_with_forecast(result, names)
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
@@ -214,7 +214,7 @@ def _print_boundaries(result: "Study") -> None:
         ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
         rows,
     )
-    needed = f"{_cell(deg(result.required_deflection))} deg"
+    needed = limit_cell(deg(result.required_deflection), unit="deg")
     basis = f"(model {result.model}, dead band {result.dead_band:g})"
     typer.echo(f"Required deflection: {needed} {basis}, {_governed(result)}")
     if result.limit is not None and result.survivable_peak is not None:
@@ -230,18 +230,14 @@ def _print_boundaries(result: "Study") -> None:
         typer.echo(f"Note: {note}.")
 
 
-def _cell(number: float) -> str:
-    """A number of the table; of what no limit is enough for, that word."""
-    from math import isinf
-
-    return "no limit" if isinf(number) else f"{number:.4f}"
-
-
 def _governed(result: "Study") -> str:
     """By what the required deflection is governed, and where it stands in the table."""
     from tvclin.boundary import BOUNDARY
+    from tvclin.requirement import NOTHING
 
     by = result.requirement.governs
+    if by == NOTHING:
+        return "none is needed"
     if by == BOUNDARY and result.switch == "literal":
         return "the row marked <"
     return f"governed by {by}" + (", literal switch" if by == BOUNDARY else "")

@@ -9,7 +9,7 @@ from tvclin.optimum import single_pole_validity
 from tvclin.report.blocks import Check, Checks, Line, Paragraph, Section, Table, significant
 from tvclin.report.findings import Findings
 from tvclin.reproduce.claims import equations as every_equation
-from tvclin.study import outlasts_one_pole
+from tvclin.study import OUTLASTS, outlasts_one_pole
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
 _ALWAYS = {
@@ -36,9 +36,7 @@ def assumptions(found: Findings) -> Section:
     for name, one in s.boundaries.items():
         odd = dict.fromkeys(str(status) for status in one.status if status != "ok")
         checks += [Check("doubt", (f"{name}: {status}.",)) for status in odd]
-    checks += [
-        Check("doubt", (f"{note}.",)) for note in s.notes[1 if outlasts_one_pole(s) else 0 :]
-    ]
+    checks += [Check("doubt", (f"{note}.",)) for note in s.notes if OUTLASTS not in note]
     checks += [Check("doubt", (f"{one}.",)) for one in found.warnings]
     if found.comparison is not None:
         notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))
@@ -102,7 +100,7 @@ def _one_pole(found: Findings) -> Check:
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
     upto = significant("validity.edge", edge, unit="s")
     if outlasts_one_pole(s):
-        needs = "; the slow mode of the flight path then needs more than the boundary says."
+        needs = "; the slow mode of the flight path may then need more than the boundary says."
         line = ("One pole is not enough: the wind lasts ", *tau, ", longer than ", *upto, needs)
         return Check("doubt", line)
     return Check(

@@ -86,13 +86,21 @@ class Section:
     blocks: tuple[Block, ...]
 
 
+_UNLIMITED = "unlimited"
+
+
 def number(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
     """Return a number with so many digits behind the point; a dash or "none" where it is none."""
     plain = float(value)
     if not np.isfinite(plain):
-        return ("-" if np.isnan(plain) else "unlimited",)
+        return ("-" if np.isnan(plain) else _UNLIMITED,)
     shown = Number(name, plain, f"{plain:.{digits}f}")
     return (shown, f" {unit}") if unit else (shown,)
+
+
+def least(limit: Line) -> Line:
+    """Return a least deflection limit: an infinite one says that none is enough."""
+    return ("none is enough",) if limit == (_UNLIMITED,) else limit
 
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:

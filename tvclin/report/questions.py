@@ -72,9 +72,14 @@ def _asked(found: Findings) -> Iterator[Question]:
 
 
 def _wind(found: Findings) -> Question:
-    needed = degrees("asked.required", found.study.required_deflection, unit="deg")
-    by = found.study.requirement.governs
-    return Question("wind", found.study.sufficient, ("this wind needs ", *needed, f", by {by}"))
+    need, by = found.study.required_deflection, found.study.requirement.governs
+    needed = degrees("asked.required", need, unit="deg")
+    line: Line = ("this wind needs ", *needed, f", by {by}")
+    if not need:
+        line = ("no deflection is needed",)
+    elif np.isinf(need):
+        line = ("with this dead band no limit is enough",)
+    return Question("wind", found.study.sufficient, line)
 
 
 def _flight(found: Findings) -> Question:

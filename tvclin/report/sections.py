@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.deflections import trim_then_hold
-from tvclin.extremes import FALLEN, LET_GO, WHOLE, Point, extremes, shown_until
+from tvclin.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
 from tvclin.histories import History
 from tvclin.loads import wind_loads
 from tvclin.plant import Plant
@@ -18,6 +18,7 @@ from tvclin.report.blocks import (
     Section,
     Table,
     degrees,
+    least,
     number,
     significant,
 )
@@ -90,8 +91,8 @@ def boundaries(found: Findings) -> Section:
         row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), *_marked(K == s.dead_band))]
         for name in names:
             one, key = s.boundaries[name], f"boundary.{name}.{i}"
-            row.append(number(f"{key}.limit", one.limit[i]))
-            row.append(degrees(key, abs(one.deflection[i])))
+            row.append(least(number(f"{key}.limit", one.limit[i])))
+            row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
     free = {name: abs(one.deflection) for name, one in s.forecast_free.items()}
     for label, key, needs in (
@@ -126,10 +127,10 @@ def boundaries(found: Findings) -> Section:
 
 
 def response(found: Findings) -> Section | None:
-    """Return the exact response to the limit in question; None where nothing is needed."""
+    """Return the exact response to the limit in question; None where nothing is, or can be."""
     s = found.study
     limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
-    if not limit:
+    if not limit or np.isinf(limit):
         return None
     plant, wind = Plant(s.coefficients, s.model), blown(s)
     against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
@@ -157,7 +158,13 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
         FALLEN: "It is shown until the attitude error exceeds 90 degrees.",
         WHOLE: "The attitude does not come back to zero in this time.",
     }
-    return shown.time, words[shown.why]
+    said = words[shown.why]
+    if shown.why == FALLEN and (found.study.limit is None or found.study.sufficient):
+        said += f" {TURNED_OVER}"
+    stands = extremes(plant, deflection, wind, shown.time)
+    if stands.with_wind is None and stands.against_wind is None:
+        said = "Trim is never limited, and the attitude stays at zero."
+    return shown.time, said
 
 
 def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":

@@ -3,17 +3,16 @@
 import numpy as np
 
 from tvclin.boundary import BOUNDARY
-from tvclin.report.blocks import Line, Section, Table, degrees, number, significant
+from tvclin.report.blocks import Line, Section, Table, degrees, least, number, significant
 from tvclin.report.findings import Findings
 from tvclin.report.flight import whose
 from tvclin.report.questions import Question, questions, sufficient
 from tvclin.report.sections import gust_words
 from tvclin.sizing import DeflectionTotal
-from tvclin.study import outlasts_one_pole
+from tvclin.study import TRUSTS, outlasts_one_pole
 
-_NOTHING = "No deflection is needed: this vehicle has no unstable pole that a wind could excite."
-
-
+_NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
+_NONE = "Not enough: with this dead band no limit is, see Assumptions."
 _SENSIBLE = 1000.0
 """Above this many percent a percentage says nothing."""
 
@@ -26,6 +25,8 @@ def sentence(found: Findings) -> Line:
         return _not_only_wind(found, failed)
     if not study.required_deflection:
         return (_NOTHING,)
+    if study.limit is None and np.isinf(study.required_deflection):
+        return (_NONE,)
     if study.limit is None:
         needed = degrees("verdict.required", study.required_deflection, unit="deg")
         return ("This wind needs ", *needed, " of deflection.")
@@ -47,7 +48,7 @@ def _not_only_wind(found: Findings, failed: Question) -> Line:
 def _in_this_wind(need: float, limit: float, enough: bool) -> Line:
     """By how much a limit is enough, or not."""
     if need == float("inf"):
-        return ("Not enough: with this dead band no limit is, see Assumptions.",)
+        return (_NONE,)
     needed = degrees("verdict.required", need, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
     by = degrees("verdict.surplus", abs(limit - need), unit="deg")
@@ -105,6 +106,8 @@ def basis(found: Findings) -> Line:
         line += (f" What is required is governed by {s.requirement.governs}.",)
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
+    if any(TRUSTS in note for note in s.notes):
+        line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
         kept = ", and a reserve" if found.flight[1].reserve else ""
         line += (f" The flight counts all else that the nozzle has to do{kept}.",)
@@ -125,7 +128,7 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers beside the verdict, each with what it is."""
     s = found.study
     rows: list[tuple[str, Line]] = [
-        ("this wind needs", degrees("facts.required", s.required_deflection, unit="deg"))
+        ("this wind needs", least(degrees("facts.required", s.required_deflection, unit="deg")))
     ]
     if found.flight is not None:
         needed = degrees("facts.flight", found.flight[1].required, unit="deg")
