@@ -221,8 +221,8 @@ def test_a_moved_widget_changes_what_is_asked_and_shown(
     def shown() -> list[Any]:
         return [panel.image.value, panel.verdict.value, panel.margins.value]
 
-    if field == "plane":  # which is nothing to a vehicle on a fixed path
-        panel.controls["model"].value = "drift-exact"
+    if field == "plane":  # gravity ties speed and path together in pitch alone
+        panel.controls["model"].value = "drift-and-speed"
     before, asked_before = shown(), panel.choices
     panel.controls[field].value = value
 
