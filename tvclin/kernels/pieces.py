@@ -99,8 +99,12 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     both = [_widened(_on_knots(p, merged), degree) for p in (first, second)]
     c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in both]
     rates = [np.broadcast_to(p.rates, (*shape, p.rates.shape[-1])) for p in (first, second)]
-    if np.array_equal(rates[0], rates[1]):
-        return Pieces(merged, c[0] + c[1], rates[0])
+    shorter, longer = sorted((0, 1), key=lambda i: rates[i].shape[-1])
+    count = rates[shorter].shape[-1]
+    if np.array_equal(rates[shorter], rates[longer][..., :count]):
+        total = c[longer].copy()
+        total[..., :count, :] += c[shorter]
+        return Pieces(merged, total, rates[longer])
     return Pieces(merged, np.concatenate(c, axis=-2), np.concatenate(rates, axis=-1))
 
 
