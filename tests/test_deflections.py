@@ -282,3 +282,13 @@ def test_a_batch_of_plants_limits_and_dead_bands_is_the_loop(model, switch, late
         single = WIND.shift(late[j]) if late else WIND
         control = tv.trim_then_hold(one, single, limits[i, 0], bands[k, 0, 0], switch=switch)
         np.testing.assert_allclose(batch(TIMES)[k, i, j], control(TIMES), rtol=1e-13, atol=1e-17)
+
+
+@pytest.mark.parametrize(("model", "count"), [("fixed-path", 1), ("drift", 2), ("drift-exact", 2)])
+def test_the_control_of_the_report_has_each_rate_once(model: str, count: int) -> None:
+    """Zero, of wind and limit, and with drift that of the trim filter, -b1."""
+    c = tv.Coefficients.from_beta(beta=0.5, B=0.1, b1=0.03, b2=0.02, C1=0.025, C2=0.002)
+    wind = tv.TriangularWind(peak=0.1, duration=7.0)
+    control = tv.trim_then_hold(tv.Plant(c, model), wind, -0.005)
+
+    assert control.pieces.rates.size == count

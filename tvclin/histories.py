@@ -169,8 +169,12 @@ class History(ABC):
 
     def one(self, case: int, shape: tuple[int, ...]) -> History:
         """Return one history of the batch spread to `shape`, by its flat position there."""
-        p = kernel.take(kernel.spread(self.pieces, shape), np.array([case]))
+        p = self.some(np.array([case]), shape).pieces
         return Piecewise(Pieces(p.knots[0], p.coefficients[0], p.rates[0]))
+
+    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> History:
+        """Return some histories of the batch spread to `shape`, ``(k,)``, by flat positions."""
+        return Piecewise(kernel.take(kernel.spread(self.pieces, shape), cases))
 
     @cached_property
     def onset(self) -> FloatArray:

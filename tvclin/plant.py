@@ -81,8 +81,14 @@ class Plant:
 
     def one(self, case: int, shape: tuple[int, ...]) -> Plant:
         """Return one plant of the batch spread to `shape`, by its flat position there."""
+        few = self.some(np.array([case]), shape).coefficients
+        held = {name: float(getattr(few, name)[0]) for name in Coefficients.__dataclass_fields__}
+        return Plant(Coefficients(**held), self.model)
+
+    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Plant:
+        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
         held = {
-            name: float(np.broadcast_to(getattr(self.coefficients, name), shape).flat[case])
+            name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[cases]
             for name in Coefficients.__dataclass_fields__
         }
         return Plant(Coefficients(**held), self.model)

@@ -116,7 +116,7 @@ def attitude_response(
         found.time,
         found.outputs,
         None,
-        responses.values((deflection.pieces, wind.pieces), found.time),
+        np.stack([deflection(found.time), wind(found.time)]),
         issiso=False,
         output_labels=list(found.labels),
         input_labels=list(INPUTS),
@@ -165,8 +165,11 @@ def attitude_responses(
         system = system.only([plant.outputs.index(label) for label in labels])
     found, near = responses.responses(system, (deflection.pieces, wind.pieces), times, shape)
     if near is not None:
-        lags = _by_lags(plant, labels, deflection, wind, times, shape)
-        found = np.where(near[..., np.newaxis, np.newaxis], lags, found)
+        cases = np.flatnonzero(near)
+        if shape:
+            plant = plant.some(cases, shape)
+            deflection, wind = (h.some(cases, shape) for h in (deflection, wind))
+        found[near] = _by_lags(plant, labels, deflection, wind, times, cases.shape if shape else ())
     return Responses(times, found, labels)
 
 

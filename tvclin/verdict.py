@@ -16,7 +16,7 @@ from tvclin.errors import instance
 from tvclin.histories import History, Piecewise
 from tvclin.kernels import polynomials
 from tvclin.kernels.residues import residues as residues_of_pieces
-from tvclin.kernels.responses import MARGINAL
+from tvclin.kernels.response_cases import MARGINAL
 from tvclin.modes import Modes, unstable_modes
 from tvclin.plant import INPUTS, Plant
 

@@ -1,4 +1,4 @@
-"""First-order lags of pieces: as pieces again, and as values at given times."""
+"""First-order lags of pieces, as pieces again."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tvclin.kernels.integrals import powers
 from tvclin.kernels.moments import moments
-from tvclin.kernels.pieces import Pieces, at_pieces, locate, moved, spread
+from tvclin.kernels.pieces import Pieces, moved, spread
 
 _NEAR = 0.25
 """A rate within this of a lag's pole, times the width, counts as resonant."""
@@ -19,19 +19,6 @@ _DIED = 60.0
 """e^-60 of a decaying term is nothing beside its beginning."""
 _OVERFLOWS = 600.0
 """A growing term is not followed beyond e^600."""
-
-
-def past(pieces: Pieces, pole: NDArray[Any], t: NDArray[np.float64]) -> NDArray[Any]:
-    """Return the discounted past, the integral up to t of e^(pole (t - r)) f(r) dr.
-
-    At the times ``t (..., m)``, as in `value`; `pole` broadcasts with the batch. It is the
-    answer of a first-order lag at the time t; accurate for poles that do not grow.
-    """
-    index, u = locate(pieces, t)
-    u = np.maximum(u, 0.0)
-    part = _answers(at_pieces(pieces.coefficients, index, 2), pieces.rates, u, pole)
-    carried = at_pieces(_states(pieces, pole), index, 0)
-    return np.asarray(np.exp(pole[..., np.newaxis] * u) * carried + part)
 
 
 def lag(pieces: Pieces, pole: NDArray[Any]) -> Pieces:

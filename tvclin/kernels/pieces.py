@@ -11,7 +11,6 @@ sums of exponential moments, so nothing here is ever sampled or truncated. `inte
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import comb
 from typing import Any
 
@@ -52,22 +51,9 @@ class Pieces:
         """How long each piece lasts, ``(..., n)``; the last one for ever."""
         return np.diff(self.knots, axis=-1, append=np.inf)
 
-    @cached_property
-    def single(self) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-        """One real history as a batch of one: knots, coefficients and rates as kernels take them.
-
-        It is kept, because one response asks for it several times.
-        """
-        kind = np.dtype(float)
-        return (
-            flat(self.knots, 1, kind),
-            flat(self.coefficients, 3, kind),
-            flat(self.rates, 1, kind),
-        )
-
 
 def flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
-    """Return an array with its batch on one axis, in the one kind of memory that twins take."""
+    """Return an array with its batch on one axis, in the one kind of memory that kernels take."""
     one = array.ndim == trailing
     rows = array[np.newaxis] if one else array.reshape(-1, *array.shape[array.ndim - trailing :])
     flags = rows.flags
@@ -99,8 +85,12 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     both = [_widened(_on_knots(p, merged), degree) for p in (first, second)]
     c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in both]
     rates = [np.broadcast_to(p.rates, (*shape, p.rates.shape[-1])) for p in (first, second)]
-    if np.array_equal(rates[0], rates[1]):
-        return Pieces(merged, c[0] + c[1], rates[0])
+    shorter, longer = sorted((0, 1), key=lambda i: rates[i].shape[-1])
+    count = rates[shorter].shape[-1]
+    if np.array_equal(rates[shorter], rates[longer][..., :count]):
+        total = c[longer].copy()
+        total[..., :count, :] += c[shorter]
+        return Pieces(merged, total, rates[longer])
     return Pieces(merged, np.concatenate(c, axis=-2), np.concatenate(rates, axis=-1))
 
 

@@ -48,9 +48,3 @@ def lean(function: Callable[..., Any]) -> Callable[..., Any]:
 def merged(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile like `lean`, and into the caller: for what takes many arrays, and is called once."""
     return numba.njit(forceinline=True, **_LEAN)(function)
-
-
-def unfused(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile like `lean`, but let products and sums round as in numpy."""
-    options: Any = {**_LEAN, "fastmath": False}
-    return numba.njit(**options)(function)
