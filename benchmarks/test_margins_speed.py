@@ -1,4 +1,4 @@
-"""Margins of thousands of dispersed loops of order 6, beside python-control's of one."""
+"""Margins of ten thousand dispersed loops of order 6, beside a loop over python-control's."""
 
 import control
 import numpy as np
@@ -6,19 +6,15 @@ import pytest
 from peers import ratio
 
 import tvclin as tv
-from tvclin.kernels.loop_margins import classical_margins, loop_crossings
-from tvclin.kernels.rational import Rational
-from tvclin.kernels.threads import VARIABLE
-from tvclin.margins import loop_margins
 
-CASES, MANY = 5000, 40_000
+CASES, OF_PEER = 10_000, 50
 OMEGA = np.geomspace(1e-3, 1e3, 500)
 
 
-def dispersed(delays, count=CASES):
+def dispersed(delays):
     """Return the loops of attitude, rate and integral feedback around dispersed vehicles."""
     rng = np.random.default_rng(0)
-    spread = 1.0 + 0.1 * rng.standard_normal((6, count))
+    spread = 1.0 + 0.1 * rng.standard_normal((6, CASES))
     c = tv.Coefficients(
         mu_alpha=0.28 * spread[0],
         mu_delta=2.6 * spread[1],
@@ -33,66 +29,48 @@ def dispersed(delays, count=CASES):
         rate_gain=0.55,
         integral_gain=0.02,
         actuator=tv.Actuator(natural_frequency=25.1 * spread[4], damping=0.7 * spread[5]),
-        delay=rng.choice(delays, count),
+        delay=rng.choice(delays, CASES),
     )
     return autopilot.rational_loop(tv.Plant(c, "drift"))
 
 
-def system(loop):
-    """Return the first loop for python-control, without its delay."""
-    return control.tf(np.trim_zeros(loop.numerator[0], "f"), loop.denominator[0])
+def systems(loop):
+    """Return the first loops for python-control, without their delays."""
+    return [control.tf(*pair) for pair in zip(loop.numerator, loop.denominator, strict=True)][
+        :OF_PEER
+    ]
 
 
 @pytest.mark.parametrize("delays", [[0.0], [0.0, 0.02, 0.04]], ids=["no delay", "some delayed"])
-def test_classical_margins(benchmark, delays):
-    pytest.importorskip("numba")
+def test_margins(benchmark, delays):
     loop = dispersed(delays)
-    rational = Rational(*(np.array(a) for a in (loop.numerator, loop.denominator, loop.delay)))
-    one = system(loop)
+    some = systems(loop.take(range(OF_PEER)))
     ratio(
         benchmark,
-        lambda: classical_margins(loop_crossings(rational)),
-        lambda: control.margin(one),
-        peer_name="control.margin, without delay",
+        lambda: tv.loop_margins(loop),
+        lambda: [control.margin(one) for one in some],
+        peer_name="control.margin in a loop, without delay",
         per=CASES,
-        floor="real roots of polynomials, sixteen searches side by side; then steps on L itself",
+        peer_per=OF_PEER,
+        floor="eight hundred frequencies for each loop; roots of five polynomials",
     )
 
 
-@pytest.mark.parametrize("delays", [[0.0], [0.0, 0.02, 0.04]], ids=["no delay", "some delayed"])
-def test_the_whole_record(benchmark, delays):
-    pytest.importorskip("numba")
-    loop = dispersed(delays)
-    one = system(loop)
+def test_margins_beside_those_of_a_disk_too(benchmark):
+    loop = dispersed([0.0])
+    some = systems(loop.take(range(OF_PEER)))
 
     def peer():
-        control.margin(one)
-        control.disk_margins(one, OMEGA)
+        for one in some:
+            control.margin(one)
+            control.disk_margins(one, OMEGA)
 
     ratio(
         benchmark,
-        lambda: loop_margins(loop),
+        lambda: tv.loop_margins(loop),
         peer,
-        peer_name="control.margin and disk_margins, without delay",
+        peer_name="control.margin and disk_margins in a loop",
         per=CASES,
-        floor="sizes of S and T between the roots",
-    )
-
-
-def test_two_threads_beside_one(benchmark, monkeypatch):
-    pytest.importorskip("numba")
-    loop = dispersed([0.0], MANY)
-
-    def margins(threads):
-        monkeypatch.setenv(VARIABLE, str(threads))
-        loop_margins(loop)
-
-    ratio(
-        benchmark,
-        lambda: margins(2),
-        lambda: margins(1),
-        peer_name="one thread",
-        per=MANY,
-        peer_per=MANY,
-        floor="what is done before and after the kernels; one processor's neighbours",
+        peer_per=OF_PEER,
+        floor="the same",
     )

@@ -1,9 +1,14 @@
 """One source for every kernel: plain Python and machine code of it say the same."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from tvclin.kernels import source
+from tvclin.kernels import choice, source
 from tvclin.kernels.source import kernel, machine_code
 
 GROWTH = 1.5
@@ -40,3 +45,52 @@ def test_what_is_kept_has_another_name_when_a_called_function_changes(monkeypatc
     before = source._digest(total)
     monkeypatch.setitem(total.__globals__, "term", kernel(lambda rate, u: u - rate))
     assert source._digest(total) != before
+
+
+@pytest.mark.parametrize("place", ["beside the source", "as asked", "with the user"])
+def test_machine_code_is_found_where_numba_keeps_it(tmp_path, place):
+    pytest.importorskip("numba")
+    rooms = tmp_path / "rooms"
+    rooms.mkdir()
+    (rooms / "kept.py").write_text(
+        "from tvclin.kernels.source import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
+    )
+    told = {"XDG_CACHE_HOME": str(tmp_path / "mine"), "LOCALAPPDATA": str(tmp_path / "mine")}
+    if place == "as asked":
+        told["NUMBA_CACHE_DIR"] = str(tmp_path / "asked")
+    if place == "with the user":  # a file in its way keeps even an administrator out of the folder
+        (rooms / "__pycache__").write_text("")
+    code = (
+        "import sys; sys.path.insert(0, sys.argv[1]); sys.dont_write_bytecode = True\n"
+        "import kept\nfrom tvclin.kernels import choice\n"
+        "before = choice._is_kept(kept.twice)\nassert 'numba' not in sys.modules\n"
+        "choice.machine_code(kept.twice)(1.0)\n"
+        "print(before, choice._is_kept(kept.twice), choice.cache_folder(choice.Path(sys.argv[1])))"
+    )
+    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(rooms)],
+        env=environment | told,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    before, after, folder = done.stdout.split(maxsplit=2)
+    assert (before, after) == ("False", "True")
+    inside = {"beside the source": rooms, "as asked": tmp_path / "asked"}
+    if sys.platform != "darwin":
+        assert folder.startswith(str(inside.get(place, tmp_path / "mine")))
+
+
+def test_a_process_with_the_code_in_another_place_pays_the_small_threshold(monkeypatch, tmp_path):
+    """What was compiled before is taken for a tenth of a second of work, wherever it is kept."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(choice, "_swift", {})
+    monkeypatch.setattr(choice, "_asked", {})
+    monkeypatch.setattr(choice, "available", lambda: True)
+    monkeypatch.setattr(choice, "machine_code", lambda function: "machine code")
+    assert choice.swiftest(total, 1.0) is total
+    folder = choice.cache_folder(Path(__file__).parent)
+    folder.mkdir()
+    (folder / f"{Path(__file__).stem}.total_0123456789ab-18.py311.nbi").write_text("")
+    assert choice.swiftest(total, 1.0) == "machine code"

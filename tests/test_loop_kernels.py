@@ -1,7 +1,4 @@
-"""The twins of the kernels of margins: one beside the other, and both beside other arithmetic."""
-
-from dataclasses import fields
-from importlib import import_module
+"""The kernels of margins beside other arithmetic: forty digits, python-control, brute force."""
 
 import control
 import mpmath
@@ -9,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.test_margins import NUMBERS, actuated, brute_force, random_loops
-from tvclin.kernels.choice import pinned
+from tvclin.kernels import polynomials
 from tvclin.margins import Crossings, Loop, loop_margins
 
 FREQUENCIES = [
@@ -17,38 +14,10 @@ FREQUENCIES = [
     "gain_increase_frequency",
     "crossover_frequency",
     "delay_margin_frequency",
+    "disk_frequency",
+    "peak_sensitivity_frequency",
+    "peak_complementary_sensitivity_frequency",
 ]
-
-
-def both(loop):
-    """Return what numpy and the compiled twin find."""
-    pytest.importorskip("numba")
-    with pinned(False):
-        plain = loop_margins(loop)
-    with pinned(True):
-        return plain, loop_margins(loop)
-
-
-def assert_same(plain, compiled, rounding=1e-12):
-    """Hold the twins together; an undamped mode magnifies the rounding of a frequency."""
-    np.testing.assert_array_equal(compiled.status, plain.status)
-    np.testing.assert_array_equal(compiled.unstable_poles, plain.unstable_poles)
-    for field in fields(Crossings):
-        expected, found = (getattr(m.crossings, field.name) for m in (plain, compiled))
-        exact = 1e-12 if "frequencies" in field.name else rounding
-        slack = 0.0 if "frequencies" in field.name else rounding
-        np.testing.assert_allclose(found, expected, rtol=exact, atol=slack, err_msg=field.name)
-    for name in [*NUMBERS, *FREQUENCIES]:
-        exact = 1e-9 if "disk" in name or "peak" in name else rounding
-        expected, found = getattr(plain, name), getattr(compiled, name)
-        np.testing.assert_allclose(found, expected, rtol=exact, atol=rounding, err_msg=name)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_twins_agree_on_random_loops(seed):
-    plain, compiled = both(random_loops(400, seed=10 + seed))
-    assert {"ok", "unstable"} <= set(plain.status)
-    assert_same(plain, compiled)
 
 
 def integrating(count, seed):
@@ -73,16 +42,127 @@ def bending(count, seed):
     return Loop(above, below, rng.choice([0.0, 0.02, 0.2], count))
 
 
-@pytest.mark.parametrize(("family", "rounding"), [(integrating, 1e-12), (bending, 1e-9)])
-def test_twins_agree_on_loops_with_integrators_and_bending_modes(family, rounding):
-    plain, compiled = both(family(300, seed=5))
-    assert np.sum(plain.status == "ok") > 20
-    assert_same(plain, compiled, rounding)
+FAMILIES = [
+    pytest.param(random_loops, 1e-12, id="random"),
+    pytest.param(integrating, 1e-12, id="integrating"),
+    pytest.param(bending, 1e-9, id="bending"),  # an undamped mode magnifies what a frequency lacks
+]
 
 
-def test_twins_agree_on_loops_of_the_first_order_and_without_crossings():
-    assert_same(*both(Loop([[1.0], [-0.5], [-2.0], [3.0]], [1.0, 1.0], [0.0, 0.3, 0.3, 1.0])))
-    assert_same(*both(Loop([0.1], [1.0, 3.0, 2.0], [0.0, 0.01, 100.0])))
+class Exact:
+    """One loop in forty digits."""
+
+    def __init__(self, loop, case):
+        self.above, self.below = (
+            [mpmath.mpf(float(c)) for c in p[case]] for p in (loop.numerator, loop.denominator)
+        )
+        self.delay = mpmath.mpf(float(loop.delay[case]))
+
+    def parts(self, omega):
+        """Return N with its delay, D, and the derivative of ln L by omega."""
+        s = mpmath.mpc(0, omega)
+        (n, dn), (d, dd) = (mpmath.polyval(p, s, derivative=1) for p in (self.above, self.below))
+        return n * mpmath.exp(-s * self.delay), d, 1j * (dn / n - dd / d - self.delay)
+
+    def gain_crossing(self, omega):
+        """Return what a frequency lacks until |L| = 1, and how far L may lag more there."""
+        n, d, rise = self.parts(omega)
+        lacking = -mpmath.log(abs(n / d)) / mpmath.re(rise)
+        n, d, _ = self.parts(omega + lacking)
+        return lacking, mpmath.arg(-n / d)
+
+    def phase_crossing(self, omega):
+        """Return what a frequency lacks until L is real and negative, and 1/|L| there."""
+        if not omega:
+            return mpmath.mpf(0), -self.below[-1] / self.above[-1]
+        n, d, rise = self.parts(omega)
+        lacking = -mpmath.arg(-n / d) / mpmath.im(rise)
+        n, d, _ = self.parts(omega + lacking)
+        return lacking, abs(d / n)
+
+    def peaks(self, omega):
+        """Return |S|, |T| and |S - T|/2 at three frequencies."""
+        for kind, at in enumerate(omega):
+            n, d, _ = self.parts(at)
+            yield abs(((d, n, (d - n) / 2)[kind]) / (n + d))
+
+
+@pytest.mark.parametrize(("family", "rounding"), FAMILIES)
+def test_every_crossing_is_that_of_forty_digits(family, rounding):
+    loop = family(150, seed=5)
+    m = loop_margins(loop)
+    assert np.sum(m.status == "ok") > 10
+    c = m.crossings
+    kinds = [
+        ("gain_crossing", c.gain_frequencies, c.phase_margins),
+        ("phase_crossing", c.phase_frequencies, c.gain_factors),
+    ]
+    with mpmath.workdps(40):
+        for name, frequencies, values in kinds:
+            for case, place in np.argwhere(np.isfinite(frequencies)):
+                omega, found = frequencies[case, place], values[case, place]
+                lacking, expected = getattr(Exact(loop, case), name)(mpmath.mpf(float(omega)))
+                assert abs(lacking) <= 1e-12 * omega, (name, case, omega)
+                assert found == pytest.approx(float(expected), rel=rounding, abs=rounding)
+
+
+@pytest.mark.parametrize(("family", "rounding"), FAMILIES)
+def test_every_peak_is_that_of_forty_digits(family, rounding):
+    loop = family(60, seed=7)
+    m = loop_margins(loop)
+    names = ["peak_sensitivity", "peak_complementary_sensitivity", "disk"]
+    with mpmath.workdps(40):
+        for case in np.flatnonzero(m.status == "ok"):
+            at = [float(getattr(m, f"{name}_frequency")[case]) for name in names]
+            found = [getattr(m, name)[case] for name in names[:2]] + [1.0 / m.disk_margin[case]]
+            exact, apart = Exact(loop, case), mpmath.mpf(1e-7)
+            inner = [0.0 < omega < np.inf for omega in at]
+            places = [omega if there else 1.0 for omega, there in zip(at, inner, strict=True)]
+            before, there, after = (
+                list(exact.peaks([mpmath.mpf(w) * (1 + k * apart) for w in places]))
+                for k in (-1, 0, 1)
+            )
+            for kind in np.flatnonzero(inner):
+                a, b, c = before[kind], there[kind], after[kind]
+                top = b + (c - a) ** 2 / (8 * (2 * b - a - c))  # of the parabola through them
+                assert 2 * b > a + c
+                assert found[kind] == pytest.approx(float(top), rel=1e-9)
+
+
+@pytest.mark.parametrize(("family", "rounding"), FAMILIES)
+def test_margins_are_those_of_brute_force(family, rounding):
+    loop = family(200, seed=6)
+    found, expected = loop_margins(loop), brute_force(loop)
+    decided = found.status != "marginal"
+    np.testing.assert_array_equal(
+        found.unstable_poles[decided], expected["unstable_poles"][decided]
+    )
+    good = found.status == "ok"
+    assert good.sum() > 10
+    for name in NUMBERS:
+        values = getattr(found, name)[good]
+        np.testing.assert_allclose(values, expected[name][good], rtol=1e-7, err_msg=name)
+
+
+def test_loops_of_the_first_order_have_the_margins_of_their_formulas():
+    """L = g e^(-s T)/(s + 1): |L| = 1 at sqrt(g^2 - 1), where the phase is -arctan(w) - w T."""
+    g, T = np.array([1.0, -0.5, -2.0, 3.0]), np.array([0.0, 0.3, 0.3, 1.0])
+    m = loop_margins(Loop(g[:, np.newaxis], [1.0, 1.0], T))
+    assert m.status.tolist() == ["ok", "ok", "unstable", "unstable"]
+    omega = np.sqrt(np.maximum(g**2 - 1.0, 0.0))
+    np.testing.assert_allclose(m.crossings.gain_frequencies[2:, 0], omega[2:], rtol=1e-14)
+    assert np.isnan(m.crossings.gain_frequencies[1]).all()
+    left = np.angle(-g * np.exp(-1j * omega * T) / (1j * omega + 1.0))
+    np.testing.assert_allclose(m.crossings.phase_margins[2:, 0], left[2:], rtol=1e-13)
+    assert m.gain_increase[1] == pytest.approx(2.0, rel=1e-15)  # -0.5 may double, at zero
+    assert m.gain_increase_frequency[1] == 0.0
+
+
+def test_a_loop_without_gain_crossover_has_no_phase_margin_and_bears_any_delay():
+    m = loop_margins(Loop([0.1], [1.0, 3.0, 2.0], [0.0, 0.01, 100.0]))
+    assert m.status.tolist() == ["ok"] * 3
+    assert np.all(np.isinf(m.phase_margin) & np.isinf(m.delay_margin))
+    assert m.crossings.gain_frequencies.shape == (3, 0)
 
 
 def test_a_pole_or_zero_on_the_axis_is_no_crossing_of_a_delayed_loop():
@@ -95,44 +175,33 @@ def test_a_pole_or_zero_on_the_axis_is_no_crossing_of_a_delayed_loop():
         [1, 9.6, 45.1, 349.4, 340.8, 305.3],
     ]
     loop = Loop(np.pad(above, [(0, 0), (3, 0)]), below, [0.2, 0.5, 0.2, 0.2])
-    for found in both(loop):
-        factors = found.crossings.gain_factors
-        assert np.all((factors > 1e-6) & (factors < 1e7) | np.isnan(factors))
+    factors = loop_margins(loop).crossings.gain_factors
+    assert np.all((factors > 1e-6) & (factors < 1e7) | np.isnan(factors))
 
 
-def test_what_is_marginal_is_so_for_both():
+def test_what_is_marginal_is_so():
     edge = Loop([[0, 1.0], [0.5, 0.0]], [[1.0, 0.0, 1.0], [1.0, -0.5, 4.0]], 0.0)
-    for found in both(edge):
-        assert found.status.tolist() == ["marginal", "marginal"]
+    assert loop_margins(edge).status.tolist() == ["marginal", "marginal"]
 
 
-def test_a_loop_has_the_same_margins_alone_and_anywhere_in_a_batch():
-    loop = random_loops(150, seed=8)
-    _, whole = both(loop)
-    with pinned(True):
-        for case in (0, 63, 64, 149):
-            alone = loop_margins(loop.take(case))
-            for name in NUMBERS:
-                np.testing.assert_array_equal(getattr(alone, name), getattr(whole, name)[case])
+@pytest.mark.parametrize(("family", "rounding"), FAMILIES)
+def test_a_loop_has_the_same_margins_alone_and_anywhere_in_a_batch(family, rounding):
+    loop = family(600, seed=8)
+    whole = loop_margins(loop)
+    for case in (0, 1, 63, 64, 149, 511, 512, 598, 599):
+        alone = loop_margins(loop.take(case))
+        for name in [*NUMBERS, *FREQUENCIES]:
+            np.testing.assert_array_equal(getattr(alone, name), getattr(whole, name)[case])
+        for name in Crossings.__dataclass_fields__:
+            listed = getattr(whole.crossings, name)[case]
+            found = getattr(alone.crossings, name)
+            np.testing.assert_array_equal(found, listed[np.isfinite(listed)])
 
 
-def test_slices_over_threads_change_nothing(monkeypatch):
-    loop = random_loops(300, seed=9)
-    _, whole = both(loop)
-    monkeypatch.setattr("tvclin.kernels.threads._WORTH", 1e-9)
-    _, sliced = both(loop)
-    for name in NUMBERS:
-        np.testing.assert_array_equal(getattr(sliced, name), getattr(whole, name))
-
-
-@pytest.mark.parametrize("compiled", [False, True])
-def test_python_control_finds_the_same_crossings(compiled):
-    if compiled:
-        pytest.importorskip("numba")
+def test_python_control_finds_the_same_crossings():
     drawn = random_loops(60, seed=2)
     loop = Loop(drawn.numerator, drawn.denominator)
-    with pinned(compiled):
-        m = loop_margins(loop)
+    m = loop_margins(loop)
     for k in np.flatnonzero(m.status == "ok"):
         system = control.tf(loop.numerator[k], loop.denominator[k])
         factors, phases, _, at, where, _ = control.stability_margins(system, returnall=True)
@@ -147,74 +216,64 @@ def test_python_control_finds_the_same_crossings(compiled):
         np.testing.assert_allclose(found[there], factors[true], rtol=1e-6)
 
 
-def test_the_compiled_twin_has_the_margins_of_brute_force():
-    pytest.importorskip("numba")
-    loop = random_loops(200, seed=6)
-    with pinned(True):
-        found = loop_margins(loop)
-    expected = brute_force(loop)
-    np.testing.assert_array_equal(found.unstable_poles, expected["unstable_poles"])
-    good = expected["unstable_poles"] == 0
-    for name in NUMBERS:
-        values = getattr(found, name)[good]
-        np.testing.assert_allclose(values, expected[name][good], rtol=1e-7, err_msg=name)
-
-
-@pytest.mark.parametrize("compiled", [False, True])
-def test_crossovers_beside_an_undamped_mode_are_exact(compiled):
+def test_crossovers_beside_an_undamped_mode_are_exact():
     """There |N|^2 - |D|^2 has two roots that agree in five digits."""
-    if compiled:
-        pytest.importorskip("numba")
     above, below = [1e-4, 3e-4], np.polymul([1.0, 0.0, 90.25], [1.0, 1.0])
-    with pinned(compiled):
-        found = loop_margins(Loop([above], [below])).crossings.gain_frequencies[0]
+    loop = Loop([above], [below])
+    found = loop_margins(loop).crossings.gain_frequencies[0]
     assert found.shape == (2,)
     with mpmath.workdps(40):
 
         def level(omega):
-            top, bottom = (mpmath.polyval(p, mpmath.mpc(0, omega)) for p in exactly)
+            top, bottom, _ = Exact(loop, 0).parts(omega)
             return mpmath.log(abs(top / bottom))
 
-        exactly = [[mpmath.mpf(float(c)) for c in p] for p in (above, below)]
         for omega in found:
             exact = mpmath.findroot(level, (omega * (1 - 1e-9), omega * (1 + 1e-9)))
             assert omega == pytest.approx(float(exact), rel=1e-14)
 
 
-def test_positive_roots_are_those_the_polynomials_were_made_of():
-    kernel = pytest.importorskip("numba") and import_module(
-        "tvclin.kernels.compiled.positive_roots"
-    )
-    rng, p, expected = np.random.default_rng(0), np.zeros((500, kernel.SIZE)), []
+def test_polynomials_of_different_degree_have_the_roots_they_were_made_of():
+    rng, p, expected = np.random.default_rng(0), np.zeros((500, 9)), []
     for row in p:
         real = rng.choice([-1, 1], rng.integers(1, 6)) * 10.0 ** rng.uniform(-4, 3)
-        real = real * rng.uniform(0.5, 2.0, real.size)
-        pair = 10.0 ** rng.uniform(-2, 2) * np.exp(1j * rng.uniform(0, np.pi))
+        real = real * np.sort(rng.uniform(0.5, 2.0, real.size))
+        pair = 10.0 ** rng.uniform(-2, 2) * np.exp(1j * rng.uniform(0.1, 3.0))
         terms = rng.choice([-1, 1]) * np.real(np.poly([*real, pair, np.conj(pair)]))
-        row[: terms.size] = terms[::-1]
+        row[-terms.size :] = terms
         expected.append(np.sort(real[real > 0.0]))
-    roots, counts = np.zeros_like(p), np.zeros(len(p), dtype=np.intp)
-    kernel.positive_roots(p, len(p), kernel.searches(len(p)), roots, counts)
-    for found, count, true in zip(roots, counts, expected, strict=True):
-        np.testing.assert_allclose(found[:count], true, rtol=1e-6)
+    p[7] = 0.0
+    found = polynomials.roots_of_each(p)
+    assert np.isnan(found[7]).all()
+    for k in np.delete(np.arange(500), 7):
+        roots = found[k][~np.isnan(found[k])]
+        assert roots.size == 8 - np.argmax(p[k] != 0.0)
+        for one in expected[k]:
+            assert np.abs(roots - one).min() <= 1e-6 * one
 
 
-def test_routh_counts_what_the_roots_say_or_is_unsure():
-    stability = pytest.importorskip("numba") and import_module("tvclin.kernels.compiled.stability")
-    rng, sure = np.random.default_rng(1), 0
+def test_the_closed_loop_has_as_many_unstable_poles_as_it_was_made_of():
+    rng = np.random.default_rng(1)
     for degree in np.repeat(np.arange(1, 9), 50):
         roots = rng.uniform(-3, 1, degree)
-        found = stability.unstable_roots(np.poly(roots)[::-1].copy(), degree, np.zeros((4, 32)))
-        assert found in (np.sum(roots > 0), stability.UNSURE)
-        sure += found != stability.UNSURE
-    assert sure > 380
-    for axis in ([1.0, 2.0, 1.0, 2.0], [1.0, 1.0, 0.0], [1.0, 3.0, 3.0 + 1e-9, 9.0]):
-        p = np.array(axis[::-1])
-        assert stability.unstable_roots(p, len(p) - 1, np.zeros((4, 32))) == stability.UNSURE
+        closed, part = np.poly(roots), rng.uniform(-1, 1)
+        m = loop_margins(Loop([part], closed - part * (np.arange(degree + 1) == degree)))
+        assert m.unstable_poles == np.sum(roots > 0)
 
 
-def test_loops_of_higher_order_than_the_compiled_twin_trusts_have_margins():
-    above, below = [1.0], np.poly(-np.linspace(0.5, 4.0, 14))
-    plain, compiled = both(Loop([above], [below / below[-1]]))
-    assert plain.status.tolist() == ["ok"]
-    assert_same(plain, compiled)
+def test_a_loop_of_order_fourteen_has_the_margins_of_forty_digits():
+    poles = np.linspace(0.5, 4.0, 14)
+    loop = Loop([[1.0]], [np.poly(-poles) / np.prod(poles)])
+    m = loop_margins(loop)
+    assert m.status.tolist() == ["ok"]
+    lags = [0.0]
+    with mpmath.workdps(40):
+        for omega, factor in zip(
+            m.crossings.phase_frequencies[0], m.crossings.gain_factors[0], strict=True
+        ):
+            lacking, expected = Exact(loop, 0).phase_crossing(mpmath.mpf(float(omega)))
+            assert abs(lacking) <= 1e-12 * omega
+            assert factor == pytest.approx(float(expected), rel=1e-12)
+            lags.append(np.sum(np.arctan(omega / poles)))
+    # each crossing is half a turn, then whole turns behind the one before; 14 lags make 3.5 turns
+    np.testing.assert_allclose(lags[1:], np.pi * np.array([1.0, 3.0, 5.0]), rtol=1e-12)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import comb, perm
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,11 +102,11 @@ def pade_delay(delay: float, order: int) -> Matrices:
     """Return A, B, C, D of the delay, in time units in which its poles are of size one."""
     if delay == 0.0:
         return THROUGH
-    import control
-
-    numerator, denominator = (np.array(p) for p in control.pade(1.0, order))
+    powers = np.arange(order, -1, -1)
+    denominator = np.array([float(comb(order, k) * perm(2 * order - k, order - k)) for k in powers])
     unit = denominator[-1] ** (1.0 / order)
-    numerator, denominator = (p / unit ** np.arange(order + 1) for p in (numerator, denominator))
+    denominator /= unit ** powers[::-1]
+    numerator = denominator * (-1.0) ** powers
     A, B = np.eye(order, k=1), np.zeros((order, 1))
     A[-1], B[-1] = -denominator[:0:-1], 1.0
     C = (numerator - numerator[0] * denominator)[np.newaxis, :0:-1]

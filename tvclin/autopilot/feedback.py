@@ -193,6 +193,31 @@ class Autopilot:
             warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
         return system
 
+    def closed_loop_poles(self, plant: Plant) -> NDArray[np.complex128]:
+        """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+
+        Warns
+        -----
+        UserWarning
+            As `close`.
+        """
+        self._require_single("closed_loop_poles", plant)
+        warn_of_doubts(self, plant)
+        A = closed(self, plant)[1]
+        if pade_misleads(self, plant, A):
+            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
+        return np.linalg.eigvals(A).astype(complex)
+
     def rational_loop(self, plant: Plant) -> Loop:
         """Return the loop as polynomials and an exact delay, for one plant or a batch.
 

@@ -113,7 +113,7 @@ def _document(
     criteria = bool(asked.are_met(found.margins))
     return {
         "autopilot": gains_document(found.autopilot),
-        "closed_loop_poles": found.autopilot.close(found.plant).poles().tolist(),
+        "closed_loop_poles": found.autopilot.closed_loop_poles(found.plant).tolist(),
         "wind_peak_deg": deg(float(found.wind.peak)),
         "stable": found.margins.stable,
         "peak_deflection_deg": deg(found.peak_deflection),

@@ -131,7 +131,7 @@ def poles(autopilot: "Autopilot", plant: "Plant") -> str:
     """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
     import numpy as np
 
-    every = np.sort_complex(autopilot.close(plant).poles())[::-1]
+    every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
         every = every[(every.real > 0.0) | _are_exact(every, autopilot.rational_loop(plant))]
     shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
@@ -209,7 +209,7 @@ def margins_document(
     properties = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin_dB")
     return {
         "autopilot": gains_document(autopilot),
-        "closed_loop_poles": autopilot.close(plant).poles().tolist(),
+        "closed_loop_poles": autopilot.closed_loop_poles(plant).tolist(),
         "stable": found.stable,
         "status": found.status,
         "reason": found.reason or None,

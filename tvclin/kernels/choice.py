@@ -6,11 +6,13 @@ process is worth that, and for any work once they are there. Both give the same 
 rounding each kernel states; nobody above the kernels knows which one ran.
 """
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
+from hashlib import sha1
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,7 +28,7 @@ _asked: dict[str, float] = {}
 _loaded: dict[str, ModuleType] = {}
 """Twins that were taken before, which is quicker than asking for a module again."""
 _swift: dict[str, Callable[..., Any]] = {}
-_CACHE = Path(__file__).parent / "compiled" / "__pycache__"
+_COMPILED = Path(__file__).parent / "compiled"
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
 
@@ -77,15 +79,42 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
 
 
 def _is_kept(function: Callable[..., Any]) -> bool:
-    """Whether machine code of a kernel is kept beside its source."""
+    """Whether machine code of a kernel is kept."""
     file = Path(function.__code__.co_filename)
-    kept = (file.parent / "__pycache__").glob(f"{file.stem}.{function.__name__}_*.nbi")
+    kept = cache_folder(file.parent).glob(f"{file.stem}.{function.__name__}_*.nbi")
     return next(kept, None) is not None
 
 
 def _kept(name: str) -> bool:
-    """Whether machine code of a twin is kept beside the sources."""
-    return next(_CACHE.glob(f"{name}.*.nbi"), None) is not None
+    """Whether machine code of a twin is kept."""
+    return next(cache_folder(_COMPILED).glob(f"{name}.*.nbi"), None) is not None
+
+
+def cache_folder(sources: Path) -> Path:
+    """Return where numba keeps machine code of the files of a folder, without importing it.
+
+    As in numba/core/caching.py: where ``NUMBA_CACHE_DIR`` says, beside the sources, or in the
+    user's cache, whichever is the first that can be written.
+    """
+    apart = f"{sources.name}_{sha1(str(sources).encode()).hexdigest()}"
+    asked = os.environ.get("NUMBA_CACHE_DIR")
+    places = [Path(asked) / apart] if asked else []
+    places += [sources / "__pycache__", _users_cache() / apart]
+    return next((place for place in places if _writable(place)), places[-1])
+
+
+def _users_cache() -> Path:
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", "~")).expanduser() / "numba" / "Cache"
+    if sys.platform == "darwin":
+        return Path("~/Library/Caches/numba").expanduser()
+    return Path(os.environ.get("XDG_CACHE_HOME", Path("~/.cache").expanduser())) / "numba"
+
+
+def _writable(folder: Path) -> bool:
+    """Whether a folder can be written, or made."""
+    there = next((one for one in (folder, *folder.parents) if one.exists()), folder)
+    return there.is_dir() and os.access(there, os.W_OK)
 
 
 @cache

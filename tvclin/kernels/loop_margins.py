@@ -1,8 +1,7 @@
 """What stability margins are made of: the verdict, every crossing, and the peaks of S and T.
 
-The compiled twin finds crossings from the real roots of polynomials instead of on a grid; both
-agree to 1e-12 of a crossing and 1e-9 of a peak. What is so near to the edge of stability that
-rounding matters is always left to numpy.
+Crossings and peaks are seen between frequencies that miss none, and then refined to rounding. A
+loop has the same bits alone and wherever in a batch it stands.
 """
 
 from collections.abc import Iterator
@@ -12,26 +11,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.choice import compiled_twin
-from tvclin.kernels.loop_crossings import phase_crossovers
+from tvclin.kernels.crossings import roots_between
 from tvclin.kernels.loop_grid import frequencies
-from tvclin.kernels.loop_peaks import peaks
-from tvclin.kernels.rational import Rational
+from tvclin.kernels.rational import Rational, inverse, product
 from tvclin.kernels.stability import stability
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
-_TOGETHER = 256
+_TOGETHER = 512
 """So many loops are worked on at a time, to bound the memory."""
-_SECONDS = 5e-4
-"""About what numpy takes for crossings and peaks of one loop."""
-_HIGHEST = 12
-"""The compiled twin trusts the squared polynomials of loops up to this order."""
+_AT_CROSSING = 1e-3
+"""The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
+_AT_INFINITY = np.array([1.0, 0.0, 0.5])
+"""What |S|, |T| and |S - T|/2 tend to."""
+_WORTH = 0.3
+"""Samples that stand above their neighbours are refined if they reach this part of the highest."""
+_SHARP = 1e-11
+"""The part of its frequency that may be missing at a summit: light damping makes them sharp."""
 
 
 @dataclass(frozen=True, eq=False)
-class LoopCrossings:
-    """The verdict on each of ``(k,)`` loops, and where it crosses |L| = 1 and -180 degrees.
+class LoopFindings:
+    """The verdict on each of ``(k,)`` loops, its crossings, and its peaks if it is stable.
 
     Attributes
     ----------
@@ -42,6 +44,9 @@ class LoopCrossings:
         ``(k, n)``, filled with NaN.
     phase_frequencies, factors : ndarray
         Where L is real and negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN.
+    peaks : ndarray
+        The largest |S|, |T| and |S - T|/2 on the axis, and their frequencies [rad/s], infinite
+        where the value is approached there, ``(k, 3, 2)``; NaN where the loop is not stable.
     """
 
     unstable_poles: NDArray[np.intp]
@@ -50,23 +55,20 @@ class LoopCrossings:
     phases: FloatArray
     phase_frequencies: FloatArray
     factors: FloatArray
+    peaks: FloatArray
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether all closed-loop poles lie in the left half plane."""
+        return np.asarray((self.unstable_poles == 0) & ~self.marginal)
 
 
-def loop_crossings(loop: Rational) -> LoopCrossings:
-    """Return the verdict and all crossings of a batch of one axis, ``(k,)``."""
-    twin = _twin(loop)
-    if twin is None:
-        return _joined([_crossings(part) for part in _chunks(loop)])
-    arrays, doubtful = twin.loop_crossings(loop)
-    found = LoopCrossings(*arrays)
-    if not np.any(doubtful):
-        return found
-    careful = [_crossings(part) for part in _chunks(loop.take(doubtful))]
-    order = np.concatenate([np.flatnonzero(~doubtful), np.flatnonzero(doubtful)])
-    return _taken(_joined([_taken(found, ~doubtful), *careful]), np.argsort(order))
+def loop_findings(loop: Rational) -> LoopFindings:
+    """Return the verdict, all crossings and the peaks of a batch of one axis, ``(k,)``."""
+    return _joined([_findings(part) for part in _chunks(loop)])
 
 
-def classical_margins(found: LoopCrossings) -> FloatArray:
+def classical_margins(found: LoopFindings) -> FloatArray:
     """Return the least margins of stable loops and where they are, ``(4, 2, k)``.
 
     Aero margin and gain increase as factors, phase margin [rad] and delay margin [s]; infinite,
@@ -82,37 +84,126 @@ def classical_margins(found: LoopCrossings) -> FloatArray:
     return np.asarray([_least(values, where) for values, where in pairs])
 
 
-def loop_peaks(loop: Rational) -> FloatArray:
-    """Return the peaks of S, T and (S - T)/2 of stable closed loops ``(k,)``, ``(3, 2, k)``.
-
-    Each with its frequency [rad/s], which is infinite where the value is approached there.
-    """
-    twin = _twin(loop)
-    if twin is not None:
-        return np.asarray(twin.loop_peaks(loop))
-    found = [peaks(part, frequencies(part, stability(part).crossovers)) for part in _chunks(loop)]
-    return np.concatenate(found, axis=-1)
-
-
-def _twin(loop: Rational) -> Any:
-    low = loop.denominator.shape[-1] - 1 <= _HIGHEST
-    return compiled_twin("loop_margins", _SECONDS * len(loop.delay)) if low else None
-
-
 def _chunks(loop: Rational) -> Iterator[Rational]:
     size = len(loop.delay)
     for start in range(0, max(size, 1), _TOGETHER):
         yield loop.take(np.arange(start, min(start + _TOGETHER, size)))
 
 
-def _crossings(loop: Rational) -> LoopCrossings:
-    found = stability(loop)
-    omega = found.crossovers
-    above, below = loop.parts(np.nan_to_num(omega, nan=1.0))
-    phases = np.where(np.isnan(omega), np.nan, np.angle(-above * np.conj(below)))
-    at, sizes = phase_crossovers(loop, frequencies(loop, omega))
+def _findings(loop: Rational) -> LoopFindings:
+    verdict = stability(loop)
+    gains = verdict.crossovers
+    phases = _angle(*loop.parts(np.nan_to_num(gains, nan=1.0)))
+    phases = np.where(np.isnan(gains), np.nan, phases)
+    omega = frequencies(loop, verdict)
+    omega = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
+    parts = loop.parts(omega)
+    at, sizes = _phase_crossovers(loop, omega, *parts)
+    peaks = np.full((len(omega), 3, 2), np.nan)
     with np.errstate(divide="ignore"):
-        return LoopCrossings(found.unstable_poles, found.marginal, omega, phases, at, 1.0 / sizes)
+        found = LoopFindings(
+            verdict.unstable_poles, verdict.marginal, gains, phases, at, 1.0 / sizes, peaks
+        )
+    good = np.flatnonzero(found.stable)
+    peaks[good] = _peaks(loop.take(good), omega[good], *(part[good] for part in parts))
+    return found
+
+
+def _phase_crossovers(
+    loop: Rational, omega: FloatArray, above: ComplexArray, below: ComplexArray
+) -> tuple[FloatArray, FloatArray]:
+    """Where L is real and negative, and its size there; both ``(k, m)``, filled with NaN.
+
+    From zero on, omega ``(k, n)`` misses no crossing; numerator and denominator are values there.
+    """
+
+    def angle(frequency: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+        return _angle(*loop.take(index).parts(frequency[:, np.newaxis]))[:, 0]
+
+    side = np.sign(_imaginary(above, below))
+    case, place = np.nonzero(side[:, 1:-1] * side[:, 2:] <= 0.0)
+    place += 1
+    begin, end = (_angle(above[case, k], below[case, k]) for k in (place, place + 1))
+    rise = np.sign(end - begin)
+    crossing = (begin * end <= 0.0) & (np.abs(end - begin) < np.pi) & (rise != 0.0)
+    case, place, rise = case[crossing], place[crossing], rise[crossing]
+    low, high = omega[case, place], omega[case, place + 1]
+    found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
+    true = np.abs(angle(found, case)) < _AT_CROSSING
+    true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
+    at_zero = np.flatnonzero(loop.numerator[:, -1] * loop.denominator[:, -1] < 0.0)
+    case = np.concatenate([at_zero, case[true]])
+    found = np.concatenate([np.zeros(at_zero.size), found[true]])
+    above, below = loop.take(case).parts(found[:, np.newaxis])
+    sizes = np.abs(above / below)[:, 0]
+    return _rows(case, found, found, len(omega)), _rows(case, found, sizes, len(omega))
+
+
+def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:
+    """Im(-N conj(D)), in real products, which round alike in a batch of any shape."""
+    return above.real * below.imag - above.imag * below.real
+
+
+def _angle(above: ComplexArray, below: ComplexArray) -> FloatArray:
+    """How far N/D may lag more [rad] until it is real and negative."""
+    real = -(above.real * below.real + above.imag * below.imag)
+    return np.arctan2(_imaginary(above, below), real)
+
+
+def _peaks(
+    loop: Rational, omega: FloatArray, above: ComplexArray, below: ComplexArray
+) -> FloatArray:
+    """The peaks of stable closed loops, ``(k, 3, 2)``.
+
+    From zero on, omega ``(k, n)`` misses no peak; numerator and denominator are values there.
+    """
+    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
+
+    values = np.stack(_sizes(above, below), axis=1)
+    values = np.nan_to_num(values, nan=-np.inf, copy=False)
+    top = np.argmax(values, axis=-1)
+    height = values.max(axis=-1)
+    where = omega[np.arange(len(omega))[:, np.newaxis], top]
+    inner = values[..., 1:-1]
+    summit = (inner >= values[..., :-2]) & (inner > values[..., 2:])
+    summit &= inner > _WORTH * height[..., np.newaxis]
+    case, kind, place = np.nonzero(summit)
+
+    def lowness(
+        frequency: FloatArray, case: NDArray[np.intp], kind: NDArray[np.intp]
+    ) -> FloatArray:
+        sizes = _sizes(*loop.take(case).parts(frequency[:, np.newaxis]))
+        return -np.choose(kind, [size[:, 0] for size in sizes])
+
+    if kind.size:  # all in one call, whose rounds cost more than what is done in them
+        bracket = [omega[case, place + k] for k in range(3)]
+        found = find_minimum(lowness, bracket, args=(case, kind), tolerances={"xrtol": _SHARP})
+        rising = np.argsort(-found.f_x)  # of several summits the highest is written last
+        size, at = -found.f_x[rising], (case[rising], kind[rising])
+        better = found.success[rising] & (size > height[at])
+        at = (at[0][better], at[1][better])
+        height[at], where[at] = size[better], found.x[rising][better]
+    beyond = height <= _AT_INFINITY
+    pair = [np.where(beyond, _AT_INFINITY, height), np.where(beyond, np.inf, where)]
+    return np.stack(pair, axis=-1)
+
+
+def _sizes(above: ComplexArray, below: ComplexArray) -> list[FloatArray]:
+    """The sizes of S = D/(D + N), T = N/(D + N) and (S - T)/2."""
+    over = inverse(below + above)
+    S, T = product(below, over), product(above, over)
+    return [np.sqrt(of.real**2 + of.imag**2) for of in (S, T, 0.5 * (S - T))]
+
+
+def _rows(case: NDArray[np.intp], key: FloatArray, values: FloatArray, count: int) -> FloatArray:
+    """Write the values of each case into its own row, in the order of the key."""
+    order = np.lexsort((key, case))
+    case, values = case[order], values[order]
+    sizes = np.bincount(case, minlength=count)
+    place = np.arange(case.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    rows = np.full((count, int(sizes.max(initial=0))), np.nan)
+    rows[case, place] = values
+    return rows
 
 
 def _least(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -125,18 +216,14 @@ def _least(values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
     return least, np.where(np.isinf(least), np.nan, where)
 
 
-def _taken(found: LoopCrossings, index: Any) -> LoopCrossings:
-    return LoopCrossings(*(getattr(found, field.name)[index] for field in fields(found)))
-
-
-def _joined(parts: list[LoopCrossings]) -> LoopCrossings:
+def _joined(parts: list[LoopFindings]) -> LoopFindings:
     """One out of several, the rows as wide as the widest."""
-    whole = []
-    for field in fields(LoopCrossings):
+    whole: list[NDArray[Any]] = []
+    for field in fields(LoopFindings):
         arrays = [getattr(part, field.name) for part in parts]
         if arrays[0].ndim == 2:
             width = max(array.shape[-1] for array in arrays)
             wide = [(0, 0), (0, width)]
             arrays = [np.pad(a, wide, constant_values=np.nan)[:, :width] for a in arrays]
         whole.append(np.concatenate(arrays))
-    return LoopCrossings(*whole)
+    return LoopFindings(*whole)

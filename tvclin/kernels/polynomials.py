@@ -5,13 +5,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+_NOTHING = 1e-300
+"""A leading coefficient that is so small beside the largest is zero: its root is no number."""
+
 
 def value(polynomial: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
     """Return the values at ``s (..., m)``; the leading axes broadcast."""
-    result = np.zeros_like(s)
-    for k in range(polynomial.shape[-1]):
-        result = result * s + polynomial[..., k, np.newaxis]
+    if not polynomial.shape[-1]:
+        return np.zeros_like(s)
+    result = polynomial[..., 0, np.newaxis] + 0.0 * s
+    for k in range(1, polynomial.shape[-1]):
+        result *= s
+        result += polynomial[..., k, np.newaxis]
     return result
+
+
+def on_axis(polynomial: NDArray[np.float64], omega: NDArray[np.float64]) -> NDArray[Any]:
+    """Return the values at j omega ``(..., m)``; the leading axes broadcast."""
+    even, odd = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
+    square = -(omega**2)
+    values = value(even, square).astype(complex)
+    values.imag = omega * value(odd, square)
+    return values
 
 
 def derivative(polynomial: NDArray[Any]) -> NDArray[Any]:
@@ -89,6 +104,21 @@ def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     found = np.linalg.eigvals(companion)
     for _ in range(2):
         found = _newton(polynomial, found)
+    return found
+
+
+def roots_of_each(polynomial: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Return the roots of polynomials ``(k, n + 1)`` that may begin with zeros, ``(k, n)``.
+
+    NaN fills the rows of those that are of lower degree.
+    """
+    count, size = polynomial.shape
+    found = np.full((count, size - 1), np.nan, dtype=complex)
+    live = np.abs(polynomial) > _NOTHING * np.abs(polynomial).max(axis=-1, keepdims=True)
+    zeros = np.where(np.any(live, axis=-1), np.argmax(live, axis=-1), size)
+    for few in np.unique(zeros[zeros < size]):
+        rows = zeros == few
+        found[rows, : size - 1 - few] = roots(polynomial[rows, few:])
     return found
 
 

@@ -23,7 +23,7 @@ _AXIS = 1e-12
 _TURN = 2.0 * np.pi
 _SAME = 1e-6
 """A pole that is due within this phase [rad] begins on the axis, to rounding."""
-STEPS, CLOSE = 4, 1e-6
+_STEPS, _CLOSE = 4, 1e-6
 """How often a root of the squares is moved, and how far, over its frequency."""
 
 
@@ -33,6 +33,8 @@ class Stability:
 
     Attributes
     ----------
+    poles : ndarray
+        The closed-loop poles without the delay, ``(..., n)``.
     unstable_poles : ndarray of int
         Closed-loop poles in the right half plane, ``(...)``.
     marginal : ndarray of bool
@@ -41,6 +43,7 @@ class Stability:
         Frequencies [rad/s] at which |L| = 1, rising, ``(..., k)``, filled with NaN.
     """
 
+    poles: NDArray[Any]
     unstable_poles: NDArray[np.intp]
     marginal: NDArray[np.bool_]
     crossovers: FloatArray
@@ -73,7 +76,7 @@ def stability(loop: Rational) -> Stability:
     delayed = loop.delay > 0.0
     touching = np.where(delayed, np.any(whole, axis=-1), np.any(on_axis, axis=-1))
     count = grown + np.where(delayed, moved, 0.0).astype(np.intp)
-    return Stability(np.asarray(count), np.asarray(at_zero | touching), frequencies)
+    return Stability(poles, np.asarray(count), np.asarray(at_zero | touching), frequencies)
 
 
 def _first_due(
@@ -110,11 +113,11 @@ def _polished(loop: Rational, omega: FloatArray) -> FloatArray:
     """Newton's steps on ln |L| itself: its squares have half the digits beside undamped poles."""
     slopes = [polynomials.derivative(p) for p in (loop.numerator, loop.denominator)]
     with np.errstate(all="ignore"):
-        for _ in range(STEPS):
+        for _ in range(_STEPS):
             above, below = _undelayed(loop, omega)
             rises = [polynomials.value(slope, 1j * omega) for slope in slopes]
             step = np.log(np.abs(above / below)) / np.imag(rises[1] / below - rises[0] / above)
-            omega = np.where(np.abs(step) <= CLOSE * omega, omega - step, omega)
+            omega = np.where(np.abs(step) <= _CLOSE * omega, omega - step, omega)
     return omega
 
 

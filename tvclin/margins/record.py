@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tvclin.cards import card
 from tvclin.errors import InputError, instance, plain
-from tvclin.kernels.loop_margins import classical_margins, loop_crossings, loop_peaks
+from tvclin.kernels.loop_margins import classical_margins, loop_findings
 from tvclin.kernels.rational import Rational
 from tvclin.margins.loop import Loop
 
@@ -228,11 +228,13 @@ def decibels(factor: Any) -> Any:
 
 def _flat_margins(loop: Rational) -> Margins:
     """The margins of a batch of one axis."""
-    found = loop_crossings(loop)
-    good = (found.unstable_poles == 0) & ~found.marginal
+    found = loop_findings(loop)
+    good = found.stable
     status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
     status = np.where(found.unstable_poles > 0, UNSTABLE, status)
-    pairs = np.concatenate([classical_margins(found), _tops(loop, good)])
+    tops = found.peaks.transpose(1, 2, 0)[[2, 0, 1]]
+    tops[0, 0] = 1.0 / tops[0, 0]
+    pairs = np.concatenate([classical_margins(found), tops])
     pairs[..., ~good] = np.nan
     names = [field.name for field in fields(Margins)][2:-1]
     crossings = Crossings(
@@ -247,15 +249,6 @@ def _flat_margins(loop: Rational) -> Margins:
         crossings=crossings,
         **dict(zip(names, pairs.reshape(len(names), good.size), strict=True)),
     )
-
-
-def _tops(loop: Rational, good: NDArray[np.bool_]) -> FloatArray:
-    """Disk margin and peaks of the stable loops with their frequencies, NaN for the others."""
-    whole = np.full((3, 2, good.size), np.nan)
-    if np.any(good):
-        whole[:, :, good] = loop_peaks(loop.take(good))[[2, 0, 1]]
-    whole[0, 0] = 1.0 / whole[0, 0]
-    return whole
 
 
 def _shaped(flat: Margins, batch: tuple[int, ...]) -> Margins:

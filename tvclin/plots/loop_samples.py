@@ -11,6 +11,7 @@ from tvclin.autopilot import Autopilot
 from tvclin.errors import InputError, instance
 from tvclin.kernels import polynomials
 from tvclin.kernels.loop_grid import frequencies
+from tvclin.kernels.stability import stability
 from tvclin.margins import Loop, Margins, loop_margins
 from tvclin.plant import Plant
 from tvclin.plots.curves import Column, Curves
@@ -230,8 +231,8 @@ def unstable_poles(loop: Loop) -> int:
 
 
 def _frequencies(loop: Loop, margins: Margins) -> FloatArray:
-    crossovers = margins.crossings.gain_frequencies[np.newaxis]
-    found = frequencies(loop.take(np.array([0])), crossovers)[0]
+    one = loop.take(np.array([0]))
+    found = frequencies(one, stability(one))[0]
     found = found[np.isfinite(found)]
     decades = np.log10(found[-1] / found[0])
     even = np.geomspace(found[0], found[-1], int(np.ceil(_PER_DECADE * decades)))

@@ -16,19 +16,10 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     The machine code is kept beside the source, or in the user's cache; where neither can be
     written it is compiled anew in each process.
     """
-    return _kept(function, _OPTIONS)
-
-
-def compiled_lean(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile like `compiled` what makes no arrays, as `lean`: Python brings all of them."""
-    return _kept(function, _LEAN)
-
-
-def _kept(function: Callable[..., Any], options: Any) -> Callable[..., Any]:
     try:
-        return numba.njit(cache=True, **options)(function)
+        return numba.njit(cache=True, **_OPTIONS)(function)
     except RuntimeError:  # no place for a cache
-        return numba.njit(**options)(function)
+        return numba.njit(**_OPTIONS)(function)
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
