@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 from tvclin.errors import InputError, broadcast, ending, instance
 from tvclin.histories import History
+from tvclin.kernels.choice import run
+from tvclin.kernels.pieces import rows
+from tvclin.kernels.switches import from_onset
 from tvclin.modes import parted, unstable_poles, wind_strength
 from tvclin.optimum.minimum_peak import optimum_deflection
 from tvclin.plant import Plant
@@ -20,6 +23,8 @@ from tvclin.recoverable import least_reach
 
 FloatArray = NDArray[np.float64]
 
+_SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
+"""About what a knot takes for each pole, in plain Python and as machine code."""
 _DIRECTIONS = 128
 """Directions of lambda in which the dual of a pair is looked at before the best is refined."""
 
@@ -61,14 +66,10 @@ def least_peaks(plant: Plant, wind: History) -> FloatArray:
     count = poles.shape[-1]
     if not count:
         return np.zeros(shape)
-    from_onset = wind.shift(-wind.onset)
-    known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
-    moments = [from_onset.laplace(known[..., i]) for i in range(count)]
     strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
     poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
-    moments = [np.broadcast_to(m, shape).ravel() for m in moments]
     with np.errstate(invalid="ignore"):
-        demands = -strength * np.stack(moments, axis=-1)
+        demands = -strength * _moments(wind, poles, shape)
     there = ~np.isnan(poles)
     lost = np.any(there & ~np.isfinite(demands), axis=-1)
     number = there.sum(axis=-1)
@@ -88,6 +89,17 @@ def least_peaks(plant: Plant, wind: History) -> FloatArray:
         alone = wind.one(int(k), shape)
         found[k] = optimum_deflection(plant.one(int(k), shape), alone, float(alone.onset)).peak
     return found.reshape(shape)
+
+
+def _moments(wind: History, poles: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """The Laplace transforms of the winds, counted from their onset, at ``poles (n, m)``."""
+    winds, which = rows(wind.pieces, shape)
+    known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
+    found = np.empty(known.shape, dtype=np.result_type(known, winds[1]))
+    knots = found.size * winds[0].shape[-1]
+    work = (winds, which, np.ascontiguousarray(known), found)
+    run(from_onset, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)
+    return found if np.iscomplexobj(known) else np.real(found)
 
 
 def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
