@@ -154,7 +154,11 @@ def boundary_limit(
 
 
 def open_loop_needs(
-    plant: Plant, wind: History, dead_band: ArrayLike, boundary: BoundaryLimit
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike,
+    boundary: BoundaryLimit,
+    enough: FloatArray | None = None,
 ) -> dict[str, FloatArray]:
     """Return what a limit must be at least [rad], by its reason; each in the shape of the batch.
 
@@ -164,6 +168,8 @@ def open_loop_needs(
         As of `boundary_limit`.
     boundary : BoundaryLimit
         Theirs, with the literal switch, which a flight has.
+    enough : ndarray, optional
+        As of `least_peaks`.
 
     Returns
     -------
@@ -181,7 +187,7 @@ def open_loop_needs(
     )
     return {
         BOUNDARY: size,
-        MINIMUM: np.broadcast_to(least_peaks(plant, wind), size.shape),
+        MINIMUM: np.broadcast_to(least_peaks(plant, wind, enough), size.shape),
         NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
     }
 
@@ -197,13 +203,16 @@ def _with_others(
 ) -> BoundaryLimit:
     """The boundary with a status that says where another requirement is larger."""
     size, status = np.abs(np.asarray(found.deflection)), np.asarray(found.status)
-    needs = open_loop_needs(plant, wind, K, literal)
+    needs = open_loop_needs(plant, wind, K, literal, size)
     most = np.max(list(needs.values()), axis=0)
     larger = most > size * (1.0 + ROUNDING)
-    reasons = [need >= most for need in needs.values()]
-    words = np.select(reasons, [LARGER[name] for name in needs], "")
-    said = np.where(status == OK, words, np.char.add(np.char.add(status, "; "), words))
-    status = np.where(larger, said, status)
+    if not np.any(larger):
+        return found
+    reasons = [(need >= most)[larger] for need in needs.values()]
+    words, own = np.select(reasons, [LARGER[name] for name in needs], ""), status[larger]
+    said = np.where(own == OK, words, np.char.add(np.char.add(own, "; "), words))
+    status = status.astype(np.result_type(status, said))
+    status[larger] = said
     return replace(found, status=status if status.ndim else str(status))
 
 
@@ -234,10 +243,11 @@ def boundary_alone(
         never = unstable & solved.never & ~at_onset & ~paired
         if np.any(never | paired):
             trim_alone = problem.largest_trim(never | paired)
-            with np.errstate(divide="ignore"):  # with K = 0 every limit is left, none is enough
+            with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
                 limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
         known = [~unstable, paired, never, solved.jumps & ~at_onset]
-        status = np.select(known, [STABLE, PAIR, NEVER_LEFT, JUMP], OK)
+        word = np.select(known, range(1, 1 + len(known)), 0)
+        status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
         found.append(
             BoundaryLimit(
                 plain(limit),
@@ -303,13 +313,12 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _check_wind(wind: History) -> None:
-    values = wind.looked_at
-    size = np.abs(values).max(axis=-1)
-    slack = 1e-12 * size
-    if np.any((values.min(axis=-1) < -slack) & (values.max(axis=-1) > slack)):
+    low, high = wind.extent
+    slack = 1e-12 * np.maximum(-low, high)
+    if np.any((low < -slack) & (high > slack)):
         raise InputError(
             "wind must not change its sign for a boundary limit; got values from"
-            f" {values.min():.6g} to {values.max():.6g} rad"
+            f" {low.min():.6g} to {high.max():.6g} rad"
         )
     if np.any(np.isneginf(wind.end)):
         raise InputError("wind must differ from zero; got a history that is zero throughout")

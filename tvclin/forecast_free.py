@@ -136,7 +136,8 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak
-    if np.any(wind.looked_at / np.asarray(peak)[..., np.newaxis] < -_ROUNDING):
+    low, high = wind.extent
+    if np.any(np.minimum(-low, high) > _ROUNDING * np.abs(peak)):
         raise InputError(
             "a limit without forecast is not defined for a wind that changes its sign; give the"
             " wind of one sign, and what may follow it as reversal"

@@ -214,9 +214,10 @@ def _largest_future(wind: Any, law: Any) -> tuple[float, float]:
             turns, first, second = changes(_RISES, wind, law, i, a, end)
             for part in range(turns + 1):
                 b = end if part == turns else (first if part == 0 else second)
+                top = driver(wind, law, i, b)[0]
                 before = driver(wind, law, i, a)[0] - demand(wind, law, i, a)
-                after = driver(wind, law, i, b)[0] - demand(wind, law, i, b)
-                if before < 0.0 < after:
+                after = top - demand(wind, law, i, b)
+                if before < 0.0 < after and top > most:
                     u = root(_ENOUGH, -np.inf, wind, law, i, a, before, b, after)
                     here = demand(wind, law, i, u)
                     if here > most:

@@ -12,6 +12,8 @@ from tvclin.kernels.source import bare
 
 _LOST = 1e-18
 """A part of a sum that leaves nothing in it."""
+_SHORT, _FEW, _MANY = 0.25, 13, 19
+"""Moments of arguments up to the first, and up to one, begin at so many orders higher."""
 
 
 @bare
@@ -62,13 +64,15 @@ def future(c: Any, rates: Any, u: float, left: float, p: Any) -> Any:
             part += _moved(c, r, k, u) * power * moment
             power *= left
         if rising < degree:
-            order, error = degree + 1, 1.0
-            while error > _LOST:
-                order += 1
-                error *= size / order
+            order, error = degree + (_FEW if size <= _SHORT else _MANY), 1.0
+            if size > 1.0:
+                order = degree + 1
+                while error > _LOST:
+                    order += 1
+                    error *= size / order
             moment, power = 0.0 * part, left ** (degree + 1)
             for k in range(order, rising + 1, -1):
-                moment = (z * moment + decay) / k
+                moment = (z * moment + decay) * (1.0 / k)
                 if k <= degree + 1:
                     part += _moved(c, r, k - 1, u) * power * moment
                     power /= left
@@ -82,6 +86,8 @@ def future(c: Any, rates: Any, u: float, left: float, p: Any) -> Any:
 def _moved(c: Any, r: int, k: int, u: float) -> Any:
     """The coefficient of order k when local time starts at u, but for the exponential."""
     degree = c.shape[1] - 1
+    if u == 0.0 or k == degree:
+        return c[r, k]
     ways = 1.0
     for j in range(k + 1, degree + 1):
         ways *= j / (j - k)
