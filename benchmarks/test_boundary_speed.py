@@ -1,82 +1,85 @@
-"""Boundaries in triangular winds: eq (12) and (18) for many cases."""
+"""Boundaries of 10,000 vehicles in as many winds, beside brentq on the residue (4b), one by one."""
 
 import numpy as np
+import pytest
 from peers import ratio
 from scipy.optimize import brentq
-from scipy.special import wrightomega
 
-from tvclin.closed_forms import triangular_limit, triangular_limit_with_drift
+import tvclin as tv
 
-CASES = 1_000_000
-FEW = 300
-RNG = np.random.default_rng(1)
-TAU_BETA = np.exp(RNG.uniform(np.log(1e-3), np.log(40.0), CASES))
-K = RNG.uniform(0.0, 1.0, CASES)
-FLOOR = "three exponentials, nine divisions and two roots, four or eight cases at once"
+CASES, KNOTS, FEW = 10_000, 100, 3
 
 
-def test_boundary_12_against_brentq(benchmark):
-    def printed(y, p, band, R):
-        return (1 - p * y * (1 - band)) * np.exp(-p * y * band) - R
+def vehicles(rng, model):
+    c = tv.Coefficients.from_beta(
+        beta=rng.uniform(0.3, 0.7, CASES),
+        B=rng.uniform(0.08, 0.14, CASES),
+        C1=rng.uniform(0.02, 0.03, CASES),
+        C2=rng.uniform(0.002, 0.005, CASES),
+        b1=rng.uniform(0.02, 0.04, CASES),
+        b2=rng.uniform(-0.02, 0.018, CASES),
+        q=rng.uniform(1e-4, 3e-4, CASES),
+    )
+    return c, model
 
-    def loop():
-        for tau_beta, band in zip(TAU_BETA[:FEW], K[:FEW], strict=True):
-            p = tau_beta / 2.0
-            R = 2.0 * np.exp(-p) - np.exp(-2.0 * p)
-            brentq(printed, 0.0, 1.0, args=(p, band, R))
 
+def triangles(rng):
+    duration = rng.uniform(3.0, 20.0, CASES)
+    return lambda: tv.TriangularWind(peak=np.full(CASES, 0.08), duration=duration)
+
+
+def samples(rng):
+    rough = np.abs(np.cumsum(rng.normal(size=(CASES, KNOTS)), axis=-1))
+    rough *= np.sin(np.linspace(0.0, np.pi, KNOTS))
+    angle = 0.08 * rough / rough.max(axis=-1, keepdims=True)
+    return lambda: tv.SampledWind(time=np.linspace(0.0, 30.0, KNOTS), angle=angle)
+
+
+def by_brentq(plant, wind, dead_band):
+    """Return the limit at which the residue of the whole control is zero, near its largest root."""
+    full = -plant.coefficients.B * float(wind.peak)
+
+    def residue(y):
+        control = tv.trim_then_hold(plant, wind, y * full, dead_band)
+        return float(np.real(tv.residues(plant, control, wind)[0]))
+
+    tried = np.linspace(0.02, 0.98, 25)
+    sides = np.sign([residue(y) for y in tried])
+    last = np.flatnonzero(sides[:-1] != sides[1:])[-1]
+    return brentq(residue, tried[last], tried[last + 1], xtol=1e-15, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("model", "winds"),
+    [
+        ("fixed-path", triangles),
+        ("drift", triangles),
+        ("drift-exact", triangles),
+        ("drift-and-speed", triangles),
+        ("fixed-path", samples),
+        ("drift-exact", samples),
+    ],
+)
+def test_boundary_limit_of_a_batch(benchmark, model, winds):
+    """With everything it does: poles, the other requirements, words."""
+    rng = np.random.default_rng(1)
+    coefficients, model = vehicles(rng, model)
+    wind, K = winds(rng), rng.uniform(0.05, 0.9, CASES)
+
+    def ours():
+        return tv.boundary_limit(tv.Plant(coefficients, model), wind(), K)
+
+    found = ours()
+    every = tv.Plant(coefficients, model), wind()
+    cases = [(*(one.one(k, (CASES,)) for one in every), float(K[k])) for k in range(FEW)]
+    beside = np.array([by_brentq(*case) for case in cases])
+    apart = np.abs(found.limit[:FEW] / beside - 1.0).max()
     ratio(
         benchmark,
-        lambda: triangular_limit(TAU_BETA, K),
-        loop,
-        peer_name="scipy.optimize.brentq loop",
+        ours,
+        lambda: [by_brentq(*case) for case in cases],
+        peer_name=f"scipy.optimize.brentq on `residues`, the same to {apart:.0e}",
         per=CASES,
         peer_per=FEW,
-        floor=FLOOR,
-    )
-
-
-def test_boundary_12_against_wrightomega(benchmark):
-    p, band = TAU_BETA / 2.0, np.clip(K, 1e-6, 1.0 - 1e-6)
-
-    def by_lambert():
-        c = band / (1.0 - band)
-        L = p - np.log(2.0 - np.exp(-p))
-        return (1.0 - wrightomega(np.log(c) + c - L) / c) / (p * (1.0 - band))
-
-    ratio(
-        benchmark,
-        lambda: triangular_limit(TAU_BETA, K),
-        by_lambert,
-        peer_name="scipy.special.wrightomega",
-        per=CASES,
-        peer_per=CASES,
-        floor=FLOOR,
-    )
-
-
-def test_boundary_18_against_brentq(benchmark):
-    beta, b1, b2 = 0.53, 0.022, -0.016
-
-    K1, kappa, rho = (beta + b2) / (beta + b1), (b1 - b2) / (beta + b1), b1 / beta
-
-    def left(z, band, L):
-        x = band * z
-        curve = (np.exp(-rho * x) - 1.0 + rho * x) / rho**2
-        return -K1 * np.expm1(x - L) - (1.0 - band) * z - kappa * (x + curve)
-
-    def loop():
-        for tau_beta, band in zip(TAU_BETA[:FEW], K[:FEW], strict=True):
-            p = tau_beta / 2.0
-            L = p - np.log(2.0 - np.exp(-p))
-            brentq(left, 1e-12, min(p / band, 1.0 / (1.0 - band)), args=(band, L))
-
-    ratio(
-        benchmark,
-        lambda: triangular_limit_with_drift(TAU_BETA, K, beta, b1, b2),
-        loop,
-        peer_name="scipy.optimize.brentq loop",
-        per=CASES,
-        peer_per=FEW,
-        floor="about five steps of Newton, each with three exponentials",
+        floor="exponentials of some seven steps for each switch and requirement",
     )

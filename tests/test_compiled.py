@@ -1,4 +1,4 @@
-"""Compiled kernels: the same numbers as numpy's, with a cache and without, in threads or not."""
+"""The closed forms to fifty digits, and kernels with a compiler, a cache or threads or without."""
 
 import subprocess
 import sys
@@ -11,18 +11,9 @@ import pytest
 
 from tvclin import closed_forms
 from tvclin.kernels import choice, limits, threads
+from tvclin.kernels.small_roots import small_roots
 
-EACH_TWIN = pytest.mark.parametrize("compiled", [False, True])
 CASES = 20_000
-
-
-@pytest.fixture
-def twin(compiled):
-    """Take one twin whatever the size."""
-    if compiled:
-        pytest.importorskip("numba")
-    with choice.pinned(compiled):
-        yield
 
 
 @pytest.fixture
@@ -49,8 +40,6 @@ def exact_12(p, K):
         return -mp.expm1(-s) / (p * (1 - K))
 
 
-@EACH_TWIN
-@pytest.mark.usefixtures("twin")
 def test_the_boundary_is_exact_to_1e_15(cases):
     p, K = (a[::97] for a in cases)
     found = limits.triangular(p, K)
@@ -58,8 +47,6 @@ def test_the_boundary_is_exact_to_1e_15(cases):
     assert max(error) <= 1e-15
 
 
-@EACH_TWIN
-@pytest.mark.usefixtures("twin")
 def test_the_boundary_of_a_very_long_wind_tends_to_its_limits():
     p = np.array([1e3, 1e6])
     # K = 1: y = L/p = 1 - ln 2/p;  K = 0: y = 1/p
@@ -67,8 +54,6 @@ def test_the_boundary_of_a_very_long_wind_tends_to_its_limits():
     np.testing.assert_allclose(limits.triangular(p, np.zeros(2)), 1.0 / p, rtol=1e-15)
 
 
-@EACH_TWIN
-@pytest.mark.usefixtures("twin")
 def test_with_drift_the_printed_equation_is_met(cases):
     p, K = (a[:2000] for a in cases)
     rng = np.random.default_rng(6)
@@ -93,36 +78,12 @@ def test_with_drift_the_printed_equation_is_met(cases):
     assert max(error) <= 1e-13
 
 
-def test_the_twins_agree_everywhere(cases):
-    pytest.importorskip("numba")
-    p, K = cases
-    with choice.pinned(False):
-        slow = limits.triangular(p, K)
-    with choice.pinned(True):
-        fast = limits.triangular(p, K)
-    np.testing.assert_allclose(fast, slow, rtol=2e-15)
-
-
 def test_a_case_does_not_depend_on_its_batch(cases):
-    pytest.importorskip("numba")
     p, K = cases
-    with choice.pinned(True):
-        whole = limits.triangular(p, K)
-        for first, last in ((0, 1), (3, 20), (77, 1000), (CASES - 5, CASES)):
-            part = limits.triangular(p[first:last], K[first:last])
-            np.testing.assert_array_equal(part, whole[first:last])
-
-
-def test_one_thread_or_several_the_numbers_are_the_same(cases, monkeypatch):
-    pytest.importorskip("numba")
-    p, K = cases
-    found = []
-    monkeypatch.setattr(limits, "_COMPILED_SECONDS", 1.0)
-    for count in (1, 2):
-        monkeypatch.setattr(threads, "thread_count", lambda count=count: count)
-        with choice.pinned(True):
-            found.append(limits.triangular(p, K))
-    np.testing.assert_array_equal(found[0], found[1])
+    whole = limits.triangular(p, K)
+    for first, last in ((0, 1), (3, 20), (77, 1000), (CASES - 5, CASES)):
+        part = limits.triangular(p[first:last], K[first:last])
+        np.testing.assert_array_equal(part, whole[first:last])
 
 
 def test_exponentials_are_right_to_the_last_digit_but_one():
@@ -170,7 +131,8 @@ def test_the_number_of_threads_can_be_bounded(monkeypatch):
 def test_without_a_compiler_numpy_runs(monkeypatch):
     monkeypatch.setattr(choice, "available", lambda: False)
     with choice.pinned(True):
-        assert choice.compiled_twin("limits", 1e9) is None
+        assert choice.compiled_twin("responses", 1e9) is None
+        assert choice.swiftest(small_roots, 1e9) is small_roots
 
 
 def test_little_work_does_not_load_the_compiler():
@@ -189,16 +151,14 @@ def test_where_no_cache_can_be_written_kernels_work_all_the_same(tmp_path):
         "import numba.core.caching as caching\n"
         "caching.CacheImpl._locator_classes = []\n"
         "import numpy as np\n"
-        "from tvclin.kernels import limits\n"
+        "from tvclin.kernels import polynomials\n"
         "from tvclin.kernels.choice import pinned\n"
-        "with pinned(True): print(float(limits.triangular(np.array([1.0]), np.array([0.5]))[0]))\n"
+        "with pinned(True): print(polynomials.roots(np.array([1.0, -6.0, 11.0, -6.0])).sum())\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
     )
-    with choice.pinned(False):
-        expected = limits.triangular(np.array([1.0]), np.array([0.5]))[0]
-    assert abs(float(done.stdout) - expected) <= 1e-15
+    assert abs(float(done.stdout) - 6.0) <= 1e-14
 
 
 def test_compiled_kernels_are_reached_through_their_rooms_alone():

@@ -28,11 +28,10 @@ from tvclin.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.deflections import SWITCHES, dead_band_driver, trim_deflection
+from tvclin.deflections import SWITCHES
 from tvclin.errors import InputError, broadcast, instance, one_of, plain, within
 from tvclin.forecast_free import forecast_free_limit
-from tvclin.histories import History, Piecewise
-from tvclin.kernels import pieces as kernel
+from tvclin.histories import History
 from tvclin.modes import unstable_poles
 from tvclin.optimum import least_peaks
 from tvclin.plant import Plant
@@ -149,11 +148,17 @@ def boundary_limit(
     one_of("switch", switch, SWITCHES)
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
-    return _with_others(plant, wind, K, switch, boundary_alone(plant, wind, K, switch))
+    same = switch == "literal" or plant.model == "fixed-path"
+    found = boundary_alone(plant, wind, K, *((True,) if same else (False, True)))
+    return _with_others(plant, wind, K, found[0], found[-1])
 
 
 def open_loop_needs(
-    plant: Plant, wind: History, dead_band: ArrayLike, boundary: BoundaryLimit
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike,
+    boundary: BoundaryLimit,
+    enough: FloatArray | None = None,
 ) -> dict[str, FloatArray]:
     """Return what a limit must be at least [rad], by its reason; each in the shape of the batch.
 
@@ -163,6 +168,8 @@ def open_loop_needs(
         As of `boundary_limit`.
     boundary : BoundaryLimit
         Theirs, with the literal switch, which a flight has.
+    enough : ndarray, optional
+        As of `least_peaks`.
 
     Returns
     -------
@@ -180,7 +187,7 @@ def open_loop_needs(
     )
     return {
         BOUNDARY: size,
-        MINIMUM: np.broadcast_to(least_peaks(plant, wind), size.shape),
+        MINIMUM: np.broadcast_to(least_peaks(plant, wind, enough), size.shape),
         NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
     }
 
@@ -192,25 +199,30 @@ def _has_bound(plant: Plant) -> bool:
 
 
 def _with_others(
-    plant: Plant, wind: History, K: FloatArray, switch: str, found: BoundaryLimit
+    plant: Plant, wind: History, K: FloatArray, found: BoundaryLimit, literal: BoundaryLimit
 ) -> BoundaryLimit:
     """The boundary with a status that says where another requirement is larger."""
-    literal = found if switch == "literal" else boundary_alone(plant, wind, K, "literal")
     size, status = np.abs(np.asarray(found.deflection)), np.asarray(found.status)
-    needs = open_loop_needs(plant, wind, K, literal)
+    needs = open_loop_needs(plant, wind, K, literal, size)
     most = np.max(list(needs.values()), axis=0)
     larger = most > size * (1.0 + ROUNDING)
-    reasons = [need >= most for need in needs.values()]
-    words = np.select(reasons, [LARGER[name] for name in needs], "")
-    said = np.where(status == OK, words, np.char.add(np.char.add(status, "; "), words))
-    status = np.where(larger, said, status)
+    if not np.any(larger):
+        return found
+    reasons = [(need >= most)[larger] for need in needs.values()]
+    words, own = np.select(reasons, [LARGER[name] for name in needs], ""), status[larger]
+    said = np.where(own == OK, words, np.char.add(np.char.add(own, "; "), words))
+    status = status.astype(np.result_type(status, said))
+    status[larger] = said
     return replace(found, status=status if status.ndim else str(status))
 
 
 def boundary_alone(
-    plant: Plant, wind: History, dead_band: ArrayLike = 1.0, switch: str = "report"
-) -> BoundaryLimit:
-    """Return `boundary_limit` without a look at other requirements; checked arguments alone."""
+    plant: Plant, wind: History, dead_band: ArrayLike, *literal: bool
+) -> list[BoundaryLimit]:
+    """Return `boundary_limit` for each switch, without a look at other requirements.
+
+    The arguments alone are checked.
+    """
     K = np.asarray(dead_band, dtype=float)
     _check_wind(wind)
     pole, paired = leading_pole(plant)
@@ -221,34 +233,30 @@ def boundary_alone(
             " limits are counted in the deflection that trims the wind"
         )
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
-    trim = trim_deflection(plant, wind)
-    driver = dead_band_driver(plant, wind, trim, switch)
-    shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=driver.batch)
-    problem = Problem(
-        kernel.spread((driver * (1.0 / scale)).pieces, shape),
-        kernel.spread((trim * (1.0 / scale)).pieces, shape),
-        np.broadcast_to(np.where(unstable, pole, 1.0), shape),
-        np.broadcast_to(K, shape),
-    )
-    switching = problem.solve()
-    at_onset = (K == 0.0) | ~unstable
-    onset = np.where(unstable, driver.onset, 0.0)
-    time = np.where(at_onset, np.broadcast_to(onset, shape), switching.time)
-    limit = np.where(unstable, problem.demand(time[..., np.newaxis])[..., 0], 0.0)
-    unstable, paired = (np.broadcast_to(a, shape) for a in (unstable, paired))
-    never = switching.never & ~at_onset & ~paired
-    if np.any(never | paired):
-        trim_alone = _trim_for_ever(problem)
-        with np.errstate(divide="ignore"):  # with K = 0 every limit is left, and none is enough
-            limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
-    known = [~unstable, paired, never, switching.jumps & ~at_onset]
-    status = np.select(known, [STABLE, PAIR, NEVER_LEFT, JUMP], OK)
-    return BoundaryLimit(
-        plain(limit),
-        plain(np.asarray(limit * scale)),
-        plain(np.where(unstable & ~never & ~paired, time, np.nan)),
-        status if status.ndim else str(status),
-    )
+    shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=wind.batch)
+    problem = Problem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
+    unstable, paired, K = (np.broadcast_to(a, shape) for a in (unstable, paired, K))
+    at_onset = unstable & (K == 0.0)
+    found = []
+    for solved in problem.solve(*literal):
+        limit = np.where(unstable, solved.demand, 0.0)
+        never = unstable & solved.never & ~at_onset & ~paired
+        if np.any(never | paired):
+            trim_alone = problem.largest_trim(never | paired)
+            with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
+                limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
+        known = [~unstable, paired, never, solved.jumps & ~at_onset]
+        word = np.select(known, range(1, 1 + len(known)), 0)
+        status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
+        found.append(
+            BoundaryLimit(
+                plain(limit),
+                plain(np.asarray(limit * scale)),
+                plain(np.where(unstable & ~never & ~paired, solved.time, np.nan)),
+                status if status.ndim else str(status),
+            )
+        )
+    return found
 
 
 def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Any:
@@ -271,14 +279,6 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
     true, triangle = (np.asarray(boundary_limit(plant, w, dead_band).deflection) for w in both)
     with np.errstate(invalid="ignore"):
         return plain(np.asarray(triangle / true - 1.0))
-
-
-def _trim_for_ever(problem: Problem) -> FloatArray:
-    """The least limit with which trim is never limited.
-
-    Nor is the dead band ever left: K times the demand, a mean of trim, is above all the driver.
-    """
-    return np.abs(Piecewise(problem.trim).peak)
 
 
 def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
@@ -313,13 +313,12 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _check_wind(wind: History) -> None:
-    values = np.real(kernel.value(wind.pieces, wind.probe_times()))
-    size = np.abs(values).max(axis=-1)
-    slack = 1e-12 * size
-    if np.any((values.min(axis=-1) < -slack) & (values.max(axis=-1) > slack)):
+    low, high = wind.extent
+    slack = 1e-12 * np.maximum(-low, high)
+    if np.any((low < -slack) & (high > slack)):
         raise InputError(
             "wind must not change its sign for a boundary limit; got values from"
-            f" {values.min():.6g} to {values.max():.6g} rad"
+            f" {low.min():.6g} to {high.max():.6g} rad"
         )
     if np.any(np.isneginf(wind.end)):
         raise InputError("wind must differ from zero; got a history that is zero throughout")

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from tvclin.cards import card
 from tvclin.errors import InputError, broadcast, ending, instance, nonnegative, number, plain
 from tvclin.histories import History
-from tvclin.kernels import integrals
-from tvclin.kernels import pieces as kernel
-from tvclin.kernels.crossings import roots_between
+from tvclin.kernels.choice import run
+from tvclin.kernels.pieces import rows
+from tvclin.kernels.switches import largest_futures
 from tvclin.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.plant import Plant
 
@@ -33,8 +33,9 @@ FloatArray = NDArray[np.float64]
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"
-_MANY = 16
-"""Above so many knots the wind is sampled, and what is sought turns once in a piece at most."""
+_ROUNDING = 1e-12
+_SECONDS, _COMPILED_SECONDS = 1e-4, 2e-7
+"""About what a knot of a case takes, in plain Python and as machine code."""
 
 
 @dataclass(frozen=True)
@@ -135,55 +136,32 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
     peak = wind.peak
-    pieces = kernel.spread((wind * (1.0 / peak)).pieces, shape)
-    onset = np.broadcast_to(wind.onset, shape)[..., np.newaxis]
-    foresight = pole * np.real(integrals.future(pieces, pole, onset))[..., 0]
-    times = wind.probe_times(1 if wind.knots.shape[-1] > _MANY else 16)
-    times = np.broadcast_to(times, (*shape, times.shape[-1]))
-    ahead, when = _largest_future(pieces, pole, times)
+    low, high = wind.extent
+    if np.any(np.minimum(-low, high) > _ROUNDING * np.abs(peak)):
+        raise InputError(
+            "a limit without forecast is not defined for a wind that changes its sign; give the"
+            " wind of one sign, and what may follow it as reversal"
+        )
+    winds, which = rows((wind * (1.0 / peak)).pieces, shape)
+    found = np.empty((which.size, 3))
+    knots = which.size * winds[0].shape[-1]
+    run(
+        largest_futures,
+        (winds, which, pole.ravel(), found),
+        which.size,
+        _SECONDS * knots,
+        _COMPILED_SECONDS * knots,
+    )
+    foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
     limit = strength * np.maximum(foresight, np.maximum((ahead + R) / 2.0, R))
     return ForecastFreeLimit(
         plain(limit),
         plain(-limit * np.asarray(plant.coefficients.B) * peak),
         EXACT if plant.model == "fixed-path" else BOUND,
         plain(strength * foresight),
-        plain(when),
+        plain(np.asarray(when)),
     )
 
 
 def _column(values: Any) -> FloatArray:
     return np.asarray(values)[..., np.newaxis]
-
-
-def _largest_future(
-    pieces: kernel.Pieces, pole: FloatArray, times: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Sup W of winds of unit peak and its instant: W' = p (W - w) falls through zero there."""
-    values = np.real(kernel.value(pieces, times))
-    if values.min() < -1e-12:
-        raise InputError(
-            "a limit without forecast is not defined for a wind that changes its sign; give the"
-            " wind of one sign, and what may follow it as reversal"
-        )
-    future = pole[..., np.newaxis] * np.real(integrals.future(pieces, pole, times))
-    best = np.argmax(future, axis=-1)[..., np.newaxis]
-    largest = np.take_along_axis(future, best, axis=-1)[..., 0].ravel()
-    when = np.take_along_axis(times, best, axis=-1)[..., 0].ravel()
-    excess = (values - future).reshape(-1, times.shape[-1])
-    flat = times.reshape(excess.shape)
-    case, index = np.nonzero((excess[:, :-1] < 0.0) & (excess[:, 1:] > 0.0))
-
-    def ahead(t: FloatArray, which: NDArray[np.intp]) -> FloatArray:
-        some, p = kernel.take(pieces, case[which]), pole.ravel()[case[which]]
-        return p * np.real(integrals.future(some, p, t[:, np.newaxis]))[:, 0]
-
-    def short(t: FloatArray, which: NDArray[np.intp]) -> FloatArray:
-        some = kernel.take(pieces, case[which])
-        return np.real(kernel.value(some, t[:, np.newaxis]))[:, 0] - ahead(t, which)
-
-    turns = roots_between(flat[case, index], flat[case, index + 1], short)
-    peaks = ahead(turns, np.arange(case.size))
-    for k in np.argsort(peaks, kind="stable").tolist():  # the highest of a case comes last
-        if peaks[k] > largest[case[k]]:
-            largest[case[k]], when[case[k]] = peaks[k], turns[k]
-    return largest.reshape(pole.shape), when.reshape(pole.shape)

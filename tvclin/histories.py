@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
@@ -206,11 +206,38 @@ class History(ABC):
         It is sought at the knots, on both sides of each jump, between them, and beyond the last
         one where the history goes on.
         """
-        times = self.probe_times() if self._linear else self._close_probes()
+        if self._linear:
+            values = self.looked_at
+            where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
+            return np.take_along_axis(values, where, axis=-1)[..., 0]
+        times = self._close_probes()
         values = np.real(kernel.value(self.pieces, times))
         where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
         largest = np.take_along_axis(values, where, axis=-1)[..., 0]
-        return largest if self._linear else self._refined_peak(times, where, largest)
+        return self._refined_peak(times, where, largest)
+
+    @cached_property
+    def looked_at(self) -> FloatArray:
+        """Values that show the shape, ``(..., m)``: of straight lines those at their ends.
+
+        Of other pieces, those at `probe_times`. A last piece that goes on shows its beginning.
+        """
+        if not self._linear:
+            return np.real(kernel.value(self.pieces, self.probe_times()))
+        p = self.pieces
+        c = np.real(p.coefficients)
+        c = c[..., 0, :] if c.shape[-2] == 1 else c.sum(axis=-2)
+        start = np.broadcast_to(c[..., 0], (*p.batch, p.knots.shape[-1]))
+        if p.degree == 0:
+            return start
+        stop = start[..., :-1] + np.diff(p.knots, axis=-1) * c[..., :-1, 1]
+        both = np.stack([start[..., :-1], stop], axis=-1).reshape(*p.batch, -1)
+        return np.concatenate([both, start[..., -1:]], axis=-1)
+
+    @cached_property
+    def extent(self) -> tuple[FloatArray, FloatArray]:
+        """The lowest and the highest of the values that are `looked_at`, shape ``batch``."""
+        return self.looked_at.min(axis=-1), self.looked_at.max(axis=-1)
 
     def probe_times(self, between: int = 8) -> FloatArray:
         """Return times [s] that show the shape: both sides of every knot and `between` more.
@@ -247,7 +274,8 @@ class History(ABC):
 
     @property
     def _live(self) -> NDArray[np.bool_]:
-        filled = np.any(self.pieces.coefficients != 0.0, axis=(-2, -1))
+        c = self.pieces.coefficients  # column by column: numpy is slow along short axes
+        filled = reduce(np.logical_or, np.moveaxis(c.reshape(*c.shape[:-2], -1), -1, 0) != 0.0)
         return np.asarray(filled & (self.pieces.widths > 0.0))
 
     @property

@@ -57,7 +57,7 @@ def all_modes(plant: Plant) -> Modes:
         One plant or a batch.
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
-    return _with_residues(plant, _all_poles(plant))
+    return _with_residues(plant, plant.poles)
 
 
 def unstable_modes(plant: Plant) -> Modes:
@@ -100,7 +100,7 @@ def unstable_poles(plant: Plant) -> NDArray[Any]:
         The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real
         where all are.
     """
-    every = _all_poles(plant)
+    every = plant.poles
     unstable = growing(every)
     most = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
     poles = np.where(unstable[..., :most], every[..., :most], np.nan)
@@ -148,12 +148,6 @@ def poles_in_words(poles: NDArray[Any]) -> str:
     real = int(np.sum(np.imag(poles) == 0.0))
     pairs = [f"the complex pair {p.real:.4g} +- {p.imag:.4g}j 1/s" for p in upper]
     return " and ".join([f"{real} real" if real else "", *pairs]).removeprefix(" and ") or "none"
-
-
-def _all_poles(plant: Plant) -> NDArray[Any]:
-    poles = polynomials.roots(plant.denominator)
-    order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
-    return np.take_along_axis(poles, order, axis=-1)
 
 
 def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:

@@ -139,6 +139,13 @@ class Plant:
         return polynomials.add(angle, -self.denominator) if input == "wind" else angle
 
     @cached_property
+    def poles(self) -> NDArray[Any]:
+        """All poles [1/s], the fastest growing first, ``(..., order)``; real where all are."""
+        poles = polynomials.roots(self.denominator)
+        order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
+        return np.take_along_axis(poles, order, axis=-1)
+
+    @cached_property
     def modal(self) -> System:
         """The plant as a sum of modes; without meaning where poles are repeated."""
         poles = polynomials.roots(self.denominator)
@@ -153,6 +160,17 @@ class Plant:
         else:
             rows.append(rows[0])
         return System(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
+
+    @property
+    def trim_filter(self) -> tuple[Any, Any, Any]:
+        """b1, b2 and q of the filter that makes trim of a wind, eq before (17).
+
+        -B (s^2 + b2 s + q)/(s^2 + b1 s + q); without drift -B alone.
+        """
+        c = self.coefficients
+        if self.model == "fixed-path":
+            return 0.0, 0.0, 0.0
+        return c.b1, c.b2, c.q if self.model == "drift-and-speed" else 0.0
 
     def tf(self, output: str = "attitude", input: str = "deflection") -> control.TransferFunction:
         """Return one transfer function as `control.TransferFunction`.

@@ -151,7 +151,7 @@ def required_deflection(
     K = within("dead_band", dead_band, 0.0, 1.0)
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
-    boundary = boundary_alone(plant, wind, K, "literal")
+    boundary = boundary_alone(plant, wind, K, True)[0]
     needs = open_loop_needs(plant, wind, K, boundary)
     blows = wind
     if whole is not None:
@@ -281,8 +281,7 @@ def _can_fly(plant: Plant) -> NDArray[np.bool_]:
 def _comes_back(wind: History) -> NDArray[np.bool_]:
     """Whether a wind rises again after it has fallen: the trim law has then let go meanwhile."""
     size = np.abs(wind.peak)[..., np.newaxis]
-    times = wind.probe_times()
-    change = np.diff(np.abs(np.real(kernel.value(wind.pieces, times))), axis=-1)
+    change = np.diff(np.abs(wind.looked_at), axis=-1)
     fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
     return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 

@@ -19,7 +19,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from tvclin.kernels.source import machine_code
+from tvclin.kernels.threads import in_slices
 
 _LOADING, _COMPILING = 0.1, 10.0
 """Seconds of work for which a twin is loaded, and for which one is compiled that never was."""
@@ -76,6 +79,34 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
     if name not in _swift:
         _swift[name] = machine_code(function)
     return _swift[name]
+
+
+def run(
+    function: Callable[..., Any],
+    arguments: tuple[Any, ...],
+    cases: int,
+    seconds: float,
+    compiled_seconds: float,
+) -> None:
+    """Call a kernel that does the cases from a first up to a last one, its last two arguments.
+
+    Parameters
+    ----------
+    function : callable
+        Marked by `kernels.source.kernel`.
+    arguments : tuple
+        All others.
+    cases : int
+        How many there are.
+    seconds, compiled_seconds : float
+        About what all of them take in plain Python, and as machine code in one thread.
+    """
+    taken = swiftest(function, seconds)
+    if taken is function:
+        with np.errstate(all="ignore"):  # as machine code, which does not warn
+            function(*arguments, 0, cases)
+    else:
+        in_slices(lambda first, last: taken(*arguments, first, last), cases, compiled_seconds)
 
 
 def _is_kept(function: Callable[..., Any]) -> bool:

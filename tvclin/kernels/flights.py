@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels.control_laws import asked, slow_ends, switched
-from tvclin.kernels.source import inlined, kernel
+from tvclin.kernels.source import bare, inlined
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -148,7 +148,7 @@ class Flights(NamedTuple):
     track: FloatArray
 
 
-@kernel
+@bare
 def fly(f: Flights, first: int, last: int) -> None:
     """Fly the cases from `first` up to `last`, each to its end."""
     for i in range(first, last):
@@ -161,7 +161,7 @@ def fly(f: Flights, first: int, last: int) -> None:
             k += 1
 
 
-@kernel
+@bare
 def look(f: Flights, k: int) -> int:
     """Look at all flights at a sample; return how many go on."""
     some = 0
@@ -171,7 +171,7 @@ def look(f: Flights, k: int) -> int:
     return some
 
 
-@kernel
+@bare
 def advance(
     f: Flights, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray
 ) -> None:

@@ -3,7 +3,8 @@
     p = tau beta/2,   z = p y,   R = 2 e^(-p) - e^(-2p),   L = -ln R
     psi(x) = (e^(-x) - 1 + x)/x^2
 
-Both twins solve the same equations to a relative 1e-15 for (12), and to 1e-13 for (18).
+They are solved to a relative 1e-15 for (12), and to 1e-13 for (18). An element that has arrived
+is left alone, so that it has the same bits in any company.
 """
 
 from typing import Any
@@ -11,31 +12,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels.choice import compiled_twin
 from tvclin.kernels.moments import moments
-from tvclin.kernels.threads import in_slices
 
 FloatArray = NDArray[np.float64]
 
 _EPS = np.finfo(float).eps
-_SECONDS, _COMPILED_SECONDS = 5e-7, 2e-8
-"""About what eq (12) takes for each element, in the two twins."""
-_DRIFT_SECONDS, _COMPILED_DRIFT_SECONDS = 1e-5, 6e-7
 
 
 def triangular(p: FloatArray, K: FloatArray) -> FloatArray:
     """Return y of eq (12), for arrays of one shape, p > 0 and 0 <= K <= 1."""
-    twin = compiled_twin("limits", _SECONDS * p.size)
-    if twin is None:
-        return _triangular(p, K)
-    flat = [np.require(a, float, ["C", "W"]).ravel() for a in (p, K)]
-    y = np.empty(p.size)
-
-    def work(first: int, last: int) -> None:
-        twin.triangular(*(a[first:last] for a in flat), y[first:last])
-
-    in_slices(work, p.size, _COMPILED_SECONDS * p.size)
-    return y.reshape(p.shape)
+    L = _minus_log_R(p)
+    with np.errstate(divide="ignore"):
+        c = K / (1.0 - K)
+    partly = np.where(np.isinf(c), 0.0, c)
+    s, done = L / (1.0 + partly), np.zeros(L.shape, dtype=bool)
+    for _ in range(60):
+        step = (L - s + partly * np.expm1(-s)) / (1.0 + partly * np.exp(-s))
+        s = np.where(done, s, s + np.maximum(step, 0.0))
+        done |= step <= 2.0 * _EPS * s
+        if np.all(done):
+            break
+    return np.where(np.isinf(c), L, -np.expm1(-s) / np.where(np.isinf(c), 1.0, 1.0 - K)) / p
 
 
 def triangular_with_drift(
@@ -48,46 +45,10 @@ def triangular_with_drift(
     For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so there is
     one root, below p/K and 1/(1 - K); Newton's iteration is kept between the ends.
     """
-    twin = compiled_twin("limits", _DRIFT_SECONDS * p.size)
-    if twin is None:
-        return _triangular_with_drift(p, K, kappa, K1, rho)
-    flat = [np.require(a, float, ["C", "W"]).ravel() for a in (p, K, kappa, K1, rho)]
-    z, found = np.empty(p.size), np.empty(p.size, dtype=bool)
-
-    def work(first: int, last: int) -> None:
-        twin.triangular_with_drift(*(a[first:last] for a in (*flat, z, found)))
-
-    in_slices(work, p.size, _COMPILED_DRIFT_SECONDS * p.size)
-    return z.reshape(p.shape), found.reshape(p.shape)
-
-
-def psi(x: FloatArray) -> FloatArray:
-    """(e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x)."""
-    m = moments(x, 1)
-    return np.asarray(m[..., 0] - m[..., 1])
-
-
-def _triangular(p: FloatArray, K: FloatArray) -> FloatArray:
-    L = _minus_log_R(p)
-    with np.errstate(divide="ignore"):
-        c = K / (1.0 - K)
-    partly = np.where(np.isinf(c), 0.0, c)
-    s = L / (1.0 + partly)
-    for _ in range(60):
-        step = (L - s + partly * np.expm1(-s)) / (1.0 + partly * np.exp(-s))
-        s = s + np.maximum(step, 0.0)
-        if np.all(step <= 2.0 * _EPS * s):
-            break
-    return np.where(np.isinf(c), L, -np.expm1(-s) / np.where(np.isinf(c), 1.0, 1.0 - K)) / p
-
-
-def _triangular_with_drift(
-    p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
-) -> tuple[FloatArray, NDArray[np.bool_]]:
     L = _minus_log_R(p)
     high = _above_the_root(p, K, kappa, K1, rho, L)
     low = np.zeros_like(high)
-    z = np.minimum(K1 * p * _triangular(p, K), high)
+    z = np.minimum(K1 * p * triangular(p, K), high)
     converged = np.zeros(z.shape, dtype=bool)
     for _ in range(100):
         x = K * z
@@ -96,12 +57,18 @@ def _triangular_with_drift(
         low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
         new = z - left / slope
         new = np.where((new >= low) & (new <= high), new, (low + high) / 2.0)
-        new = np.where(left == 0.0, z, new)
-        converged = np.abs(new - z) <= 4.0 * _EPS * new
+        new = np.where((left == 0.0) | converged, z, new)
+        converged |= np.abs(new - z) <= 4.0 * _EPS * new
         z = new
         if np.all(converged):
             break
     return z, converged
+
+
+def psi(x: FloatArray) -> FloatArray:
+    """(e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x)."""
+    m = moments(x, 1)
+    return np.asarray(m[..., 0] - m[..., 1])
 
 
 def _left_side(z: Any, K: Any, kappa: Any, K1: Any, rho: Any, L: Any) -> FloatArray:

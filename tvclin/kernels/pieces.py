@@ -62,6 +62,21 @@ def flat(array: NDArray[Any], trailing: int, kind: Any) -> NDArray[Any]:
     return np.array(rows, dtype=kind, order="C")
 
 
+def rows(
+    pieces: Pieces, shape: tuple[int, ...]
+) -> tuple[tuple[NDArray[Any], NDArray[Any], NDArray[Any]], NDArray[np.intp]]:
+    """Return knots, coefficients and rates for kernels, and which row each case of `shape` takes.
+
+    Histories on one axis, as many as there are; the cases that share one share its row.
+    """
+    own = spread(pieces, pieces.batch)
+    kind = np.result_type(pieces.coefficients, pieces.rates, float)
+    coefficients, rates = flat(own.coefficients, 3, kind), flat(own.rates, 1, kind)
+    arrays = flat(own.knots, 1, np.dtype(float)), coefficients, rates
+    which = np.arange(arrays[0].shape[0]).reshape(pieces.batch)
+    return arrays, np.broadcast_to(which, shape).ravel()
+
+
 def value(pieces: Pieces, t: NDArray[np.float64]) -> NDArray[Any]:
     """Return the values at the times ``t (..., m)``, whose leading axes broadcast with the batch.
 

@@ -5,8 +5,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.kernels.choice import run
+from tvclin.kernels.small_roots import small_roots
+
 _NOTHING = 1e-300
 """A leading coefficient that is so small beside the largest is zero: its root is no number."""
+_LOW = 4
+"""The degree up to which roots are found one after the other."""
+_SECONDS, _COMPILED_SECONDS = 2e-4, 1e-6
+"""About what one such polynomial takes, in plain Python and as machine code."""
 
 
 def value(polynomial: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
@@ -88,9 +95,9 @@ def divide(polynomial: NDArray[Any], root: NDArray[Any]) -> tuple[NDArray[Any], 
 def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     """Return the roots, shape ``(..., n)``; real when all roots of the whole batch are real.
 
-    Those of a quadratic come from their sum and product. Others are eigenvalues of the companion
-    matrices, with two Newton steps each, which bring the small roots of a polynomial with roots
-    of very different size to full relative accuracy.
+    Those of a quadratic come from their sum and product, those of cubics and quartics one after
+    the other. Others are eigenvalues of the companion matrices. Two Newton steps each bring the
+    small roots of a polynomial with roots of very different size to full relative accuracy.
     """
     degree = polynomial.shape[-1] - 1
     if degree == 0:
@@ -98,10 +105,9 @@ def roots(polynomial: NDArray[np.float64]) -> NDArray[Any]:
     monic = polynomial[..., 1:] / polynomial[..., :1]
     if degree == 2:
         return _quadratic(-0.5 * monic[..., 0], monic[..., 1])
-    companion = np.zeros((*monic.shape[:-1], degree, degree))
-    companion[..., 0, :] = -monic
-    companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1.0
-    found = np.linalg.eigvals(companion)
+    if 2 < degree <= _LOW:
+        return _of_low_degree(monic)
+    found = _eigenvalues(monic)
     for _ in range(2):
         found = _newton(polynomial, found)
     return found
@@ -120,6 +126,24 @@ def roots_of_each(polynomial: NDArray[np.float64]) -> NDArray[np.complex128]:
         rows = zeros == few
         found[rows, : size - 1 - few] = roots(polynomial[rows, few:])
     return found
+
+
+def _eigenvalues(monic: NDArray[np.float64]) -> NDArray[Any]:
+    degree = monic.shape[-1]
+    companion = np.zeros((*monic.shape[:-1], degree, degree))
+    companion[..., 0, :] = -monic
+    companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1.0
+    return np.linalg.eigvals(companion)
+
+
+def _of_low_degree(monic: NDArray[np.float64]) -> NDArray[Any]:
+    rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
+    rows = rows.reshape(-1, rows.shape[-1])
+    found = np.empty((len(rows), rows.shape[-1] - 1), dtype=complex)
+    count = len(rows)
+    run(small_roots, (rows, found), count, _SECONDS * count, _COMPILED_SECONDS * count)
+    together = found.reshape(monic.shape)
+    return together if np.any(np.imag(together)) else np.real(together)
 
 
 def bound(polynomial: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -4,8 +4,7 @@ A function that is marked with `kernel` stays what it is. `machine_code` compile
 (extra `fast`), and with it the marked functions that it calls, which it finds by their names.
 Products and sums are not fused, so both give the same bits but for the last digit of
 exponentials, on any processor. A kernel is written so that both can run it: numbers, tuples of
-numbers and arrays; loops and branches; no new arrays, which Python brings; exponents kept in
-bounds, since Python's `math` raises where machine code goes to infinity.
+numbers and arrays; loops and branches; no arrays made in a loop; exponents kept in bounds, since Python's `math` raises where machine code goes to infinity.
 """
 
 from collections.abc import Callable
@@ -17,9 +16,10 @@ from typing import Any, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 
 _marked: set[Callable[..., Any]] = set()
+_bare: set[Callable[..., Any]] = set()
 _inlined: set[Callable[..., Any]] = set()
-_OPTIONS: Any = {"nogil": True, "error_model": "numpy", "_nrt": False}
-"""Other threads run beside; a division by zero is numpy's; nobody counts who holds an array."""
+_OPTIONS: Any = {"nogil": True, "error_model": "numpy"}
+"""Other threads run beside; a division by zero is numpy's."""
 
 
 def kernel(function: F) -> F:
@@ -28,14 +28,23 @@ def kernel(function: F) -> F:
     return function
 
 
+def bare(function: F) -> F:
+    """Mark a kernel that makes no array: nobody counts who uses those given.
+
+    Counting takes half the time where arrays are handed on to many small functions.
+    """
+    _bare.add(function)
+    return kernel(function)
+
+
 def inlined(function: F) -> F:
-    """Mark a function as `kernel` does, to be compiled into each that calls it.
+    """Mark a bare kernel to be compiled into each that calls it.
 
     For what is called in an inner loop with many arrays, which take longer to hand over than what
     is done with them.
     """
     _inlined.add(function)
-    return kernel(function)
+    return bare(function)
 
 
 @cache
@@ -49,9 +58,9 @@ def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
 
     whole = _linked(function, f"{function.__name__}_{_digest(function)}", machine_code_within)
     try:
-        return numba.njit(cache=True, **_OPTIONS)(whole)
+        return numba.njit(cache=True, **_options(function))(whole)
     except RuntimeError:  # no place for a cache
-        return numba.njit(**_OPTIONS)(whole)
+        return numba.njit(**_options(function))(whole)
 
 
 @cache
@@ -59,8 +68,13 @@ def machine_code_within(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a kernel compiled for others to call; its code is kept with theirs."""
     import numba
 
-    options = _OPTIONS | {"forceinline": function in _inlined}
-    return numba.njit(**options)(_linked(function, function.__name__, machine_code_within))
+    return numba.njit(**_options(function), forceinline=function in _inlined)(
+        _linked(function, function.__name__, machine_code_within)
+    )
+
+
+def _options(function: Callable[..., Any]) -> Any:
+    return _OPTIONS | ({"_nrt": False} if function in _bare else {})
 
 
 def _linked(

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 from tvclin.errors import InputError, broadcast, ending, instance
 from tvclin.histories import History
+from tvclin.kernels.choice import run
+from tvclin.kernels.pieces import rows
+from tvclin.kernels.switches import from_onset
 from tvclin.modes import parted, unstable_poles, wind_strength
 from tvclin.optimum.minimum_peak import optimum_deflection
 from tvclin.plant import Plant
@@ -20,11 +23,15 @@ from tvclin.recoverable import least_reach
 
 FloatArray = NDArray[np.float64]
 
+_SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
+"""About what a knot takes for each pole, in plain Python and as machine code."""
+_SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
+"""Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""
 _DIRECTIONS = 128
 """Directions of lambda in which the dual of a pair is looked at before the best is refined."""
 
 
-def least_peaks(plant: Plant, wind: History) -> FloatArray:
+def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -> FloatArray:
     """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
 
     Parameters
@@ -33,6 +40,9 @@ def least_peaks(plant: Plant, wind: History) -> FloatArray:
         One plant or a batch.
     wind : History
         One wind or a batch, of winds that end; batches broadcast.
+    enough : ndarray, optional
+        Peaks [rad] in the shape of the batch. With three poles, where this is proved to be no less
+        than what is asked, it is returned in its place: the search takes a tenth of a second.
 
     Returns
     -------
@@ -61,14 +71,10 @@ def least_peaks(plant: Plant, wind: History) -> FloatArray:
     count = poles.shape[-1]
     if not count:
         return np.zeros(shape)
-    from_onset = wind.shift(-wind.onset)
-    known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
-    moments = [from_onset.laplace(known[..., i]) for i in range(count)]
     strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
     poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
-    moments = [np.broadcast_to(m, shape).ravel() for m in moments]
     with np.errstate(invalid="ignore"):
-        demands = -strength * np.stack(moments, axis=-1)
+        demands = -strength * _moments(wind, poles, shape)
     there = ~np.isnan(poles)
     lost = np.any(there & ~np.isfinite(demands), axis=-1)
     number = there.sum(axis=-1)
@@ -84,10 +90,63 @@ def least_peaks(plant: Plant, wind: History) -> FloatArray:
     pair &= ~lost
     if np.any(pair):
         found[pair] = _of_pairs(poles[pair, 0], demands[pair, 0])
-    for k in np.flatnonzero((number > 2) & ~lost):
+    search = (number > 2) & ~lost
+    if enough is not None and np.any(search):
+        some = np.flatnonzero(search & (number == 3) & (np.imag(poles[:, 0]) == 0.0))
+        peaks = np.broadcast_to(enough, shape).ravel()[some]
+        proved = _is_enough(poles[some], demands[some], peaks)
+        found[some[proved]] = peaks[proved]
+        search[some[proved]] = False
+    for k in np.flatnonzero(search):
         alone = wind.one(int(k), shape)
         found[k] = optimum_deflection(plant.one(int(k), shape), alone, float(alone.onset)).peak
     return found.reshape(shape)
+
+
+def _moments(wind: History, poles: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """The Laplace transforms of the winds, counted from their onset, at ``poles (n, m)``."""
+    winds, which = rows(wind.pieces, shape)
+    known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
+    found = np.empty(known.shape, dtype=np.result_type(known, winds[1]))
+    knots = found.size * winds[0].shape[-1]
+    work = (winds, which, np.ascontiguousarray(known), found)
+    run(from_onset, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)
+    return found if np.iscomplexobj(known) else np.real(found)
+
+
+def _is_enough(poles: NDArray[Any], demands: NDArray[Any], peak: FloatArray) -> NDArray[np.bool_]:
+    """Whether a peak is proved to suffice for a real pole p and two others, ``(n, 3)`` of each.
+
+    Let a constant c act up to T, and what the two others still ask for from then on. That does no
+    more to the pole p than peak e^(-p T)/p. So if both ends of what c may be for that leave no more
+    to be asked for than the peak, one c between them meets all conditions.
+    """
+    p, others = np.real(poles[:, 0]), poles[:, 1:]
+    proved = np.zeros(p.shape, dtype=bool)
+    for span in _SPANS:
+        died, turned = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
+        fits = np.ones(p.shape, dtype=bool)
+        for side in (-1.0, 1.0):
+            c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
+            done = c[:, np.newaxis] * (1.0 - turned) / others
+            rest = (demands[:, 1:] - done) / turned
+            fits &= np.maximum(np.abs(c), _no_more_than(others, rest)) <= peak * (1.0 + _MARGIN)
+        proved |= fits
+    return proved
+
+
+def _no_more_than(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+    """The least peak that two real poles ask for, or a bound of that of a pair, ``(n, 2)`` each.
+
+    For a pair sigma +- j omega it is at most the size of its demand over
+
+        min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
+    """
+    rate, omega = np.real(poles), np.abs(np.imag(poles[:, 0]))
+    norm = 0.5 * (1.0 / rate[:, 0] - 1.0 / np.hypot(rate[:, 0], 2.0 * omega))
+    z, paired = rate * np.real(demands), omega > 0.0
+    least = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
+    return np.where(paired, np.abs(demands[:, 0]) / np.where(paired, norm, 1.0), least)
 
 
 def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
