@@ -39,7 +39,7 @@ packages:  ## install wheel and sdist with each extra alone and with the lowest 
 
 clean:  ## remove the environment and all caches
 	rm -rf $(VENV) .coverage .mypy_cache .pytest_cache .ruff_cache .import_linter_cache dist docs/_build docs/_generated
-	rm -rf tvclin/kernels/compiled/__pycache__
+	rm -rf tvclin/kernels/__pycache__
 
 help:  ## list the commands
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/:/'

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from itertools import pairwise
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
@@ -86,25 +85,6 @@ def test_a_case_does_not_depend_on_its_batch(cases):
         np.testing.assert_array_equal(part, whole[first:last])
 
 
-def test_exponentials_are_right_to_the_last_digit_but_one():
-    numba = pytest.importorskip("numba")
-    from tvclin.kernels.compiled.exponentials import exponential, exponential_less_one
-
-    @numba.njit
-    def both(x, found):
-        for i in range(x.size):
-            found[0, i], found[1, i] = exponential(x[i]), exponential_less_one(x[i])
-
-    rng = np.random.default_rng(1)
-    x = np.concatenate([rng.uniform(-700, 700, 300), rng.uniform(-1, 1, 300), [-700.0, 700.0]])
-    found = np.empty((2, x.size))
-    both(x, found)
-    with mp.workdps(40):
-        for row, exact in zip(found, (mp.exp, mp.expm1), strict=True):
-            errors = [abs(mp.mpf(y) / exact(mp.mpf(at)) - 1) for y, at in zip(row, x, strict=True)]
-            assert max(errors) <= 2.0**-52
-
-
 def test_slices_make_up_the_cases(monkeypatch):
     monkeypatch.setattr(threads, "thread_count", lambda: 3)
     done = []
@@ -128,10 +108,9 @@ def test_the_number_of_threads_can_be_bounded(monkeypatch):
     assert threads.thread_count() == most
 
 
-def test_without_a_compiler_numpy_runs(monkeypatch):
+def test_without_a_compiler_plain_python_runs(monkeypatch):
     monkeypatch.setattr(choice, "available", lambda: False)
     with choice.pinned(True):
-        assert choice.compiled_twin("responses", 1e9) is None
         assert choice.swiftest(small_roots, 1e9) is small_roots
 
 
@@ -159,10 +138,3 @@ def test_where_no_cache_can_be_written_kernels_work_all_the_same(tmp_path):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
     )
     assert abs(float(done.stdout) - 6.0) <= 1e-14
-
-
-def test_compiled_kernels_are_reached_through_their_rooms_alone():
-    package = Path(choice.__file__).parents[1]
-    for path in package.rglob("*.py"):
-        if "compiled" not in path.parts:
-            assert "kernels.compiled import" not in path.read_text(encoding="utf-8"), path

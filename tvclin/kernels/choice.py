@@ -1,9 +1,8 @@
-"""Which twin of a kernel runs: numpy, or the compiled one where that pays.
+"""How a kernel runs: as plain Python, or as machine code of the same where that pays.
 
-Compiled twins need numba (extra `fast`), up to a minute to be compiled for the first time on a
-machine, and some tenths of a second to load from then on. They are taken when the work of a
-process is worth that, and for any work once they are there. Both give the same numbers within the
-rounding each kernel states; nobody above the kernels knows which one ran.
+Machine code needs numba (extra `fast`), some ten seconds a kernel to be compiled for the first time
+on a machine, and some tenths of a second to load from then on. It is taken when the work of a
+process is worth that, and for any work once it is there. Nobody above the kernels knows.
 """
 
 import os
@@ -13,10 +12,8 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
 from hashlib import sha1
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -25,38 +22,13 @@ from tvclin.kernels.source import machine_code
 from tvclin.kernels.threads import in_slices
 
 _LOADING, _COMPILING = 0.1, 10.0
-"""Seconds of work for which a twin is loaded, and for which one is compiled that never was."""
+"""Seconds of work for which machine code is loaded, and for which it is compiled at first."""
 _asked: dict[str, float] = {}
-"""Seconds of work that each twin has been asked for: many small calls are worth as much as one."""
-_loaded: dict[str, ModuleType] = {}
-"""Twins that were taken before, which is quicker than asking for a module again."""
+"""Seconds of work that each kernel was asked for: many small calls are worth as much as one."""
 _swift: dict[str, Callable[..., Any]] = {}
-_COMPILED = Path(__file__).parent / "compiled"
+"""Machine code that was taken before."""
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
-
-
-def compiled_twin(name: str, seconds: float) -> ModuleType | None:
-    """Return the module ``kernels.compiled.<name>``, or None where numpy shall run.
-
-    Parameters
-    ----------
-    name : str
-        Of the module.
-    seconds : float
-        About what the numpy twin would take.
-    """
-    wanted = _pinned.get()
-    path = f"tvclin.kernels.compiled.{name}"
-    if name in _loaded and wanted is not False and available():
-        return _loaded[name]
-    if wanted is None:
-        _asked[name] = _asked.get(name, 0.0) + seconds
-        wanted = path in sys.modules or _asked[name] > (_LOADING if _kept(name) else _COMPILING)
-    if not (wanted and available()):
-        return None
-    _loaded[name] = import_module(path)
-    return _loaded[name]
 
 
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
@@ -116,11 +88,6 @@ def _is_kept(function: Callable[..., Any]) -> bool:
     return next(kept, None) is not None
 
 
-def _kept(name: str) -> bool:
-    """Whether machine code of a twin is kept."""
-    return next(cache_folder(_COMPILED).glob(f"{name}.*.nbi"), None) is not None
-
-
 def cache_folder(sources: Path) -> Path:
     """Return where numba keeps machine code of the files of a folder, without importing it.
 
@@ -156,7 +123,7 @@ def available() -> bool:
 
 @contextmanager
 def pinned(compiled: bool) -> Iterator[None]:
-    """Take one twin whatever the size: for campaigns, whose chunks must agree, and for tests."""
+    """Take the one or the other whatever the size: for campaigns, and for tests."""
     token = _pinned.set(compiled)
     try:
         yield
