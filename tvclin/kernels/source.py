@@ -4,7 +4,8 @@ A function that is marked with `kernel` stays what it is. `machine_code` compile
 (extra `fast`), and with it the marked functions that it calls, which it finds by their names.
 Products and sums are not fused, so both give the same bits but for the last digit of
 exponentials, on any processor. A kernel is written so that both can run it: numbers, tuples of
-numbers and arrays; loops and branches; no arrays made in a loop; exponents kept in bounds, since Python's `math` raises where machine code goes to infinity.
+numbers and arrays; loops and branches; no arrays made in a loop; exponents kept in bounds, since
+Python's `math` raises where machine code goes to infinity.
 """
 
 from collections.abc import Callable
