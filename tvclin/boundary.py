@@ -182,7 +182,7 @@ def open_loop_needs(
     size = np.abs(np.asarray(boundary.deflection))
     free = (
         np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
-        if _has_bound(plant)
+        if np.any(K == 1.0) and _has_bound(plant)
         else 0.0
     )
     return {

@@ -6,6 +6,7 @@ go one by one through `optimum_deflection`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ _SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
 """About what a knot takes for each pole, in plain Python and as machine code."""
 _SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
 """Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""
+_CLOSER = tuple(float(span) for span in range(1, 31))
+"""Times that are tried where those were not enough."""
 _DIRECTIONS = 128
 """Directions of lambda in which the dual of a pair is looked at before the best is refined."""
 
@@ -121,32 +124,45 @@ def _is_enough(poles: NDArray[Any], demands: NDArray[Any], peak: FloatArray) -> 
     more to the pole p than peak e^(-p T)/p. So if both ends of what c may be for that leave no more
     to be asked for than the peak, one c between them meets all conditions.
     """
+    proved = _proved(poles, demands, peak, _SPANS, _most_of_pairs)
+    left = np.flatnonzero(~proved)
+    proved[left] = _proved(poles[left], demands[left], peak[left], _CLOSER, _of_pairs)
+    return proved
+
+
+def _proved(
+    poles: NDArray[Any],
+    demands: NDArray[Any],
+    peak: FloatArray,
+    spans: tuple[float, ...],
+    of_pairs: Callable[[NDArray[Any], NDArray[Any]], FloatArray],
+) -> NDArray[np.bool_]:
+    """Whether one of several times T proves it; `of_pairs` is what pairs take no more than."""
     p, others = np.real(poles[:, 0]), poles[:, 1:]
+    rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
     proved = np.zeros(p.shape, dtype=bool)
-    for span in _SPANS:
+    for span in spans:
         died, turned = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
         fits = np.ones(p.shape, dtype=bool)
         for side in (-1.0, 1.0):
             c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
             done = c[:, np.newaxis] * (1.0 - turned) / others
             rest = (demands[:, 1:] - done) / turned
-            fits &= np.maximum(np.abs(c), _no_more_than(others, rest)) <= peak * (1.0 + _MARGIN)
+            z = rate * np.real(rest)
+            later = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
+            later[paired] = of_pairs(others[paired, 0], rest[paired, 0])
+            fits &= np.maximum(np.abs(c), later) <= peak * (1.0 + _MARGIN)
         proved |= fits
     return proved
 
 
-def _no_more_than(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
-    """The least peak that two real poles ask for, or a bound of that of a pair, ``(n, 2)`` each.
+def _most_of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+    """A bound of `_of_pairs` that is found at once: a demand over the least of all norms.
 
-    For a pair sigma +- j omega it is at most the size of its demand over
-
-        min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
+    min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
     """
-    rate, omega = np.real(poles), np.abs(np.imag(poles[:, 0]))
-    norm = 0.5 * (1.0 / rate[:, 0] - 1.0 / np.hypot(rate[:, 0], 2.0 * omega))
-    z, paired = rate * np.real(demands), omega > 0.0
-    least = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
-    return np.where(paired, np.abs(demands[:, 0]) / np.where(paired, norm, 1.0), least)
+    sigma, omega = np.real(poles), np.imag(poles)
+    return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))
 
 
 def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
