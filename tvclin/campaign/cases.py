@@ -23,7 +23,7 @@ from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
-BLOCK = 256
+BLOCK = 1024
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
 PAIRED = "two unstable modes grow together: the dead band must never be left"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
