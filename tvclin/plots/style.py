@@ -207,8 +207,8 @@ class _Drawn:
     curves: Curves | None
     legend: None = None
 
-    @property
-    def __class__(self) -> Any:  # type: ignore[misc]
+    @property  # type: ignore[misc]
+    def __class__(self) -> Any:
         from control import ControlPlot
 
         return ControlPlot
