@@ -154,6 +154,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Autopilot.answer": Door(autopilot.answer, history),
         "Autopilot.close": Door(autopilot.close, {"plant": plant}),
+        "Autopilot.closed_loop_poles": Door(autopilot.closed_loop_poles, {"plant": plant}),
         "Autopilot.frequency_response": Door(
             autopilot.frequency_response, {"plant": plant, "omega": [0.5, 2.0]}
         ),

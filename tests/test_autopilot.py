@@ -20,6 +20,7 @@ from tvclin import (
     design_gains,
 )
 from tvclin.autopilot import LOOP_DIAGRAM
+from tvclin.autopilot.actuator import pade_delay
 from tvclin.plant import MODELS
 
 mpl.use("Agg")
@@ -410,3 +411,20 @@ def test_the_diagram_is_shown_where_it_is_needed():
     for method in (Autopilot.loop, Autopilot.close):
         assert all(line in method.__doc__ for line in lines)
     assert LOOP_DIAGRAM in (Path(__file__).parents[1] / "docs/conventions.md").read_text()
+
+
+@pytest.mark.parametrize(("model", "options"), CASES)
+def test_the_closed_loop_poles_are_those_of_the_system_that_python_control_has(model, options):
+    plant, autopilot = plant_of(model), Autopilot(**GAINS, **options)
+    expected = np.sort_complex(autopilot.close(plant).poles())
+    found = np.sort_complex(autopilot.closed_loop_poles(plant))
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_the_delay_is_the_pade_approximation_of_python_control():
+    for order in range(1, 11):
+        A, B, C, D = pade_delay(0.3, order)
+        expected = control.tf(*control.pade(0.3, order))
+        found = control.ss(A, B, C, D)
+        omega = np.geomspace(0.1, 100.0, 50)
+        np.testing.assert_allclose(found(1j * omega), expected(1j * omega), rtol=1e-9)

@@ -234,6 +234,42 @@ def test_a_study_needs_neither_control_nor_pyplot() -> None:
     assert out.stdout.strip() == "[]"
 
 
+HEAVY = ("control", "matplotlib", "scipy.signal", "scipy.stats", "jinja2", "pyarrow", "jsbsim")
+
+
+def loaded_by(commands: list[str], folder: Path) -> set[str]:
+    """Return which heavy modules a process has after these commands."""
+    code = (
+        "import sys\n"
+        "from tvclin.cli.app import main\n"
+        "for line in sys.argv[2:]:\n"
+        "    sys.argv[1:] = line.split()\n"
+        "    try: main()\n"
+        "    except SystemExit as end: assert end.code in (0, 1, None), (line, end.code)\n"
+        f"print(*[m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)"
+    )
+    command = [sys.executable, "-c", code, "", *commands]
+    return set(
+        subprocess.run(
+            command, capture_output=True, text=True, check=True, cwd=folder
+        ).stderr.split()
+    )
+
+
+def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -> None:
+    commands = ["vehicles", "poles", "boundary", "optimum", "respond", "study", "margins"]
+    commands += ["margins --delay-ms 40", "margins --json", "autopilot", "autopilot --json"]
+
+    assert loaded_by(commands, tmp_path) == set()
+
+
+def test_a_figure_of_boundaries_needs_pyplot_but_not_control(tmp_path: Path) -> None:
+    commands = ["boundary --plot b.png", "optimum --plot o.png"]
+
+    assert loaded_by(commands, tmp_path) == {"matplotlib"}
+    assert {one.name for one in tmp_path.iterdir()} == {"b.png", "o.png"}
+
+
 def test_python_m_is_the_command_line() -> None:
     command = [sys.executable, "-m", "tvclin", "boundary", "--tau-beta", "4"]
     out = subprocess.run(command, capture_output=True, text=True, check=True)

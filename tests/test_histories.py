@@ -295,3 +295,15 @@ def test_a_filter_that_numbers_cannot_carry_is_refused():
     denominator = [-3.8e198, 1.0e-208, 3.5e123, -1.2e-289]
     with pytest.raises(tv.InputError, match="denominator"):
         tv.TriangularWind(peak=0.1, duration=5.0).filter([1.0], denominator)
+
+
+@pytest.mark.parametrize("s", [-700.0, -6.2e60, [0.5, -6.2e60]])
+def test_a_future_that_outgrows_every_number_is_refused_in_a_sentence(s):
+    wind = tri()
+    with pytest.raises(tv.InputError, match="s must be such that"):
+        wind.future(s, 1.0)
+
+
+def test_a_filter_whose_poles_outgrow_every_number_is_refused_in_a_sentence():
+    with pytest.raises(tv.InputError, match="poles beyond what numbers can carry"):
+        tri().filter([1.0], [2.8e-184, -6.1e236, -1.5e279, -4.3e99])

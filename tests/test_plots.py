@@ -259,6 +259,25 @@ def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     assert out.stdout.strip() == "[]"
 
 
+def test_a_figure_drawn_before_control_is_imported_is_still_its_plot():
+    code = (
+        "import sys, tvclin.plots as plots\n"
+        "plot = plots.sketch_c()\n"
+        "assert 'control' not in sys.modules\n"
+        "plot.set_plot_title('all of it')\n"
+        "import control\n"
+        "assert isinstance(plot, control.ControlPlot)\n"
+        "whole = plots.sketch_c()\n"
+        "assert type(whole) is control.ControlPlot\n"
+        "assert plot.lines.shape == whole.lines.shape == plot.shape\n"
+        "assert plot.curves.columns[0].label == whole.curves.columns[0].label\n"
+        "print(*[text.get_text() for text in plot.figure.texts])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert "all of it" in out.stdout
+
+
 def test_the_chart_of_laws_measures_them_by_equation_12_and_the_minimum(configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
     found = plots.laws_chart(plant, {}, 0.08, np.array([2.0, 4.0])).curves

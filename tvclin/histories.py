@@ -106,7 +106,9 @@ class History(ABC):
         """
         s = _laplace_variable(s)
         times = finite("t", t, "s")
-        values = _real_if_real(integrals.future(self.pieces, s, times.ravel()), s)
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = _carried(integrals.future(self.pieces, s, times.ravel()), s)
+        values = _real_if_real(values, s)
         return values.reshape((*values.shape[:-1], *times.shape))
 
     def __add__(self, other: object) -> History:
@@ -162,8 +164,9 @@ class History(ABC):
                 f" with zero; got {num.shape[-1] - 1} over {den.shape[-1] - 1}"
             )
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            answer = _cascade(self.pieces, num, den)
-        if not np.all(np.isfinite(answer.pieces.coefficients)):
+            carried = np.all(np.isfinite(den / den[..., :1]))
+            answer = _cascade(self.pieces, num, den) if carried else None
+        if answer is None or not np.all(np.isfinite(answer.pieces.coefficients)):
             raise InputError("denominator has poles beyond what numbers can carry; scale it")
         return answer
 

@@ -3,10 +3,11 @@
 pyplot is imported when the first figure is drawn, not before.
 """
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -180,15 +181,44 @@ def cycle(items: Sequence[Any]) -> list[Any]:
 
 def control_plot(lines: list[Any], axes: Any, curves: Curves | None = None) -> "ControlPlot":
     """Return lines and axes as python-control's plot, with the numbers it shows as `.curves`."""
-    from control import ControlPlot
-
     panels = np.atleast_2d(axes)
     table = np.empty(panels.shape, dtype=object)
     for index, panel in np.ndenumerate(panels):
         table[index] = [line for line in lines if line.axes is panel]
+    if "control" not in sys.modules:
+        return cast("ControlPlot", _Drawn(table, panels, panels[0, 0].figure, curves))
+    from control import ControlPlot
+
     plot = ControlPlot(table, panels, panels[0, 0].figure)
     plot.curves = curves
     return plot
+
+
+@dataclass(eq=False)
+class _Drawn:
+    """A `ControlPlot` for those who have not imported python-control, which takes a second.
+
+    It is one to `isinstance`, and what only python-control knows is asked there.
+    """
+
+    lines: Any
+    axes: Any
+    figure: Any
+    curves: Curves | None
+    legend: None = None
+
+    @property  # type: ignore[misc]
+    def __class__(self) -> Any:
+        from control import ControlPlot
+
+        return ControlPlot
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        from control import ControlPlot
+
+        return getattr(ControlPlot(self.lines, self.axes, self.figure), name)
 
 
 def save_figure(plot: "ControlPlot", path: Path) -> None:
