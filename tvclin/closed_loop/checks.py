@@ -76,6 +76,7 @@ def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> Flo
     """Return the rates [Hz], one or many; `InputError` if one is too slow for its actuator."""
     rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_RATES, "Hz")
     if actuator is not None:
+        instance("actuator", actuator, Actuator, "see Actuator")
         least = _SAMPLES * np.asarray(actuator.natural_frequency)
         together(sample_rate=rates, actuator=least)
         if np.any(rates < least):

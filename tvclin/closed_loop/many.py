@@ -198,9 +198,9 @@ def fly_many(
     good &= paces(plant) <= FASTEST * rate
     good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
     batch = Batch(plant, wind, laws, limit, most, actuator, 1.0 / rate, late, stop, shape)
-    if not np.all(good):
-        batch = _only(batch, good)
-    return _flown_cases(flown(batch), good)
+    if not np.any(good):
+        return _flown_cases(None, good)
+    return _flown_cases(flown(batch if np.all(good) else _only(batch, good)), good)
 
 
 def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
@@ -236,14 +236,20 @@ def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> 
     return np.broadcast_to(array, shape).ravel()[where]
 
 
-def _flown_cases(f: Flights, good: NDArray[np.bool_]) -> FlownCases:
+def _flown_cases(f: Flights | None, good: NDArray[np.bool_]) -> FlownCases:
+    """What came of the flights; None where there were none."""
+    fate = np.full(good.shape, len(STATUS) - 1)
+    if f is None:
+        nothing = np.full(good.shape, np.nan)
+        sizes = dict.fromkeys(FlownCases.__dataclass_fields__, nothing)
+        return FlownCases(**{**sizes, "status": np.array(STATUS)[fate]})
+
     def whole(values: FloatArray) -> FloatArray:
         found = np.full(good.shape, np.nan)
         found[good] = values
         return found
 
     h = f.lengths[f.vehicle, 0]
-    fate = np.full(good.shape, len(STATUS) - 1)
     fate[good] = f.fate
     return FlownCases(
         peak_attitude=whole(f.tops[:, 0]),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -161,21 +162,22 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
 def flown(batch: Batch, *, track: bool = False) -> Flights:
     """Return the flights of a batch at their ends; of one alone with its track if asked for."""
     f, laws = flights(batch, track=track), batch.laws
-    if not f.limit.size:
-        return f
     if any(one is None for one in laws.numbers):
         _in_python(f, laws)
         return f
     cases = f.limit.size
     last = np.where(f.finish < NEVER, f.finish, f.ends + f.calm)
-    samples = float(last.sum())
-    fly = swiftest(kernel.fly, samples * _PLAIN)
-    if fly is kernel.fly:
-        with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-            fly(f, 0, cases)
-        return f
-    compact = f._replace(laws=_table(f.laws))
-    in_slices(lambda a, b: fly(compact, a, b), cases, samples * _COMPILED)
+    samples, first = float(last.sum()), 0
+    seconds = samples * _PLAIN
+    with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+        while first < cases and (fly := swiftest(kernel.fly, seconds)) is kernel.fly:
+            begun = perf_counter()  # one that stays open takes longer than was thought
+            fly(f, first, first + 1)
+            seconds, first = perf_counter() - begun, first + 1
+    if first < cases:
+        compact = f._replace(laws=_table(f.laws))
+        work = samples * _COMPILED
+        in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
     return f
 
 

@@ -44,8 +44,9 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     wind : History
         One wind or a batch, of winds that end; batches broadcast.
     enough : ndarray, optional
-        Peaks [rad] in the shape of the batch. With three poles, where this is proved to be no less
-        than what is asked, it is returned in its place: the search takes a tenth of a second.
+        Peaks [rad], which broadcast with the batch. With three poles, where this is proved to be
+        no less than what is asked, it is returned in its place: the search takes a tenth of a
+        second.
 
     Returns
     -------
@@ -74,6 +75,8 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     count = poles.shape[-1]
     if not count:
         return np.zeros(shape)
+    if enough is not None and count > 2:
+        shape = np.broadcast_shapes(shape, np.shape(enough))
     strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
     poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
     with np.errstate(invalid="ignore"):
