@@ -58,6 +58,7 @@ BARE = {
     "take",
     "vanishes",  # of the arithmetic that a loop stands on
     "one",
+    "some",
     "path_per_attitude",
     "place",
     "deviates",

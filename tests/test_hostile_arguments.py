@@ -18,6 +18,7 @@ import pytest
 
 import tvclin as tv
 from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile
+from tvclin.kernels.choice import available, pinned
 
 for extra in ("ipywidgets", "jinja2", "jsbsim", "pyarrow"):
     pytest.importorskip(extra)
@@ -34,7 +35,12 @@ FUNCTIONS = ("rule", "engine", "shape", "progress", "winds")
 
 @pytest.fixture(scope="module")
 def every(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Door]:
-    return doors(tmp_path_factory.mktemp("doors"))
+    found = doors(tmp_path_factory.mktemp("doors"))
+    if available():
+        with pinned(True):  # to be compiled takes longer than any call may
+            for plants in (found["fly_many"].good["plant"], hostile()["plants"]):
+                found["fly_many"].call(**found["fly_many"].good | {"plant": plants})
+    return found
 
 
 @pytest.fixture(autouse=True)

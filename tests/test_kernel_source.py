@@ -34,17 +34,17 @@ def test_machine_code_rounds_like_plain_python():
 
 
 def test_what_is_kept_has_another_name_when_a_constant_of_a_called_function_changes(monkeypatch):
-    before = source._digest(total)
+    before = source.digest(total)
     monkeypatch.setitem(term.__globals__, "GROWTH", 2.5)
-    assert source._digest(total) != before
+    assert source.digest(total) != before
     monkeypatch.setitem(term.__globals__, "GROWTH", 1.5)
-    assert source._digest(total) == before
+    assert source.digest(total) == before
 
 
 def test_what_is_kept_has_another_name_when_a_called_function_changes(monkeypatch):
-    before = source._digest(total)
+    before = source.digest(total)
     monkeypatch.setitem(total.__globals__, "term", kernel(lambda rate, u: u - rate))
-    assert source._digest(total) != before
+    assert source.digest(total) != before
 
 
 @pytest.mark.parametrize("place", ["beside the source", "as asked", "with the user"])

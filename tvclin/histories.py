@@ -234,7 +234,7 @@ class History(ABC):
         if p.degree == 0:
             return start
         stop = start[..., :-1] + np.diff(p.knots, axis=-1) * c[..., :-1, 1]
-        both = np.stack([start[..., :-1], stop], axis=-1).reshape(*p.batch, -1)
+        both = np.stack([start[..., :-1], stop], axis=-1).reshape(*p.batch, 2 * stop.shape[-1])
         return np.concatenate([both, start[..., -1:]], axis=-1)
 
     @cached_property
@@ -263,12 +263,14 @@ class History(ABC):
         rates = np.abs(self.pieces.rates)[..., np.newaxis]
         offsets = each / np.where(rates > 0.0, rates, np.inf)
         widths = np.diff(self.knots, axis=-1)
-        after = np.sort(offsets.reshape(*offsets.shape[:-2], -1), axis=-1)[..., np.newaxis, :]
+        row = (*offsets.shape[:-2], offsets.shape[-2] * offsets.shape[-1])
+        after = np.sort(offsets.reshape(row), axis=-1)[..., np.newaxis, :]
         inside = np.minimum(after, np.nextafter(widths, 0.0)[..., np.newaxis])
         first = self.knots[..., :-1, np.newaxis]
+        within = np.broadcast_shapes(first.shape, inside.shape)
         parts = [
             self.probe_times(64 if count < _PROBES // 64 else 8),
-            (first + inside).reshape(*np.broadcast_shapes(first.shape, inside.shape)[:-2], -1),
+            (first + inside).reshape(*within[:-2], within[-2] * within[-1]),
             self.knots[..., -1:] + after[..., 0, :],
         ]
         shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
@@ -278,7 +280,8 @@ class History(ABC):
     @property
     def _live(self) -> NDArray[np.bool_]:
         c = self.pieces.coefficients  # column by column: numpy is slow along short axes
-        filled = reduce(np.logical_or, np.moveaxis(c.reshape(*c.shape[:-2], -1), -1, 0) != 0.0)
+        columns = np.moveaxis(c.reshape(*c.shape[:-2], c.shape[-2] * c.shape[-1]), -1, 0)
+        filled = reduce(np.logical_or, columns != 0.0)
         return np.asarray(filled & (self.pieces.widths > 0.0))
 
     @property

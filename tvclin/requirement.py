@@ -49,6 +49,8 @@ _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
 _SAMPLES = 250.0
 """Of that law in the time in which the fastest mode grows by e: it is late by a part of 0.002."""
+_FEW, _MOST = 25.0, 5e5
+"""At least so many, in a wind so long that the others would be more than `_MOST` in all."""
 _RATES = (0.01, 1e6)
 """Sample rates that can be flown [Hz]."""
 _QUICK = 0.1
@@ -302,7 +304,7 @@ def _path_counts(plant: Plant) -> NDArray[np.bool_]:
 def _survives(plant: Plant, wind: History, limit: FloatArray) -> NDArray[np.bool_]:
     """Whether delta = B alpha + ``|B|`` gain (theta + theta'/beta) survives with limits [rad].
 
-    The speed of a plant is left out.
+    The speed of a plant is left out. What is too long to be flown does not survive.
     """
     c = plant.coefficients
     gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
@@ -311,7 +313,10 @@ def _survives(plant: Plant, wind: History, limit: FloatArray) -> NDArray[np.bool
     law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
     model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
     limits = np.where(limit > 0.0, limit, _TINY)
-    rate = np.clip(_SAMPLES * leading_pole(plant)[0], *_RATES)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        pole, span = leading_pole(plant)[0], wind.end - wind.onset
+        rate = np.clip(np.maximum(np.minimum(_SAMPLES * pole, _MOST / span), _FEW * pole), *_RATES)
+        limits = np.where(span * rate <= 2.0 * _MOST, limits, np.nan)  # too long to be flown
     flown = fly_many(Plant(c, model), law, wind, deflection_limit=limits, sample_rate=rate)
     return np.asarray(flown.status == "survived")
 

@@ -31,7 +31,7 @@ LOST = 1e100
 """A state beyond this is not flown on."""
 _RATES = (0.01, 1e6)
 """Sample rates of a law [Hz]."""
-_MOST = 1_000_000
+MOST = 1_000_000
 """Samples of one flight; more are a rate or a time that was given in the wrong unit."""
 FASTEST = 100.0
 """Most e-foldings of a plant in a sample of the law."""
@@ -101,9 +101,9 @@ def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
 
 def check_samples(span: float, length: float) -> None:
     """Raise `InputError` when a time [s] takes too many samples of a length [s]."""
-    if not span / length <= _MOST:
+    if not span / length <= MOST:
         raise InputError(
-            f"a flight may have at most {_MOST} samples; {span:.6g} s at {1.0 / length:.6g} Hz are"
+            f"a flight may have at most {MOST} samples; {span:.6g} s at {1.0 / length:.6g} Hz are"
             " more: take a lower sample_rate, or an earlier end"
         )
 

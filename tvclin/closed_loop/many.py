@@ -14,6 +14,7 @@ from tvclin.autopilot import Actuator
 from tvclin.cards import Row, card
 from tvclin.closed_loop.checks import (
     FASTEST,
+    MOST,
     check_delays,
     check_sample_rates,
     check_samples,
@@ -143,8 +144,8 @@ def fly_many(
     FlownCases
         Largest values and fates. A flight is lost when after its wind it leaves the recoverable
         set of its unstable modes, and survives when it has settled well inside. A case whose
-        limit is not positive, or whose wind is nothing or never ends, is "no flight", and so is
-        one that could never be decided; the others go on.
+        limit is not positive, or whose wind is nothing, never ends or lasts for more than a million
+        samples, is "no flight", and so is one that could never be decided; the others go on.
 
     Raises
     ------
@@ -192,10 +193,11 @@ def fly_many(
     if until is not None:
         span = stop - float(np.min(wind.onset, initial=stop))
         check_span(0.0, span)
-        check_samples(span, 1.0 / float(rate.max()))
+        check_samples(span, 1.0 / float(rate.max(initial=0.01)))
     limit, most = (np.broadcast_to(a, shape) for a in (limit, most))
     good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(wind.end)
     good &= paces(plant) <= FASTEST * rate
+    good &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MOST)
     good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
     batch = Batch(plant, wind, laws, limit, most, actuator, 1.0 / rate, late, stop, shape)
     if not np.any(good):

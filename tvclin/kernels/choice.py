@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.kernels.source import machine_code
+from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 
 _LOADING, _COMPILING = 0.1, 10.0
@@ -45,7 +45,8 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
     name = f"{function.__module__}.{function.__name__}"
     if wanted is None:
         _asked[name] = _asked.get(name, 0.0) + seconds
-        wanted = name in _swift or _asked[name] > (_LOADING if _is_kept(function) else _COMPILING)
+        work = _asked[name]
+        wanted = name in _swift or work > _COMPILING or (work > _LOADING and _is_kept(function))
     if not (wanted and available()):
         return function
     if name not in _swift:
@@ -84,7 +85,9 @@ def run(
 def _is_kept(function: Callable[..., Any]) -> bool:
     """Whether machine code of a kernel is kept."""
     file = Path(function.__code__.co_filename)
-    kept = cache_folder(file.parent).glob(f"{file.stem}.{function.__name__}_*.nbi")
+    kept = cache_folder(file.parent).glob(
+        f"{file.stem}.{function.__name__}_{digest(function)}*.nbi"
+    )
     return next(kept, None) is not None
 
 

@@ -57,7 +57,7 @@ def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
     """
     import numba  # late: it takes half a second to import
 
-    whole = _linked(function, f"{function.__name__}_{_digest(function)}", machine_code_within)
+    whole = _linked(function, f"{function.__name__}_{digest(function)}", machine_code_within)
     try:
         return numba.njit(cache=True, **_options(function))(whole)
     except RuntimeError:  # no place for a cache
@@ -98,7 +98,8 @@ def _called(function: Any) -> dict[str, Callable[..., Any]]:
     }
 
 
-def _digest(function: Any) -> str:
+@cache
+def digest(function: Any) -> str:
     """Return a name for the source of a function, its constants, and all that it calls."""
     every, left = [function], [function]
     while left:
