@@ -30,11 +30,9 @@ from tvclin.boundary import (
 )
 from tvclin.cards import Row, card
 from tvclin.closed_loop import fly_many
-from tvclin.coefficients import Coefficients
 from tvclin.deflections import trim_deflection
 from tvclin.errors import InputError, instance, nonzero, plain, within
-from tvclin.histories import History, Piecewise
-from tvclin.kernels import pieces as kernel
+from tvclin.histories import History
 from tvclin.modes import unstable_poles
 from tvclin.optimum import least_peaks
 from tvclin.plant import Plant
@@ -264,12 +262,7 @@ def _trim_law_flown(
         return found
     trim = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape)
     which = np.flatnonzero(np.broadcast_to(flies, shape))
-    held = {
-        name: np.broadcast_to(getattr(plant.coefficients, name), shape).ravel()[which]
-        for name in Coefficients.__dataclass_fields__
-    }
-    some = Plant(Coefficients(**held), plant.model)
-    winds = Piecewise(kernel.take(kernel.spread(wind.pieces, shape), which))
+    some, winds = plant.some(which, shape), wind.some(which, shape)
     found.ravel()[which] = _least_flown(some, winds, least.ravel()[which], trim.ravel()[which])
     return found
 

@@ -24,7 +24,6 @@ from tvclin.closed_loop.checks import (
 from tvclin.closed_loop.fates import decidable
 from tvclin.closed_loop.law_batch import law_batch, shape_of
 from tvclin.closed_loop.sampled import Batch, flown
-from tvclin.coefficients import Coefficients
 from tvclin.errors import (
     LATEST,
     between,
@@ -34,8 +33,7 @@ from tvclin.errors import (
     numbers,
     positive,
 )
-from tvclin.histories import History, Piecewise
-from tvclin.kernels import pieces
+from tvclin.histories import History
 from tvclin.kernels.flights import Flights
 from tvclin.plant import Plant
 
@@ -210,19 +208,14 @@ def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
     where = np.flatnonzero(good)
     shape = good.shape
     some = partial(_some, shape=shape, where=where)
-    fields = Coefficients.__dataclass_fields__
-    coefficients = Coefficients(
-        **{name: some(getattr(batch.plant.coefficients, name)) for name in fields}
-    )
     actuator = batch.actuator
     if actuator is not None:
         damping = None if actuator.damping is None else some(actuator.damping)
         actuator = Actuator(natural_frequency=some(actuator.natural_frequency), damping=damping)
-    wind = Piecewise(pieces.take(pieces.spread(batch.wind.pieces, shape), where))
     laws = replace(batch.laws, which=batch.laws.which[where])
     return Batch(
-        plant=Plant(coefficients, batch.plant.model),
-        wind=wind,
+        plant=batch.plant.some(where, shape),
+        wind=batch.wind.some(where, shape),
         laws=laws,
         limit=some(batch.limit),
         rate_limit=some(batch.rate_limit),
