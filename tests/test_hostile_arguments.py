@@ -6,19 +6,16 @@ import inspect
 import os
 import random
 import secrets
-import signal
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import pytest
 
 import tvclin as tv
+from tests.clock import TooSlow, within
 from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile
-from tvclin.kernels.choice import available, pinned
 
 for extra in ("ipywidgets", "jinja2", "jsbsim", "pyarrow"):
     pytest.importorskip(extra)
@@ -35,12 +32,7 @@ FUNCTIONS = ("rule", "engine", "shape", "progress", "winds")
 
 @pytest.fixture(scope="module")
 def every(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Door]:
-    found = doors(tmp_path_factory.mktemp("doors"))
-    if available():
-        with pinned(True):  # to be compiled takes longer than any call may
-            for plants in (found["fly_many"].good["plant"], hostile()["plants"]):
-                found["fly_many"].call(**found["fly_many"].good | {"plant": plants})
-    return found
+    return doors(tmp_path_factory.mktemp("doors"))
 
 
 @pytest.fixture(autouse=True)
@@ -49,28 +41,10 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-class TooSlow(BaseException):
-    """What no door may catch."""
-
-
-@contextmanager
-def in_time() -> Iterator[None]:
-    def stop(number: int, frame: FrameType | None) -> None:
-        raise TooSlow(f"more than {SECONDS} s")
-
-    before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, SECONDS)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
-
-
 def complaint(name: str, door: Door, argument: str, value: Any) -> str | None:
     """Return what is wrong with the answer to one argument; None if nothing is."""
     try:
-        with in_time(), warnings.catch_warnings():
+        with within(SECONDS), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # the package's own, which are told
             answer = door.call(**(door.good | {argument: value}))
             repr(answer)

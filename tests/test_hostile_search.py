@@ -6,7 +6,6 @@ cases in a run, always the same; TVCLIN_HOSTILE=5000 looks at so many of each ki
 
 import os
 import re
-import signal
 import tempfile
 from collections.abc import Callable
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.clock import THERE, within
 from tvclin.campaign.file import template as campaign_template
 from tvclin.cli.app import app
 from tvclin.study_file.read import example as study_example
@@ -136,33 +136,13 @@ values = st.one_of(
 )
 
 
-class Late(BaseException):
-    """A case that takes too long."""
-
-
-@contextmanager
-def not_for_ever():
-    """Raise `Late` when the time of the process runs out."""
-
-    def late(*_: object) -> None:
-        raise Late
-
-    before = signal.signal(signal.SIGPROF, late)
-    signal.setitimer(signal.ITIMER_PROF, LATEST)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
-
-
-pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGPROF"), reason="timers of POSIX")
+pytestmark = pytest.mark.skipif(not THERE, reason="timers of POSIX")
 NO_NUMBER = re.compile(r"(?<![\w./-])[-+]?(nan|inf)(?![\w.-])", re.IGNORECASE)
 
 
 def check(*arguments: str) -> None:
     """Assert that a command ends in time, with tables of numbers or in one sentence."""
-    with not_for_ever():
+    with within(LATEST):
         result = CliRunner().invoke(app, list(arguments))
     assert result.exit_code in (0, 1, 2)
     assert result.exception is None or isinstance(result.exception, SystemExit)
