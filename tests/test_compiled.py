@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import warnings
 from itertools import pairwise
 
 import mpmath as mp
@@ -112,6 +113,11 @@ def test_without_a_compiler_plain_python_runs(monkeypatch):
     monkeypatch.setattr(choice, "available", lambda: False)
     with choice.pinned(True):
         assert choice.swiftest(small_roots, 1e9) is small_roots
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert choice.swiftest(small_roots, 1.0) is small_roots
+    with pytest.warns(UserWarning, match=r"takes about 80 s without numba.*pip install.*fast"):
+        assert choice.swiftest(small_roots, 80.0) is small_roots
 
 
 def test_little_work_does_not_load_the_compiler():

@@ -47,6 +47,8 @@ _GAIN = 10.0
 """Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
 _SAMPLES = 250.0
 """Of that law in the time in which the fastest mode grows by e: it is late by a part of 0.002."""
+_COARSE = 50.0
+"""In a first flight: a law that is late by 0.01 and yet survives is not lost when it is quicker."""
 _FEW, _MOST = 25.0, 5e5
 """At least so many, in a wind so long that the others would be more than `_MOST` in all."""
 _RATES = (0.01, 1e6)
@@ -167,7 +169,7 @@ def required_deflection(
     can = (K == 1.0) & _can_fly(plant) & np.isfinite(least)
     flies = can & (_path_counts(plant) | _comes_back(wind) | beaten)
     if plant.model != "fixed-path" and np.any(can & ~flies):
-        flies = flies | (can & ~_survives(plant, blows, _LITTLE * least))
+        flies = flies | _lost(plant, blows, _LITTLE * least, can & ~flies)
     needs[TRIM_LAW] = _trim_law_flown(plant, blows, flies, least)
     governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
     most = np.array(needs[BOUNDARY])
@@ -294,7 +296,23 @@ def _path_counts(plant: Plant) -> NDArray[np.bool_]:
     return np.asarray(counts)
 
 
-def _survives(plant: Plant, wind: History, limit: FloatArray) -> NDArray[np.bool_]:
+def _lost(
+    plant: Plant, wind: History, limit: FloatArray, asked: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Which of the trim laws that are asked for are lost with limits [rad]."""
+    shape = asked.shape
+    lost = np.array(asked)
+    for samples in (_COARSE, _SAMPLES):
+        which = np.flatnonzero(lost)
+        if which.size:
+            some, winds = plant.some(which, shape), wind.some(which, shape)
+            lost.ravel()[which] = ~_survives(some, winds, limit.ravel()[which], samples)
+    return lost
+
+
+def _survives(
+    plant: Plant, wind: History, limit: FloatArray, samples: float = _SAMPLES
+) -> NDArray[np.bool_]:
     """Whether delta = B alpha + ``|B|`` gain (theta + theta'/beta) survives with limits [rad].
 
     The speed of a plant is left out. What is too long to be flown does not survive.
@@ -308,7 +326,7 @@ def _survives(plant: Plant, wind: History, limit: FloatArray) -> NDArray[np.bool
     limits = np.where(limit > 0.0, limit, _TINY)
     with np.errstate(invalid="ignore", divide="ignore"):
         pole, span = leading_pole(plant)[0], wind.end - wind.onset
-        rate = np.clip(np.maximum(np.minimum(_SAMPLES * pole, _MOST / span), _FEW * pole), *_RATES)
+        rate = np.clip(np.maximum(np.minimum(samples * pole, _MOST / span), _FEW * pole), *_RATES)
         limits = np.where(span * rate <= 2.0 * _MOST, limits, np.nan)  # too long to be flown
     flown = fly_many(Plant(c, model), law, wind, deflection_limit=limits, sample_rate=rate)
     return np.asarray(flown.status == "survived")

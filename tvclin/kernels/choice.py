@@ -15,9 +15,11 @@ from hashlib import sha1
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from warnings import warn
 
 import numpy as np
 
+from tvclin.errors import install
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 
@@ -47,6 +49,12 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
         _asked[name] = _asked.get(name, 0.0) + seconds
         work = _asked[name]
         wanted = name in _swift or work > _COMPILING or (work > _LOADING and _is_kept(function))
+    if not available() and seconds > _COMPILING and _pinned.get() is None:
+        warn(
+            f"this takes about {seconds:.0f} s without numba, a few hundred times as long as with"
+            f" it: {install('fast')}",
+            stacklevel=2,
+        )
     if not (wanted and available()):
         return function
     if name not in _swift:
