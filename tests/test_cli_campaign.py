@@ -59,6 +59,12 @@ def test_show_answers_other_questions(place):
     assert document["lower_deg"] <= document["estimate_deg"] <= document["upper_deg"]
 
 
+def test_show_says_which_dead_band_trusts_a_forecast(place):
+    said = "trusts a forecast of the wind"
+    assert said in run("show", place / "results", "--output", "required_K0.5").output
+    assert said not in run("show", place / "results", "--output", "required_K1").output
+
+
 def test_replay_is_the_case_to_the_bit(place):
     found = tv.open_campaign(place / "results")
     worst = int(found.worst(1)[0])

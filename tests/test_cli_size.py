@@ -24,6 +24,12 @@ FLOWN = ("--winds", WIND, "--azimuth-deg", "90")
 FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
 
 
+def test_a_dead_band_below_one_is_said_to_trust_a_forecast() -> None:
+    said = "K below 1 trusts a forecast"
+    assert said not in run("size", "configuration-ii", *FAST).output
+    assert said in run("size", "configuration-ii", *FAST, "--dead-band", "0.5").output
+
+
 def test_json_equals_the_library() -> None:
     offsets = ("--dispersion", "0.3", "--thrust-offset-deg", "0.1", "--gravity-offset-m", "0.05")
     result = run(

@@ -16,7 +16,10 @@ def summary(
     """Return what `tvclin campaign show` says, as one document."""
     import numpy as np
 
+    from tvclin.campaign.outputs import required_name
+
     plan = found.campaign
+    bands = {required_name(K): K for K in plan.dead_bands}
     required = found.quantile(output, probability, confidence)
     success = found.success(limit, output, confidence)
     counts, loss = found.flights, found.loss(confidence)
@@ -28,6 +31,7 @@ def summary(
         "vehicle": plan.vehicle.name,
         "model": plan.model,
         "output": name,
+        "trusts_a_forecast": bands.get(name, 1.0) < 1.0,
         "cases": found.cases,
         "cases_planned": plan.cases,
         "complete": found.complete,
@@ -83,6 +87,8 @@ def print_summary(d: dict[str, Any]) -> None:
     pairs += [(label, _share(d[key])) for key, label in said.items() if d[key] is not None]
     if d["flights"] is not None:
         pairs.append(("loss is driven by", _loss_drivers(d)))
+    if d["trusts_a_forecast"]:
+        pairs.append(("this dead band", "trusts a forecast of the wind; K = 1 needs none"))
     pairs += [
         ("driven by", ", ".join(f"{k} ({v:+.2f})" for k, v in list(d["drivers"].items())[:5])),
         ("worst cases", ", ".join(f"{one['case']} ({_angle(one['deg'])})" for one in d["worst"])),

@@ -29,7 +29,8 @@ def print_sizing(
     if len(found.winds) > 1:
         _print_by_wind(found, frozen, counted)
     law = "the bound of all such laws" if found.law == "bound" else "the recoverable-attitude law"
-    typer.echo(f"no forecast: {law}; minimum: the wind known, appendix C")
+    trusts = "; K below 1 trusts a forecast" if (found.dead_bands < 1.0).any() else ""
+    typer.echo(f"no forecast: {law}; minimum: the wind known, appendix C{trusts}")
     _print_total(total)
     for note in (*found.notes, *said):
         typer.echo(f"Note: {note}.")

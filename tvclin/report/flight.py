@@ -65,9 +65,9 @@ def _words(s: Sizing, of: str) -> str:
     return (
         f"The flight{of}: the vehicle at each of its times, on the {s.model} model in the"
         f" {s.plane} plane. The peak of a pulse meets each flight time. No forecast:"
-        f" {law}; minimum: the wind known. One pole says whether the single-pole theory holds for"
-        " the wind; change, by how much beta or B changes while it blows: above"
-        f" {100 * STEADY:g} % frozen parameters are doubtful."
+        f" {law}; minimum: the wind known; K below 1 trusts a forecast. One pole says"
+        " whether the single-pole theory holds for the wind; change, by how much beta or"
+        f" B changes while it blows: above {100 * STEADY:g} % frozen parameters are doubtful."
     )
 
 
