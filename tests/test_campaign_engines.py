@@ -29,6 +29,7 @@ def plan():
         model="drift",
         cases=10 * 256,
         chunk=256,
+        dead_bands=(0.5,),
         probability=0.9,
     )
 

@@ -15,6 +15,7 @@ import pytest
 
 import tvclin as tv
 from tvclin.campaign import chunks as chunks_room
+from tvclin.campaign.cases import evaluate
 from tvclin.campaign.chunks import chunk_file, flaw, write_chunk
 from tvclin.campaign.engine import damaged
 from tvclin.campaign.manifest import NAME, begin, check_versions, new_manifest, read_manifest
@@ -31,6 +32,8 @@ SPREAD = tv.Dispersions(
     ),
     correlation=((1.0, 0.3, 0.0), (0.3, 1.0, 0.0), (0.0, 0.0, 1.0)),
 )
+
+FEW = ((1.0, 0.3), (0.3, 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +66,22 @@ def same(first, second):
 @pytest.mark.parametrize("chunk", [97, 256, 700, 5000])
 def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
     same(whole, tv.run_campaign(replace(plan, chunk=chunk), tmp_path))
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
+    time = np.linspace(0.0, 20.0, 12)
+    winds = 0.08 * np.sin(np.pi * time / 20.0) * np.linspace(0.2, 1.0, 9)[:, np.newaxis]
+    flight = tv.Flight(deflection_limit=0.01, rate_limit=0.5, natural_frequency=20.0)
+    outputs = ("required", "forecast-free", "minimum", "flight")
+    for wind in (plan.wind, tv.WindEnsemble(time, winds)):
+        spread = SPREAD if wind is plan.wind else tv.Dispersions(SPREAD.each[:2], FEW)
+        given = {"wind": wind, "dispersions": spread, "flight": flight, "cases": 48}
+        asked = replace(plan, model=model, outputs=outputs, **given)
+        whole = evaluate(asked, 0, 48)
+        for first, count in ((0, 1), (42, 1), (47, 1), (3, 7), (20, 20)):
+            for name, values in evaluate(asked, first, count).items():
+                np.testing.assert_array_equal(values, whole[name][first : first + count], name)
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin"])

@@ -1,7 +1,6 @@
 """From the index of a case to its numbers, vehicle and wind, and to the answers.
 
-Cases are computed in blocks that begin at multiples of `BLOCK`, whatever the chunk: each case
-always stands in the same company, and so has the same bits.
+A case has the same bits whichever cases are computed with it.
 """
 
 from collections.abc import Callable
@@ -23,7 +22,8 @@ from tvclin.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
-BLOCK = 1024
+_TOGETHER = 4096
+"""Cases that are held in memory at a time."""
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
 PAIRED = "two unstable modes grow together: the dead band must never be left"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
@@ -70,23 +70,17 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[An
 
     They are "case", what was dispersed, the outputs and "status".
     """
-    begin = first - first % BLOCK
-    end = min(-(-(first + count) // BLOCK) * BLOCK, campaign.cases)
-    wanted = range(first, first + count)
-    every = numbers(campaign, begin, end - begin)
-    rows = [
-        _block(campaign, begin + at, every[at : at + BLOCK], wanted)
-        for at in range(0, end - begin, BLOCK)
+    end = first + count
+    parts = [
+        _together(campaign, at, numbers(campaign, at, min(_TOGETHER, end - at)))
+        for at in range(first, end, _TOGETHER)
     ]
-    part = slice(first - begin, first - begin + count)
-    return {name: np.concatenate([row[name] for row in rows])[part] for name in rows[0]}
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def draw_case(campaign: Campaign, case: int) -> Cases:
-    """Return one case, to the bits that it has in its block."""
-    begin = case - case % BLOCK
-    block = numbers(campaign, begin, min(BLOCK, campaign.cases - begin))
-    return drawn(campaign, block).take(slice(case - begin, case - begin + 1))
+    """Return one case."""
+    return drawn(campaign, numbers(campaign, case, 1))
 
 
 def batch(campaign: Campaign, cases: Cases) -> Batch:
@@ -125,10 +119,8 @@ def _gains(campaign: Campaign, values: dict[str, NDArray[Any]]) -> dict[str, Any
     return {name: values.get(name, nominal[name]) for name in GAINS if name in nominal}
 
 
-def _block(
-    campaign: Campaign, first: int, rows: FloatArray, wanted: range
-) -> dict[str, NDArray[Any]]:
-    """The columns of one block; what is computed alone only for the cases that are wanted."""
+def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, NDArray[Any]]:
+    """The columns of the cases with these random numbers, from the case `first` on."""
     cases, count = drawn(campaign, rows), len(rows)
     index = np.arange(first, first + count, dtype=np.int64)
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
@@ -149,8 +141,7 @@ def _block(
 
     _divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
     if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
-        good = cases.possible & ((index >= wanted.start) & (index < wanted.stop))
-        for case in np.flatnonzero(good):
+        for case in np.flatnonzero(cases.possible):
             _divide(lambda which: answer(which, True), refused, np.array([case]))
     if "flight" in campaign.outputs:
         status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED

@@ -145,7 +145,9 @@ class Dispersions:
             raise InputError("numbers must all be above 0 and below 1")
         normal = ndtri(drawn)
         if self.correlation is not None:
-            normal = normal @ self._factor.T
+            # Element by element: a product of matrices has other bits in other company.
+            columns = zip(normal.T, self._factor.T, strict=True)
+            normal = sum((one[:, np.newaxis] * row for one, row in columns), np.zeros(drawn.shape))
         values, possible = {}, np.ones(len(normal), dtype=bool)
         for column, one in zip(normal.T, self.each, strict=True):
             centre = self._centre(nominal, one)
