@@ -3,10 +3,9 @@
 from importlib.util import find_spec
 
 _NEEDED = {
-    "numba": ["tvclin/kernels/compiled/*"],
-    "jsbsim": ["tvclin/flight/sixdof/*", "docs/six-*"],
-    "jinja2": ["tvclin/report/page.py", "docs/report.md"],
-    "pyarrow": ["docs/campaigns.md", "tvclin/campaign/engine.py"],
+    "jsbsim": ["tvclin/flights/sixdof/*", "docs/six-*"],
+    "jinja2": ["tvclin/show/report/page.py", "docs/report.md"],
+    "pyarrow": ["docs/campaigns.md", "tvclin/answers/campaign/engine.py"],
 }
 
 collect_ignore_glob = [

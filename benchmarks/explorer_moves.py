@@ -7,8 +7,8 @@ Run: python benchmarks/explorer_moves.py
 from statistics import median
 from time import process_time
 
-from tvclin.explorer.choices import LAWS
-from tvclin.explorer.panel import Panel
+from tvclin.show.explorer.choices import LAWS
+from tvclin.show.explorer.panel import Panel
 
 MOVES = {
     "duration": ("wind duration", [7.6 + 0.3 * k for k in range(10)]),

@@ -9,7 +9,7 @@ import pytest
 from peers import ratio
 
 import tvclin as tv
-from tvclin.campaign.draws import draw
+from tvclin.answers.campaign.draws import draw
 
 CASES, FEW = 20 * 1024, 40
 

@@ -5,12 +5,12 @@ import pytest
 from peers import ratio
 
 import tvclin as tv
-from tvclin.flight import load_flight_condition
-from tvclin.flight.sixdof.case import SixDof
-from tvclin.flight.sixdof.engine import Engine
-from tvclin.flight.sixdof.model import model_xml, planet_xml
-from tvclin.flight.sixdof.steering import TrimThenHold
-from tvclin.units import FOOT
+from tvclin.base.units import FOOT
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.sixdof.case import SixDof
+from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.model import model_xml, planet_xml
+from tvclin.flights.sixdof.steering import TrimThenHold
 
 pytest.importorskip("jsbsim")
 

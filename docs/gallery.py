@@ -37,7 +37,7 @@ class Figure:
 
 def of_the_report() -> list[Figure]:
     """Return the figures that `tvclin reproduce` writes."""
-    from tvclin.reproduce.figures import FIGURES
+    from tvclin.show.reproduce.figures import FIGURES
 
     return [
         Figure(name, "", draw, f"tv.plots.{getattr(draw, '__name__', name)}()")
@@ -177,7 +177,7 @@ def _is_old(picture: Path) -> bool:
 
 
 def _draw(one: Figure, folder: Path) -> None:
-    from tvclin.files import write_text
+    from tvclin.base.files import write_text
 
     plot = one.draw()
     curves = getattr(plot, "curves", None)

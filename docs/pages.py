@@ -1,5 +1,6 @@
 """The pages that are made of other files: reference, notebooks, pages of the root, gallery."""
 
+import ast
 import re
 from collections.abc import Iterator
 from importlib import import_module
@@ -28,7 +29,7 @@ def write(folder: Path) -> None:
     for notebook in sorted((ROOT / "notebooks").glob("*.py")):
         pages[folder / "notebooks" / f"{notebook.stem}.ipynb"] = as_notebook(notebook)
     pages[folder / "gallery.md"] = gallery.write(folder / "figures")
-    references = {folder / "api" / f"{name}.rst" for names in rooms().values() for name in names}
+    references = {folder / "api" / f"{name}.rst" for names in chapters().values() for name in names}
     for suffix in ("md", "rst", "ipynb"):
         for old in set(folder.rglob(f"*.{suffix}")) - set(pages) - references:
             old.unlink()
@@ -38,29 +39,31 @@ def write(folder: Path) -> None:
             path.write_text(text, encoding="utf-8")
 
 
-def rooms() -> dict[str, list[str]]:
-    """Return the public names of each room, by the name of the room as imported."""
+def chapters() -> dict[str, list[str]]:
+    """Return the public names of each chapter, by the name of the chapter as imported."""
     found: dict[str, list[str]] = {}
-    for name in tvclin.__all__:
-        found.setdefault(f"tvclin.{tvclin._HOME[name]}", []).append(f"tvclin.{name}")
+    for node in ast.parse((ROOT / "tvclin" / "__init__.pyi").read_text()).body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            chapter = f"tvclin.{node.module.partition('.')[0]}"
+            found.setdefault(chapter, []).extend(f"tvclin.{one.name}" for one in node.names)
     plots = [f"tvclin.plots.{name}" for name in tvclin.plots.__all__]
-    return dict(sorted(found.items())) | {"tvclin.plots": plots}
+    return {name: sorted(names) for name, names in sorted(found.items())} | {"tvclin.plots": plots}
 
 
 def api() -> str:
-    """Return the page of all public names, room by room, as reStructuredText."""
+    """Return the page of all public names, chapter by chapter, as reStructuredText."""
     return "\n".join(_api_lines())
 
 
 def _api_lines() -> Iterator[str]:
     title = "Reference"
     yield from (title, "=" * len(title), "")
-    yield "Every public name, by the room in which it lives. The names of all rooms but ``plots``"
+    yield "Every public name, by its chapter. The names of all chapters but ``plots``"
     yield "can be imported from ``tvclin`` itself."
-    for room, names in rooms().items():
-        heading = room.removeprefix("tvclin.")
+    for chapter, names in chapters().items():
+        heading = chapter.removeprefix("tvclin.")
         yield from ("", heading, "-" * len(heading), "")
-        yield (import_module(room).__doc__ or "").partition("\n\n")[0]
+        yield (import_module(chapter).__doc__ or "").partition("\n\n")[0]
         yield from ("", ".. autosummary::", "   :nosignatures:", "   :toctree: api", "")
         yield from (f"   {name}" for name in names)
     yield ""

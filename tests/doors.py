@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tvclin as tv
-from tvclin.flight import load_flight_condition
-from tvclin.sizing.total import Line
+from tvclin.answers.sizing.total import Line
+from tvclin.flights.condition import load_flight_condition
 
 SOUNDINGS = Path(__file__).parent / "soundings"
 

@@ -19,9 +19,9 @@ from tvclin import (
     canonical_gains,
     design_gains,
 )
-from tvclin.autopilot import LOOP_DIAGRAM
-from tvclin.autopilot.actuator import pade_delay
-from tvclin.plant import MODELS
+from tvclin.control.autopilot.actuator import pade_delay
+from tvclin.control.autopilot.diagram import LOOP_DIAGRAM
+from tvclin.linear.plant import MODELS
 
 mpl.use("Agg")
 

@@ -6,13 +6,13 @@ import pytest
 
 import tvclin
 from tvclin import Coefficients, InputError, Plant, boundary_limit, is_sufficient, survivable_peak
-from tvclin.boundary import (
+from tvclin.boundary.limit import (
     STABLE,
     rectangular_limit,
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.plant import MODELS
+from tvclin.linear.plant import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])
 DEAD_BANDS = np.array([0.0, 0.01, 0.25, 0.5, 0.9, 1.0])[:, np.newaxis]

@@ -7,11 +7,11 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin.boundary import boundary_alone
+from tvclin.boundary.limit import boundary_alone
+from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.kernels import terms, threads
 from tvclin.kernels.choice import pinned
-from tvclin.optimum import least_peaks
-from tvclin.plant import MODELS
+from tvclin.linear.plant import MODELS
 
 FIELDS = ("limit", "deflection", "switch_time", "status")
 

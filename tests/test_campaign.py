@@ -9,15 +9,14 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.campaign import (
-    DEFAULT_DISPERSIONS,
-    draw,
+from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+from tvclin.answers.campaign.draws import METHODS, draw
+from tvclin.answers.campaign.statistics import (
     quantile_bound,
     sensitivities,
     success_probability,
     zero_failure_size,
 )
-from tvclin.campaign.draws import METHODS
 from tvclin.cli.app import app
 
 

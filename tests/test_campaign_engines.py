@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.campaign.executors import cluster, processes
+from tvclin.answers.campaign.executors import cluster, processes
 from tvclin.cli.app import app
 
 pytest.importorskip("pyarrow")
@@ -124,7 +124,8 @@ def test_a_number_of_workers_that_is_none(workers):
 
 
 def test_a_worker_of_another_version_refuses_before_it_writes(plan, tmp_path, monkeypatch):
-    from tvclin.campaign import manifest, run_chunk
+    from tvclin.answers.campaign import manifest
+    from tvclin.answers.campaign.chunks import run_chunk
 
     seal = manifest.begin(replace(plan, seed=4), tmp_path).seal
     monkeypatch.setattr(manifest, "version", lambda name: "99.0")

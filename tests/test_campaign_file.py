@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.campaign.cases import evaluate
-from tvclin.campaign.file import document_of, parse_campaign, template
+from tvclin.answers.campaign.cases import evaluate
+from tvclin.answers.campaign.file import document_of, parse_campaign, template
 
 HEAD = {"vehicle": "configuration-i", "cases": 10}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -134,7 +134,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
     for case in range(3):
         vehicle = plan.vehicle.replace(thrust=float(found["thrust"][case]))
         plant = tv.Plant.from_vehicle(vehicle, model)
-        wind = tv.campaign.ShapedWind(shape, plan.wind.peak, float(found["wind_duration"][case]))
+        wind = tv.ShapedWind(shape, plan.wind.peak, float(found["wind_duration"][case]))
         history = wind.history({})
         expected = [
             abs(tv.required_deflection(plant, history, 0.5).deflection),

@@ -9,8 +9,8 @@ from scipy.stats import beta
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.campaign.cases import evaluate
-from tvclin.campaign.file import document_of, parse_campaign
+from tvclin.answers.campaign.cases import evaluate
+from tvclin.answers.campaign.file import document_of, parse_campaign
 from tvclin.cli.app import app
 
 LIMIT = np.radians(0.36)

@@ -14,13 +14,19 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.campaign import chunks as chunks_room
-from tvclin.campaign.cases import evaluate
-from tvclin.campaign.chunks import chunk_file, flaw, write_chunk
-from tvclin.campaign.engine import damaged
-from tvclin.campaign.manifest import NAME, begin, check_versions, new_manifest, read_manifest
-from tvclin.campaign.outputs import REGISTRY, columns
-from tvclin.campaign.plan import checkpoints
+from tvclin.answers.campaign import chunks as chunks_room
+from tvclin.answers.campaign.cases import evaluate
+from tvclin.answers.campaign.chunks import chunk_file, flaw, write_chunk
+from tvclin.answers.campaign.engine import damaged
+from tvclin.answers.campaign.manifest import (
+    NAME,
+    begin,
+    check_versions,
+    new_manifest,
+    read_manifest,
+)
+from tvclin.answers.campaign.outputs import REGISTRY, columns
+from tvclin.answers.campaign.plan import checkpoints
 
 pytest.importorskip("pyarrow")
 
@@ -150,8 +156,8 @@ def test_a_killed_run_goes_on_where_it_was(plan, whole, tmp_path):
     code = f"""
 import time, tvclin as tv
 from pathlib import Path
-from tvclin.campaign import engine
-from tvclin.campaign.manifest import read_manifest
+from tvclin.answers.campaign import engine
+from tvclin.answers.campaign.manifest import read_manifest
 plan = read_manifest(Path({str(whole.folder)!r})).campaign
 inner = engine.run_chunk
 def slow(*arguments):
@@ -234,7 +240,7 @@ def test_other_versions_do_not_go_on(plan):
 
 
 def test_a_worker_without_a_compiler_refuses(plan, monkeypatch):
-    monkeypatch.setattr("tvclin.campaign.manifest.available", lambda: False)
+    monkeypatch.setattr("tvclin.answers.campaign.manifest.available", lambda: False)
     compiled = replace(new_manifest(plan), versions=new_manifest(plan).versions | {"numba": "9"})
     with pytest.raises(tv.InputError, match=r"uses compiled kernels \(numba 9\).* install"):
         check_versions(compiled)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.campaign import quantile_bound
-from tvclin.cards import card
+from tvclin.answers.campaign.statistics import quantile_bound
+from tvclin.base.cards import card
 
 
 class Cells(HTMLParser):

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tvclin.base.files import write_text
 from tvclin.cli.app import app
-from tvclin.files import write_text
-from tvclin.vehicle_file import template
+from tvclin.vehicle.file import template
 
 
 def run(*arguments: str) -> Result:
@@ -113,7 +113,7 @@ def test_a_fault_of_the_package_is_not_dressed_up_as_bad_input(monkeypatch) -> N
     def broken(_: object) -> None:
         raise ValueError("operands could not be broadcast together")
 
-    monkeypatch.setattr("tvclin.vehicle_file.load_vehicle", broken)
+    monkeypatch.setattr("tvclin.vehicle.file.load_vehicle", broken)
     result = run("poles")
 
     assert result.exit_code == 1

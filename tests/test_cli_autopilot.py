@@ -9,9 +9,9 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.trials import law_trials, standard_laws
 from tvclin.cli.app import app
 from tvclin.cli.laws import _limit
-from tvclin.trials import law_trials, standard_laws
 
 
 def run(*arguments):
@@ -114,7 +114,7 @@ def test_unstable_poles_of_a_loop_with_a_long_delay_are_shown():
 
 
 def test_a_stable_vehicle_is_told_what_to_give(tmp_path):
-    text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
+    text = (Path(tv.__file__).parent / "vehicle/shipped" / "configuration-i.toml").read_text()
     file = tmp_path / "stable.toml"
     file.write_text(text.replace("aerodynamic_arm_m = ", "aerodynamic_arm_m = -"))
     for command in ("margins", "autopilot"):
@@ -196,7 +196,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
 
 def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monkeypatch):
     """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
-    monkeypatch.setattr("tvclin.trials.law_trials", lambda *_, **__: [])
+    monkeypatch.setattr("tvclin.answers.trials.law_trials", lambda *_, **__: [])
     monkeypatch.setattr("tvclin.plots.laws.law_curve", lambda _, __, tau, ___: np.ones_like(tau))
     winds, file = ("--wind", "triangle", "--wind", "opposite gusts"), tmp_path / "laws.svg"
     result = run("laws", "--model", "fixed-path", *winds, "--json", "--plot", str(file))

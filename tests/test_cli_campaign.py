@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.campaign.chunks import chunk_file
+from tvclin.answers.campaign.chunks import chunk_file
 from tvclin.cli.app import app
 
 pytest.importorskip("pyarrow")

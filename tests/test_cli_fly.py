@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.flight import load_flight_condition
+from tvclin.flights.condition import load_flight_condition
 
 mpl.use("Agg")
 
@@ -164,7 +164,7 @@ def test_what_is_printed_fits_a_terminal_and_names_what_is_assumed(tmp_path):
 
 
 def test_without_jsbsim_the_extra_is_named(monkeypatch):
-    from tvclin.flight.sixdof import airframe
+    from tvclin.flights.sixdof import airframe
 
     monkeypatch.setattr(airframe, "_IDLE", {})
     monkeypatch.setitem(sys.modules, "jsbsim", None)

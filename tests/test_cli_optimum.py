@@ -82,7 +82,7 @@ def test_bad_input_is_exit_code_two_and_one_sentence(
 
 def test_a_stable_vehicle_needs_nothing(tmp_path: Path) -> None:
     file = tmp_path / "stable.toml"
-    text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
+    text = (Path(tv.__file__).parent / "vehicle/shipped" / "configuration-i.toml").read_text()
     file.write_text(text.replace("aerodynamic_arm_m = 9.45", "aerodynamic_arm_m = -9.45"))
     document = json.loads(run(str(file), "--model", "fixed-path", "--json").output)
 

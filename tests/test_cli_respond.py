@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
-from tvclin.closed_responses import triangular_attitude
-from tvclin.loads import wind_loads
+from tvclin.linear.closed_responses import triangular_attitude
+from tvclin.linear.loads import wind_loads
 
 mpl.use("Agg")
 

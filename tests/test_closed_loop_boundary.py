@@ -19,9 +19,9 @@ from tvclin import (
     closed_loop_boundary,
     fly,
 )
-from tvclin.closed_loop.boundary import OPEN
-from tvclin.laws import Seen
-from tvclin.recoverable import unstable_coordinates
+from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.control.laws.law import Seen
+from tvclin.flights.closed_loop.boundary import OPEN
 
 PEAK = np.radians(5.0)
 NAME = "configuration-i"

@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tvclin import closed_forms
+from tvclin.boundary import closed_forms
 from tvclin.kernels import choice, limits, threads
 from tvclin.kernels.small_roots import small_roots
 
@@ -123,7 +123,7 @@ def test_without_a_compiler_plain_python_runs(monkeypatch):
 def test_little_work_does_not_load_the_compiler():
     code = (
         "import sys, numpy as np\n"
-        "from tvclin.closed_forms import triangular_limit\n"
+        "from tvclin.boundary.closed_forms import triangular_limit\n"
         "triangular_limit(np.ones(100), 0.5)\n"
         "sys.exit('numba' in sys.modules)"
     )

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
-from tvclin.margins import CRITERIA, Criteria, Loop, Requirement, loop_margins
-from tvclin.plant import MODELS
+from tvclin.control.margins.criteria import CRITERIA, Criteria, Requirement
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import loop_margins
+from tvclin.linear.plant import MODELS
 
 NUMBERS = [
     "aero_margin",

@@ -8,7 +8,7 @@ from mpmath import mpf, workdps
 import tvclin
 from tests import planar
 from tests.symbolic import equal, from_then_on, s, solved, t, transform
-from tvclin.closed_forms import rectangular_limit, triangular_limit_with_drift
+from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit_with_drift
 
 beta, B, y, K, tau, peak, a, b1, b2 = sp.symbols("beta B y K tau peak a b1 b2", positive=True)
 MODEL = -(beta**2 / B) / (s * (s**2 - beta**2))  # eq (B8), corrected

@@ -12,7 +12,7 @@ from mpmath import mp, mpf, workdps
 
 import tvclin
 from tests.symbolic import equal, from_then_on, s, t, transform
-from tvclin.closed_responses import triangular_attitude_with_drift
+from tvclin.linear.closed_responses import triangular_attitude_with_drift
 
 beta, B, y, K, tau, peak, a, b1, b2 = sp.symbols("beta B y K tau peak a b1 b2", positive=True)
 MODEL = -(beta**2 / B) / (s * (s**2 - beta**2))  # eq (B8), corrected

@@ -19,15 +19,15 @@ from matplotlib.image import imread
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.study import SHAPES
 from tvclin.cli.app import app
-from tvclin.explorer import parts
-from tvclin.explorer.answer import Answer, answer
-from tvclin.explorer.choices import GAINS, LAWS, RECOVERABLE, REPORT, TRIM, Choices
-from tvclin.explorer.notebook import notebook_text
-from tvclin.explorer.parts import law_of
-from tvclin.explorer.picture import new_picture, round_up
 from tvclin.kernels.choice import pinned
-from tvclin.study import SHAPES
+from tvclin.show.explorer import parts
+from tvclin.show.explorer.answer import Answer, answer
+from tvclin.show.explorer.choices import GAINS, LAWS, RECOVERABLE, REPORT, TRIM, Choices
+from tvclin.show.explorer.notebook import notebook_text
+from tvclin.show.explorer.parts import law_of
+from tvclin.show.explorer.picture import new_picture, round_up
 
 
 @pytest.fixture(autouse=True)
@@ -193,7 +193,7 @@ def test_round_numbers_hold_what_they_are_made_for() -> None:
 @pytest.fixture(scope="module")
 def panel() -> Any:
     pytest.importorskip("ipywidgets")
-    from tvclin.explorer.panel import Panel
+    from tvclin.show.explorer.panel import Panel
 
     return Panel("configuration-i")
 

@@ -13,7 +13,7 @@ from urllib.request import urlopen
 
 import pytest
 
-from tvclin.explorer.notebook import notebook_text
+from tvclin.show.explorer.notebook import notebook_text
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
 

@@ -8,9 +8,10 @@ import pytest
 
 import tvclin as tv
 from tvclin import plots
+from tvclin.flights.condition import load_flight_condition
+from tvclin.linear.response import attitude_responses
 from tvclin.plots import flown as flown_room
 from tvclin.plots.flown import PEAK, centred_wind, chosen_engine, flown_limit
-from tvclin.response import attitude_responses
 
 mpl.use("Agg")
 
@@ -41,7 +42,7 @@ def test_marks_of_figures_6_to_9_are_flights_at_the_same_limits(draw, name, K, e
     found = draw(tau_beta=[4.0], factors=[0.9, 1.1], points=41, engine=engine).curves
     vehicle = tv.load_vehicle(name)
     c = tv.Coefficients.from_vehicle(vehicle)
-    y = tv.closed_forms.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
+    y = tv.boundary.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
     exact = tv.Plant(c, "drift-exact")
     wind = tv.TriangularWind(peak=1.0, duration=4.0 / c.beta)
     x = found.abscissa
@@ -116,10 +117,10 @@ def test_figure_10_is_equations_12_and_18_and_draws_what_is_flown_where_it_belon
     assert values["along the trajectory, tail wind"][at[3.0]] == pytest.approx(0.2)
     assert values["along the trajectory, yaw"][at[3.0]] == pytest.approx(0.4)
     assert values["without drift, eq (12)"] == pytest.approx(
-        tv.closed_forms.triangular_limit(found.abscissa, 0.5), abs=1e-14
+        tv.boundary.triangular_limit(found.abscissa, 0.5), abs=1e-14
     )
     assert values["with drift, eq (18)"] == pytest.approx(
-        tv.closed_forms.triangular_limit_with_drift(found.abscissa, 0.5, c.beta, c.b1, c.b2),
+        tv.boundary.triangular_limit_with_drift(found.abscissa, 0.5, c.beta, c.b1, c.b2),
         abs=1e-14,
     )
 
@@ -145,7 +146,7 @@ def test_along_the_trajectory_the_condition_of_the_vehicle_is_flown(monkeypatch)
     flown_limit.__wrapped__("configuration-ii", 4.0, 1.0, plane="yaw", along=True)
 
     assert asked["frozen"] is False
-    assert asked["condition"] == tv.flight.load_flight_condition("configuration-ii")
+    assert asked["condition"] == load_flight_condition("configuration-ii")
     assert asked["plane"] == "yaw"
 
 

@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant, SampledWind, TriangularWind
-from tvclin.closed_loop import continuous
-from tvclin.closed_loop.equations import LinearEquations
-from tvclin.plant import MODELS
+from tvclin.flights.closed_loop import continuous
+from tvclin.flights.closed_loop.equations import LinearEquations
+from tvclin.linear.plant import MODELS
 
 PEAK = 0.08
 COEFFICIENTS = Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))

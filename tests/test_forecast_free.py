@@ -8,8 +8,9 @@ from scipy.integrate import quad
 
 import tvclin as tv
 from tvclin import Coefficients, InputError, Plant, SampledWind, TriangularWind
-from tvclin.boundary import rectangular_limit
-from tvclin.forecast_free import BOUND, EXACT
+from tvclin.boundary.forecast_free import BOUND, EXACT
+from tvclin.boundary.limit import rectangular_limit
+from tvclin.linear.plant import MODELS
 
 BETA = 0.53
 COEFFICIENTS = Coefficients(
@@ -280,7 +281,7 @@ def test_a_batch_gives_what_each_case_gives_alone():
     vehicle = tv.load_vehicle("configuration-i")
     slow, durations = np.array([380.0, 480.0, 538.81, 600.0]), [4.0, 9.0, 20.0, 50.0]
     winds = TriangularWind(peak=[[0.08], [-0.05]], duration=durations)
-    for model in tv.plant.MODELS:
+    for model in MODELS:
         plant = Plant.from_vehicle(vehicle.replace(velocity=slow), model)
         found = tv.forecast_free_limit(plant, winds)
         for i, peak in enumerate((0.08, -0.05)):

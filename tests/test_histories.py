@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.histories import Piecewise
 from tvclin.kernels.pieces import Pieces
+from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps
 TIMES = np.sort(np.append(np.linspace(-5.0, 40.0, 91), [0.1, 1 / 3, 2.0, 7.0]))

@@ -21,10 +21,10 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.clock import THERE, within
-from tvclin.campaign.file import template as campaign_template
+from tvclin.answers.campaign.file import template as campaign_template
+from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app
-from tvclin.study_file.read import example as study_example
-from tvclin.vehicle_file import vehicle_text
+from tvclin.vehicle.file import vehicle_text
 
 SOUNDINGS = Path(__file__).parent / "soundings"
 MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))

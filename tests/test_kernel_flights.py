@@ -5,12 +5,12 @@ import pytest
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, Plant
-from tvclin.closed_loop.fates import judging
-from tvclin.closed_loop.gusts import polynomial_pieces
+from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.flights.closed_loop.fates import judging
+from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.kernels.choice import available, pinned
 from tvclin.kernels.control_laws import bounded, slow_ends
 from tvclin.kernels.propagation import exponentials
-from tvclin.recoverable import unstable_coordinates
 
 VEHICLE = tv.load_vehicle("configuration-i")
 PEAK = 0.08

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.histories import Piecewise
 from tvclin.kernels import polynomials
 from tvclin.kernels.crossings import first_crossing
 from tvclin.kernels.moments import moments
 from tvclin.kernels.pieces import Pieces
+from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps
 RATES = np.array([0.0, -0.8, 0.3 + 2j, 0.3 - 2j])

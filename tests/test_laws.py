@@ -9,8 +9,11 @@ import pytest
 
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
-from tvclin.laws import DeadBandLaw, SaturatedLaw, Seen, TrimLaw, WindEstimator
-from tvclin.laws import RecoverableAttitudeLaw as LeanLaw
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.estimator import WindEstimator
+from tvclin.control.laws.law import Seen
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw as LeanLaw
+from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 
 MODELS = ("fixed-path", "drift", "drift-exact")
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)

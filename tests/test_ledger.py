@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from tvclin.boundary import boundary_limit
-from tvclin.deflections import trim_then_hold
-from tvclin.plant import Plant
-from tvclin.reproduce import attempts, cases, claims, flown, ledger, loads
-from tvclin.reproduce.computed import about, rounds_to, shown
-from tvclin.response import attitude_responses
+from tvclin.boundary.limit import boundary_limit
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.show.reproduce import attempts, cases, claims, flown, ledger, loads
+from tvclin.show.reproduce.computed import about, rounds_to, shown
 
 ROOT = Path(__file__).parents[1]
 EQUATIONS = [
@@ -73,7 +73,7 @@ def test_the_page_in_docs_is_what_the_package_computes():
     if found != page():
         pytest.fail(
             "docs/validation.md is out of date; write it with"
-            " `python -m tvclin.reproduce.ledger docs/validation.md`",
+            " `python -m tvclin.show.reproduce.ledger docs/validation.md`",
             pytrace=False,
         )
 

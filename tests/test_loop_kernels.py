@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from tests.test_margins import NUMBERS, actuated, brute_force, random_loops
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import Crossings, loop_margins
 from tvclin.kernels import polynomials
-from tvclin.margins import Crossings, Loop, loop_margins
 
 FREQUENCIES = [
     "aero_frequency",

@@ -5,7 +5,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from tvclin.margins import Loop, loop_margins
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import loop_margins
 
 NUMBERS = [
     "aero_margin",

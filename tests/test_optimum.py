@@ -8,14 +8,11 @@ from scipy.integrate import quad
 
 import tvclin
 from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_deflection
-from tvclin.optimum import (
-    early_switch,
-    late_switch,
-)
-from tvclin.optimum.constraints import Constraints
-from tvclin.optimum.dual import best_multipliers
-from tvclin.optimum.exponential_sums import Window
-from tvclin.optimum.minimum_peak import (
+from tvclin.boundary.optimum import minimum_peak
+from tvclin.boundary.optimum.constraints import Constraints
+from tvclin.boundary.optimum.dual import best_multipliers
+from tvclin.boundary.optimum.exponential_sums import Window
+from tvclin.boundary.optimum.minimum_peak import (
     NOT_CONVERGED,
     STABLE,
     UNTOUCHED,
@@ -23,6 +20,7 @@ from tvclin.optimum.minimum_peak import (
     _solve,
     certify,
 )
+from tvclin.boundary.optimum.two_poles import early_switch, late_switch
 
 NAMES = ("configuration-i", "configuration-ii")
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
@@ -82,7 +80,7 @@ def test_the_lower_bound_holds_however_early_the_window_is_cut(monkeypatch):
     poles, demands = [0.1 + 0.2j], [1.0, 0.5]
     best, proof = solved(poles, demands)
     for cut in (1.0, 6.0):
-        monkeypatch.setattr("tvclin.optimum.exponential_sums._TRUNCATED", cut)
+        monkeypatch.setattr("tvclin.boundary.optimum.exponential_sums._TRUNCATED", cut)
         window = Window(Constraints(np.asarray(poles), np.asarray(demands)))
         bound = certify(window, best.multipliers, best.zeros[best.zeros < window.end], 1.0)
         assert bound.dual < proof.primal
@@ -116,7 +114,7 @@ def test_what_misses_its_conditions_is_not_ok_nor_below_the_bound(monkeypatch, f
     wind = triangle(plant, 20.0)
     true = optimum_deflection(plant, wind)
     limit = factor * float(true.deflection(0.0))
-    monkeypatch.setattr("tvclin.optimum.minimum_peak._polished", lambda _, times: (times, limit))
+    monkeypatch.setattr(minimum_peak, "_polished", lambda _, times: (times, limit))
     best = optimum_deflection(plant, wind)
     assert best.status == NOT_CONVERGED
     assert best.peak == pytest.approx(max(factor, 1.0) * true.peak, rel=1e-10)

@@ -8,11 +8,11 @@ from scipy.optimize import linprog
 
 import tvclin
 from tvclin import Plant, TriangularWind, optimum_deflection
-from tvclin.optimum.constraints import Constraints
-from tvclin.optimum.dual import best_multipliers
-from tvclin.optimum.exponential_sums import Window
-from tvclin.optimum.minimum_peak import NOT_CONVERGED, certify
-from tvclin.optimum.two_poles import switch_time
+from tvclin.boundary.optimum.constraints import Constraints
+from tvclin.boundary.optimum.dual import best_multipliers
+from tvclin.boundary.optimum.exponential_sums import Window
+from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, certify
+from tvclin.boundary.optimum.two_poles import switch_time
 
 NAMES = ("configuration-i", "configuration-ii")
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
@@ -131,8 +131,8 @@ def test_steep_flight_with_three_real_unstable_poles(angle):
 
 def test_a_result_that_did_not_converge_says_so(monkeypatch):
     plant = plant_of(model="drift-and-speed")
-    monkeypatch.setattr("tvclin.optimum.dual._NEWTON_STEPS", 0)
-    monkeypatch.setattr("tvclin.optimum.dual._ROUNDS", 1)
+    monkeypatch.setattr("tvclin.boundary.optimum.dual._NEWTON_STEPS", 0)
+    monkeypatch.setattr("tvclin.boundary.optimum.dual._ROUNDS", 1)
     best = optimum_deflection(plant, triangle(plant, 20.0))
     assert best.status == NOT_CONVERGED
     assert best.certificate.gap > 1e-9

@@ -8,20 +8,20 @@ from hypothesis import strategies as st
 
 import tvclin
 from tvclin import Coefficients, Plant, TriangularWind, optimum_deflection
-from tvclin.optimum import (
+from tvclin.boundary.optimum.constraints import Constraints
+from tvclin.boundary.optimum.dual import best_multipliers
+from tvclin.boundary.optimum.exponential_sums import Window
+from tvclin.boundary.optimum.minimum_peak import certify
+from tvclin.boundary.optimum.two_poles import (
     early_switch,
     late_switch,
     longest_single_pole_duration,
     neglecting_the_fast_pole,
     single_pole_validity,
+    switch_time,
     switch_variable,
     switching_ratio,
 )
-from tvclin.optimum.constraints import Constraints
-from tvclin.optimum.dual import best_multipliers
-from tvclin.optimum.exponential_sums import Window
-from tvclin.optimum.minimum_peak import certify
-from tvclin.optimum.two_poles import switch_time
 
 NAMES = ("configuration-i", "configuration-ii")
 

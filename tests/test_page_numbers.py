@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.flight import load_flight_condition
+from tvclin.flights.condition import load_flight_condition
 
 pytest.importorskip("jsbsim", reason="the extra sixdof is not installed")
 DOCS = Path(__file__).parents[1] / "docs"

@@ -9,9 +9,11 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tvclin import InputError, ReportControl, TriangularWind, flown_boundary, fly_planar
-from tvclin.closed_responses import triangular_attitude
-from tvclin.flight import load_flight_condition, nominal_flight, standard_atmosphere
-from tvclin.flight.planar.equations import PlanarMotion
+from tvclin.flights.atmosphere import standard_atmosphere
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.planar.equations import PlanarMotion
+from tvclin.flights.trajectory import nominal_flight
+from tvclin.linear.closed_responses import triangular_attitude
 
 DEGREE = np.radians(1.0)
 NAMES = ("configuration-i", "configuration-ii")

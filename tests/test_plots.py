@@ -10,11 +10,11 @@ import pytest
 
 import tvclin as tv
 from tvclin import plots
-from tvclin.closed_forms import rectangular_limit, triangular_limit
-from tvclin.closed_responses import triangular_attitude, triangular_attitude_with_drift
+from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
+from tvclin.linear.closed_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin.plots.curves import Column, Curves, curves_of
 from tvclin.plots.style import Look, draw
-from tvclin.reproduce.figures import FIGURES
+from tvclin.show.reproduce.figures import FIGURES
 
 mpl.use("Agg")
 pytestmark = pytest.mark.usefixtures("no_flights")
@@ -149,7 +149,7 @@ def test_figure_3_has_the_attitude_that_the_report_quotes():
 def test_figures_6_to_9_are_equation_b9(draw, vehicle, K):
     found = draw(tau_beta=[4.0], points=101).curves
     c = tv.Coefficients.from_vehicle(tv.load_vehicle(vehicle))
-    limit = tv.closed_forms.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
+    limit = tv.boundary.triangular_limit_with_drift(4.0, K, c.beta, c.b1, c.b2)
 
     for factor in (0.9, 1.1):
         expected = triangular_attitude_with_drift(
@@ -251,7 +251,7 @@ def test_sketch_c_solves_equation_c6():
 
 def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     code = (
-        "import sys, tvclin.plots, tvclin.reproduce.figures;"
+        "import sys, tvclin.plots, tvclin.show.reproduce.figures;"
         "print([m for m in ('control', 'matplotlib', 'scipy') if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

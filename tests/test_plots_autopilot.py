@@ -7,7 +7,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import plots
-from tvclin.autopilot.wiring import loop_polynomials
+from tvclin.control.autopilot.wiring import rational_loop
 from tvclin.plots.loops import box_sides
 
 mpl.use("Agg")
@@ -453,4 +453,4 @@ def test_the_pade_loop_of_the_locus_is_that_of_the_autopilot():
     s = 0.3 + 1j * np.array([0.01, 0.5, 3.0, 40.0])
 
     np.testing.assert_allclose(system(s), autopilot.loop(plant)(s), rtol=1e-9)
-    assert loop_polynomials(autopilot, plant)[1].shape[-1] + 4 == system.den[0][0].size
+    assert rational_loop(autopilot, plant).denominator.shape[-1] + 4 == system.den[0][0].size

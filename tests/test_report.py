@@ -12,15 +12,15 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.study_file.read import example, parse_study
+from tvclin.answers.trials import law_trials
 from tvclin.cli.app import app
-from tvclin.report import basis, flight, sections, verdict
-from tvclin.report.blocks import Number, Section
-from tvclin.report.findings import find
-from tvclin.report.page import _template
-from tvclin.report.questions import questions
-from tvclin.study_file.read import example, parse_study
-from tvclin.trials import law_trials
-from tvclin.vehicle_file import template
+from tvclin.show.report import basis, flight, sections, verdict
+from tvclin.show.report.blocks import Number, Section
+from tvclin.show.report.findings import find
+from tvclin.show.report.page import _template
+from tvclin.show.report.questions import questions
+from tvclin.vehicle.file import template
 
 pytest.importorskip("jinja2")
 
@@ -536,7 +536,7 @@ def test_a_flight_without_an_answer_says_why(plan: tv.StudyPlan) -> None:
 def test_what_no_page_can_hold_is_replaced() -> None:
     vehicle = tv.load_vehicle("configuration-i")
     object.__setattr__(vehicle, "name", "a\0b\x1b[31m\u202ec")
-    html = tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.08).to_html()
+    html = tv.report_html(tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.08))
 
     assert "a\ufffdb\ufffd[31m\ufffdc: deflection study" in html
     assert all(one.isprintable() or one in "\n\t" for one in html)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import tvclin as tv
-from tvclin.study_file.read import example, parse_study
+from tvclin.answers.study_file.read import example, parse_study
 
 pytest.importorskip("jinja2")
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")

@@ -7,10 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin import files
+from tvclin.base import files
 from tvclin.cli.app import app
 from tvclin.plots import flown as flown_room
-from tvclin.reproduce import figures, ledger
+from tvclin.show.reproduce import figures, ledger
 
 mpl.use("Agg")
 pytestmark = pytest.mark.usefixtures("no_flights")

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.boundary import BOUNDARY, MINIMUM, NO_FORECAST, PAIR
+from tvclin.answers.requirement import NOTHING
+from tvclin.boundary.limit import BOUNDARY, MINIMUM, NO_FORECAST, PAIR
 from tvclin.cli.app import app
-from tvclin.requirement import NOTHING
+from tvclin.flights.planar.verdict import planar_verdict
 
 PEAK = np.radians(5.0)
 
@@ -288,5 +289,5 @@ def test_the_report_s_control_flown_survives_with_what_is_required(seed, dead_ba
     if not np.isfinite(found.limit):
         return
     control = tv.ReportControl(dead_band)
-    survives = tv.flight.planar.verdict.planar_verdict(vehicle, wind, control, plane="yaw")
+    survives = planar_verdict(vehicle, wind, control, plane="yaw")
     assert survives(1.01 * abs(found.deflection)), found

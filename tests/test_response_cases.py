@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.histories import Piecewise
 from tvclin.kernels.choice import pinned
 from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.threads import VARIABLE
+from tvclin.winds.histories import Piecewise
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 AGREE = 1e-13

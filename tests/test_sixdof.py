@@ -11,15 +11,16 @@ import pytest
 
 import tvclin as tv
 from tests.planar import random_vehicle
-from tvclin.closed_forms import rectangular_limit, triangular_limit
-from tvclin.closed_responses import triangular_attitude
-from tvclin.flight import load_flight_condition, nominal_flight
-from tvclin.flight.sixdof.airframe import Airframe
-from tvclin.flight.sixdof.case import SixDof
-from tvclin.flight.sixdof.departure import course_of
-from tvclin.flight.sixdof.engine import Engine
-from tvclin.flight.sixdof.model import DEFLECTIONS, model_xml, planet_xml
-from tvclin.units import FOOT
+from tvclin.base.units import FOOT
+from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.sixdof.airframe import Airframe
+from tvclin.flights.sixdof.case import SixDof
+from tvclin.flights.sixdof.departure import course_of
+from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
+from tvclin.flights.trajectory import nominal_flight
+from tvclin.linear.closed_responses import triangular_attitude
 
 pytest.importorskip("jsbsim")
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipkinc
 
-from tvclin.flight.sixdof.engine import Engine
-from tvclin.flight.sixdof.model import mass_balance
-from tvclin.units import FOOT, POUND_FORCE
+from tvclin.base.units import FOOT, POUND_FORCE
+from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.model import mass_balance
 
 pytest.importorskip("jsbsim")
 

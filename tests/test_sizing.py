@@ -9,8 +9,8 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.sizing.frozen import slow_mode
-from tvclin.sizing.placing import place
+from tvclin.answers.sizing.frozen import slow_mode
+from tvclin.answers.sizing.placing import place
 
 PEAK = np.radians(5)
 

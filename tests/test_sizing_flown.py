@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.flight.condition import load_flight_condition
+from tvclin.flights.condition import load_flight_condition
 
 SOUNDINGS = 100
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.soundings.levels import towards
+from tvclin.winds.soundings.levels import towards
 
 EAST = np.radians(90)
 

@@ -5,7 +5,9 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.flight import load_flight_condition, nominal_flight
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.trajectory import nominal_flight
+from tvclin.vehicle.file import template
 
 CSV = """\
 # a flight
@@ -145,7 +147,7 @@ def test_times_outside_are_refused(tmp_path) -> None:
     with pytest.raises(InputError, match="between 60 and 80 s"):
         schedule.at(81.0)
     with pytest.raises(InputError, match="no table \\[flight\\]"):
-        read(tmp_path, tv.vehicle_file.template(), "mine.toml")
+        read(tmp_path, template(), "mine.toml")
     with pytest.raises(InputError, match="does not exist; name a flight schedule"):
         tv.load_schedule(tmp_path / "none.csv")
 

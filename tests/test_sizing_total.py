@@ -5,7 +5,7 @@ import pytest
 
 import tvclin as tv
 from tvclin import InputError
-from tvclin.sizing import DeflectionTotal, Line
+from tvclin.answers.sizing.total import DeflectionTotal, Line
 
 
 def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:

@@ -11,8 +11,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin.flight import load_flight_condition, nominal_flight
-from tvclin.soundings.levels import towards
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.trajectory import nominal_flight
+from tvclin.winds.soundings.levels import towards
 
 GOLDEN = Path(__file__).parent / "soundings"
 EAST = np.pi / 2

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import tvclin as tv
-from tvclin.soundings.levels import geometric
+from tvclin.winds.soundings.levels import geometric
 
 GOLDEN = Path(__file__).parent / "soundings"
 SOUNDINGS = ["table.csv", "components.csv", "wyoming.txt", "wyoming.csv", "igra.txt"]

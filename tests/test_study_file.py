@@ -12,11 +12,11 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
-from tvclin.campaign.file import parse_campaign
-from tvclin.campaign.keys import QUANTITIES
+from tvclin.answers.campaign.file import parse_campaign
+from tvclin.answers.campaign.keys import QUANTITIES
+from tvclin.answers.study_file.read import example, parse_study
+from tvclin.answers.study_file.sizing import SoundingAsked
 from tvclin.cli.app import app
-from tvclin.study_file import SoundingAsked
-from tvclin.study_file.read import example, parse_study
 
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -194,7 +194,7 @@ def test_a_campaign_file_is_a_study_file() -> None:
 
 
 def test_the_three_ways_to_name_a_vehicle_are_the_same(tmp_path: Path) -> None:
-    text = (Path(tv.__file__).parent / "vehicles" / "configuration-ii.toml").read_text()
+    text = (Path(tv.__file__).parent / "vehicle/shipped" / "configuration-ii.toml").read_text()
     (tmp_path / "mine.toml").write_text(text)
     table = tomllib.loads(text)["vehicle"]
     wind = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
@@ -370,7 +370,7 @@ def test_no_number_that_has_a_unit_goes_without_it() -> None:
 
 def test_whose_the_flight_is(tmp_path: Path) -> None:
     """Only another vehicle is doubtful, not the study's own by any path, nor tables of times."""
-    text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
+    text = (Path(tv.__file__).parent / "vehicle/shipped" / "configuration-i.toml").read_text()
     (tmp_path / "my.toml").write_text(text)
     table = tomllib.loads(text)["vehicle"]
     rows = {key: [value] * 2 for key, value in table.items() if key != "name"}
@@ -448,7 +448,7 @@ def test_a_file_that_is_no_toml_is_refused(tmp_path: Path, load: Callable[[Path]
 
 
 def test_a_name_with_control_characters_is_refused() -> None:
-    text = (Path(tv.__file__).parent / "vehicles" / "configuration-i.toml").read_text()
+    text = (Path(tv.__file__).parent / "vehicle/shipped" / "configuration-i.toml").read_text()
     table = tomllib.loads(text)["vehicle"] | {"name": "a\x1b[31m"}
     with pytest.raises(tv.InputError, match="printable"):
         plan(study={"vehicle": table})

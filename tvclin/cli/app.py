@@ -91,8 +91,8 @@ def _sentence(error: Exception) -> str | None:
     """What to say of an error; nothing of a fault of the package, and of a pipe that was closed."""
     from errno import EPIPE
 
-    from tvclin.errors import InputError
-    from tvclin.files import called, reason
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called, reason
 
     if isinstance(error, InputError):
         return str(error)

@@ -21,9 +21,10 @@ from tvclin.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from tvclin.comparison import TrimComparison, WorstDuration
-    from tvclin.margins import Criteria
-    from tvclin.vehicle import Vehicle as VehicleData
+    from tvclin.control.comparison.duration import WorstDuration
+    from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.margins.criteria import Criteria
+    from tvclin.vehicle.vehicle import Vehicle as VehicleData
 
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
@@ -51,12 +52,12 @@ def autopilot(
     Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
     loop nothing is drawn.
     """
+    from tvclin.answers.study import SHAPES
+    from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
-    from tvclin.comparison import compare_with_trim
-    from tvclin.errors import one_of, positive
-    from tvclin.plant import Plant
-    from tvclin.study import SHAPES
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.control.comparison.trim import compare_with_trim
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.file import load_vehicle
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
@@ -80,7 +81,7 @@ def autopilot(
 def _worst(
     found: "TrimComparison", peak: float, duration: float, shape: Any
 ) -> "WorstDuration | None":
-    from tvclin.comparison import worst_duration
+    from tvclin.control.comparison.duration import worst_duration
 
     if not found.margins.stable or not peak:
         return None

@@ -35,8 +35,8 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
+    from tvclin.base.errors import InputError, positive, within
     from tvclin.cli.output import limit_cell, print_json, print_table
-    from tvclin.errors import InputError, positive, within
     from tvclin.plots import boundary_chart, save_figure
 
     if vehicle is None and (model or plane):
@@ -71,7 +71,7 @@ def boundary(
 
 def _notes(x: Any, K: Any, status: Any) -> list[str]:
     """What is odd about a part of the table: for each K from which duration to which."""
-    from tvclin.boundary import OK
+    from tvclin.boundary.limit import OK
 
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):
@@ -86,12 +86,12 @@ def _limits(
     source: str | None, wind: str, x: Any, K: Any, model: str, plane: str
 ) -> tuple[str, Any, Any]:
     """One unit of peak is enough: the boundary limit does not depend on it."""
-    from tvclin.boundary import boundary_limit
-    from tvclin.coefficients import Coefficients
-    from tvclin.errors import one_of
-    from tvclin.plant import MODELS, Plant
-    from tvclin.study import SHAPES
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.answers.study import SHAPES
+    from tvclin.base.errors import one_of
+    from tvclin.boundary.limit import boundary_limit
+    from tvclin.linear.plant import MODELS, Plant
+    from tvclin.vehicle.coefficients import Coefficients
+    from tvclin.vehicle.file import load_vehicle
 
     shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
     one_of("--model", model, MODELS)

@@ -13,7 +13,7 @@ from tvclin.cli.progress import bar
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from tvclin.campaign import CampaignResults
+    from tvclin.answers.campaign.results import CampaignResults
 
 campaign = typer.Typer(
     no_args_is_help=True,
@@ -41,9 +41,9 @@ def init(
     file: Annotated[Path, typer.Argument(help="The campaign file to write, such as my.toml.")],
 ) -> None:
     """Write a commented campaign file to fill in."""
-    from tvclin.campaign.file import template
-    from tvclin.errors import InputError
-    from tvclin.files import called, exists, write_text
+    from tvclin.answers.campaign.file import template
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called, exists, write_text
 
     if exists(file) and not file.is_dir():
         raise InputError(f"{called(file)} exists already; name another file or move it away")
@@ -70,7 +70,8 @@ def run(
     """
     from dataclasses import replace
 
-    from tvclin.campaign import load_campaign, run_campaign
+    from tvclin.answers.campaign.engine import run_campaign
+    from tvclin.answers.campaign.file import load_campaign
 
     plan = load_campaign(file)
     if until_converged is not None:
@@ -88,9 +89,8 @@ def resume(
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
-    from tvclin.campaign import resume_campaign
-    from tvclin.campaign.engine import damaged
-    from tvclin.campaign.manifest import read_manifest
+    from tvclin.answers.campaign.engine import damaged, resume_campaign
+    from tvclin.answers.campaign.manifest import read_manifest
 
     for said in damaged(folder, read_manifest(folder)).values():
         typer.echo(f"Warning: {said}", err=True)
@@ -118,10 +118,10 @@ def show(
     """
     from math import radians
 
-    from tvclin.campaign import open_campaign
+    from tvclin.answers.campaign.engine import open_campaign
+    from tvclin.base.errors import number, positive
     from tvclin.cli.campaign_summary import print_summary, summary
     from tvclin.cli.output import print_json
-    from tvclin.errors import number, positive
 
     limit = (
         None if limit_deg is None else radians(number("--limit-deg", limit_deg, positive, "deg"))
@@ -146,9 +146,9 @@ def replay(
 
     Exit code 0: answered; 2: bad input.
     """
-    from tvclin.campaign import open_campaign
-    from tvclin.campaign.dispersions import UNITS_OF
-    from tvclin.campaign.outputs import columns
+    from tvclin.answers.campaign.dispersions import UNITS_OF
+    from tvclin.answers.campaign.engine import open_campaign
+    from tvclin.answers.campaign.outputs import columns
     from tvclin.cli.output import print_json, print_pairs
 
     found = open_campaign(folder)
@@ -175,7 +175,7 @@ def _flown(one: Any) -> dict[str, float]:
     """What stands out in the response; nothing where the case needs no deflection."""
     import numpy as np
 
-    from tvclin.errors import InputError
+    from tvclin.base.errors import InputError
 
     try:
         response = one.response()
@@ -188,8 +188,8 @@ def _flown(one: Any) -> dict[str, float]:
 
 @contextmanager
 def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor | None"]:
-    from tvclin.campaign.executors import cluster, processes
-    from tvclin.errors import InputError
+    from tvclin.answers.campaign.executors import cluster, processes
+    from tvclin.base.errors import InputError
 
     if workers is not None and scheduler is not None:
         raise InputError("give --workers or --scheduler, not both")
@@ -219,7 +219,7 @@ def _stopped_in_order() -> Iterator[None]:
 
 
 def _print_done(found: "CampaignResults") -> None:
-    from tvclin.files import called
+    from tvclin.base.files import called
 
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""

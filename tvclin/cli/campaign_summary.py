@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tvclin.campaign import CampaignResults
+    from tvclin.answers.campaign.results import CampaignResults
 
 
 def summary(
@@ -16,7 +16,7 @@ def summary(
     """Return what `tvclin campaign show` says, as one document."""
     import numpy as np
 
-    from tvclin.campaign.outputs import required_name
+    from tvclin.answers.campaign.outputs import required_name
 
     plan = found.campaign
     bands = {required_name(K): K for K in plan.dead_bands}

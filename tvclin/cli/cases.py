@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tvclin.histories import History
-    from tvclin.plant import Plant
+    from tvclin.linear.plant import Plant
+    from tvclin.winds.histories import History
 
 _LARGEST = 700.0
 """Floating-point numbers end a little above e^709."""
@@ -46,7 +46,7 @@ class Case:
     @property
     def sufficient(self) -> bool:
         """Whether the limit is at or above what is required."""
-        from tvclin.requirement import covers
+        from tvclin.answers.requirement import covers
 
         return bool(covers(self.limit, self.required))
 
@@ -69,11 +69,11 @@ def make_case(
     """
     import numpy as np
 
-    from tvclin.deflections import trim_then_hold
-    from tvclin.errors import InputError, one_of, within
-    from tvclin.plant import Plant
-    from tvclin.requirement import required_deflection
-    from tvclin.study import SHAPES
+    from tvclin.answers.requirement import required_deflection
+    from tvclin.answers.study import SHAPES
+    from tvclin.base.errors import InputError, one_of, within
+    from tvclin.linear.deflections import trim_then_hold
+    from tvclin.linear.plant import Plant
 
     if capability is not None and limit_deg is not None:
         raise InputError("give --capability or --limit-deg, not both")
@@ -105,8 +105,8 @@ def _check_length(plant: "Plant", length: float) -> None:
     """Raise `InputError` for a length [s] in which what is left over outgrows every number."""
     import numpy as np
 
-    from tvclin.errors import InputError
-    from tvclin.modes import unstable_modes
+    from tvclin.base.errors import InputError
+    from tvclin.linear.modes import unstable_modes
 
     fastest = float(np.real(unstable_modes(plant).poles).max(initial=0.0))
     if fastest * length > _LARGEST:

@@ -21,8 +21,8 @@ ADDS = {
 
 def doctor(as_json: AsJson = False) -> None:
     """Print versions, and which extras are there."""
+    from tvclin.base.errors import install
     from tvclin.cli.output import print_json, print_table
-    from tvclin.errors import install
 
     packages, extras = _requirements()
     versions = {name: _version(name) for name in packages}

@@ -25,10 +25,10 @@ def explore(
     import sys
     from importlib.util import find_spec
 
-    from tvclin.errors import InputError, missing
-    from tvclin.explorer.notebook import notebook_text
-    from tvclin.files import exists, write_text
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.base.errors import InputError, missing
+    from tvclin.base.files import exists, write_text
+    from tvclin.show.explorer.notebook import notebook_text
+    from tvclin.vehicle.file import load_vehicle
 
     if options and not options[0].startswith("-"):
         raise InputError(f"name the vehicle with --vehicle {options[0]}")

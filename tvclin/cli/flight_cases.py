@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tvclin.flight import FlightCondition, ReportControl
-    from tvclin.histories import History
-    from tvclin.laws import Law
-    from tvclin.plant import Plant
-    from tvclin.vehicle import Vehicle
+    from tvclin.control.laws.law import Law
+    from tvclin.flights.condition import FlightCondition
+    from tvclin.flights.control import ReportControl
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.vehicle import Vehicle
+    from tvclin.winds.histories import History
 
 LAWS = {
     "trim": "trim",
@@ -79,8 +80,8 @@ class FlightCase:
 
 def flight_wind(vehicle: Any, shape: str, duration: float, peak: float, along: bool) -> "History":
     """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    from tvclin.errors import one_of
-    from tvclin.study import SHAPES
+    from tvclin.answers.study import SHAPES
+    from tvclin.base.errors import one_of
 
     pulse = SHAPES[one_of("--wind", shape, SHAPES)](peak=peak, duration=duration)
     middle = 0.0 if vehicle.time is None else float(vehicle.time)
@@ -92,9 +93,9 @@ def _control(
 ) -> "ReportControl | Law":
     from dataclasses import replace
 
-    from tvclin.errors import InputError, one_of
-    from tvclin.flight import ReportControl
-    from tvclin.trials import standard_laws
+    from tvclin.answers.trials import standard_laws
+    from tvclin.base.errors import InputError, one_of
+    from tvclin.flights.control import ReportControl
 
     one_of("--law", law, ["report", *LAWS])
     if law == "report":
@@ -125,10 +126,11 @@ def flight_case(
     """
     import numpy as np
 
-    from tvclin.errors import InputError, within
-    from tvclin.flight import LINEAR_MODEL, linear_boundary
-    from tvclin.optimum import optimum_deflection
-    from tvclin.plant import Plant
+    from tvclin.base.errors import InputError, within
+    from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+    from tvclin.flights.beside import MODEL as LINEAR_MODEL
+    from tvclin.flights.beside import linear_boundary
+    from tvclin.linear.plant import Plant
 
     plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
     _check_flight(plant, wind, length)
@@ -151,9 +153,9 @@ def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
     """
     import numpy as np
 
-    from tvclin.errors import InputError
-    from tvclin.flight.falls import watched_until
-    from tvclin.modes import all_modes
+    from tvclin.base.errors import InputError
+    from tvclin.flights.falls import watched_until
+    from tvclin.linear.modes import all_modes
 
     beta = float(plant.coefficients.beta)
     if abs(float(wind.peak)) < _SMALLEST:

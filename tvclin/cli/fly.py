@@ -11,7 +11,8 @@ from tvclin.cli.options import AsJson, Duration, PeakDeg, PeakSpeed, Plane, Plot
 from tvclin.cli.progress import waiting
 
 if TYPE_CHECKING:
-    from tvclin.flight import FlightBeside, FlownBoundary
+    from tvclin.flights.beside import FlightBeside
+    from tvclin.flights.flown_boundary import FlownBoundary
 
 _LONGEST = 20.0
 _TOLERANCE, _HIGHEST = 5e-4, 4.0
@@ -60,10 +61,11 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
+    from tvclin.base.errors import one_of, positive, within
     from tvclin.cli.output import print_json
-    from tvclin.errors import one_of, positive, within
-    from tvclin.flight import ENGINES, load_flight_condition
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.flights.condition import load_flight_condition
+    from tvclin.flights.flown_boundary import ENGINES
+    from tvclin.vehicle.file import load_vehicle
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
@@ -91,7 +93,7 @@ def fly(
 def _flown(case: FlightCase, length: float, points: int) -> "FlightBeside":
     import numpy as np
 
-    from tvclin.flight import fly_beside
+    from tvclin.flights.beside import fly_beside
 
     start = float(case.wind.onset)
     return fly_beside(
@@ -106,7 +108,8 @@ def _flown(case: FlightCase, length: float, points: int) -> "FlightBeside":
 
 
 def _flown_boundary(case: FlightCase) -> "FlownBoundary":
-    from tvclin.flight import ReportControl, flown_boundary
+    from tvclin.flights.control import ReportControl
+    from tvclin.flights.flown_boundary import flown_boundary
 
     chosen: dict[str, Any] = {"law": case.control}
     if isinstance(case.control, ReportControl):
@@ -125,7 +128,7 @@ def _flown_boundary(case: FlightCase) -> "FlownBoundary":
 def _write(flight: "FlightBeside", case: FlightCase, csv: Path | None, plot: Path | None) -> None:
     import numpy as np
 
-    from tvclin.files import write_text
+    from tvclin.base.files import write_text
     from tvclin.plots import flight_chart, flight_curves, save_figure
 
     title = f"{case.title}, limit {np.degrees(case.limit):.4f} deg, {case.engine}"
@@ -148,7 +151,7 @@ def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | Non
     import numpy as np
 
     from tvclin.cli.output import print_table
-    from tvclin.flight import LINEAR_MODEL
+    from tvclin.flights.beside import MODEL as LINEAR_MODEL
 
     limit, least = (float(np.degrees(angle)) for angle in (case.limit, case.boundary))
     typer.echo(case.title)
@@ -186,7 +189,7 @@ def _document(
 ) -> dict[str, Any]:
     import numpy as np
 
-    from tvclin.flight import LINEAR_MODEL
+    from tvclin.flights.beside import MODEL as LINEAR_MODEL
 
     deg = np.degrees
     return {

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.autopilot import Autopilot
-    from tvclin.plant import Plant
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.linear.plant import Plant
 
 Design = Annotated[
     str | None,
@@ -51,8 +51,8 @@ class GainOptions:
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
-        from tvclin.autopilot.rules import designed_autopilot
-        from tvclin.errors import nonnegative, number
+        from tvclin.base.errors import nonnegative, number
+        from tvclin.control.autopilot.rules import designed_autopilot
 
         asked = dict(vars(self))
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tvclin.histories import History
-    from tvclin.study_file import StudyPlan
-    from tvclin.vehicle import Vehicle
+    from tvclin.answers.study_file.plan import StudyPlan
+    from tvclin.vehicle.vehicle import Vehicle
+    from tvclin.winds.histories import History
 
 
 def peak_angle(
@@ -14,7 +14,7 @@ def peak_angle(
     """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was."""
     import numpy as np
 
-    from tvclin.errors import InputError
+    from tvclin.base.errors import InputError
     from tvclin.winds.speed import angle_in_plane
 
     if peak_speed is None:
@@ -28,8 +28,8 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     """Return the 1 - cosine gust of a peak [deg] and a duration [s] that peaks at a time [s]."""
     import numpy as np
 
-    from tvclin.errors import nonzero, number, positive
-    from tvclin.winds import OneMinusCosineGust
+    from tvclin.base.errors import nonzero, number, positive
+    from tvclin.winds.gusts import OneMinusCosineGust
 
     if given is None:
         return None
@@ -60,7 +60,7 @@ def changed_plan(
 
     import numpy as np
 
-    from tvclin.errors import within
+    from tvclin.base.errors import within
 
     changes = {name: value for name, value in given.items() if value is not None}
     if limit_deg is not None:

@@ -18,9 +18,9 @@ from tvclin.cli.options import (
 from tvclin.cli.progress import bar, share
 
 if TYPE_CHECKING:
-    from tvclin.histories import History
-    from tvclin.plant import Plant
-    from tvclin.trials import LawTrial
+    from tvclin.answers.trials import LawTrial
+    from tvclin.linear.plant import Plant
+    from tvclin.winds.histories import History
 
 
 def laws(
@@ -51,11 +51,11 @@ def laws(
     """
     import numpy as np
 
+    from tvclin.answers.trials import law_trials, standard_laws, standard_winds
+    from tvclin.base.errors import one_of, positive, within
     from tvclin.cli.output import print_json
-    from tvclin.errors import one_of, positive, within
-    from tvclin.plant import Plant
-    from tvclin.trials import law_trials, standard_laws, standard_winds
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.file import load_vehicle
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
@@ -93,8 +93,8 @@ def laws(
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:
-    from tvclin.errors import InputError
-    from tvclin.forecast_free import forecast_free_limit
+    from tvclin.base.errors import InputError
+    from tvclin.boundary.forecast_free import forecast_free_limit
 
     try:
         return forecast_free_limit(plant, wind).limit
@@ -106,7 +106,7 @@ def _print(
     title: str, found: list["LawTrial"], limits: dict[str, float | None], names: list[str]
 ) -> None:
     from tvclin.cli.output import print_table
-    from tvclin.closed_loop.boundary import ABOVE, PARTS, STEPS
+    from tvclin.flights.closed_loop.boundary import ABOVE, PARTS, STEPS
 
     headings = ["wind", *names, "any law"]
     table = {(one.wind, one.law): one for one in found}
@@ -160,6 +160,6 @@ def _limit(one: "LawTrial") -> str:
 
 def _doubtful(one: "LawTrial") -> bool:
     """Whether there is more to be said of a boundary than the table shows."""
-    from tvclin.closed_loop.boundary import ALWAYS, NEVER, OK
+    from tvclin.flights.closed_loop.boundary import ALWAYS, NEVER, OK
 
     return one.status not in (OK, NEVER, ALWAYS)

@@ -10,9 +10,11 @@ from tvclin.cli.gains import GainOptions, described, gains_document, takes_gains
 from tvclin.cli.options import MODELS_HELP, AsJson, Plane, Plot, Vehicle
 
 if TYPE_CHECKING:
-    from tvclin.autopilot import Autopilot
-    from tvclin.margins import Criteria, Judgement, Loop, Margins
-    from tvclin.plant import Plant
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.margins.criteria import Criteria, Judgement
+    from tvclin.control.margins.loop import Loop
+    from tvclin.control.margins.record import Margins
+    from tvclin.linear.plant import Plant
 
 CriteriaName = Annotated[
     str, typer.Option("--criteria", help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
@@ -49,10 +51,10 @@ def margins(
 
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
     """
+    from tvclin.base.errors import one_of
     from tvclin.cli.output import print_json
-    from tvclin.errors import one_of
-    from tvclin.plant import Plant
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.file import load_vehicle
 
     one_of("--chart", chart, _CHARTS)
     asked = wanted_criteria(criteria, gain_db, phase_deg, delay_margin_ms)
@@ -75,8 +77,8 @@ def wanted_criteria(
     name: str, gain_db: float | None, phase_deg: float | None, delay_ms: float | None
 ) -> "Criteria":
     """Return the named criteria, or with other numbers those of the user."""
-    from tvclin.errors import nonnegative, one_of
-    from tvclin.margins import CRITERIA, Criteria
+    from tvclin.base.errors import nonnegative, one_of
+    from tvclin.control.margins.criteria import CRITERIA, Criteria
 
     named = CRITERIA[one_of("--criteria", name, CRITERIA)]
     if gain_db is None and phase_deg is None and delay_ms is None:

@@ -19,8 +19,8 @@ from tvclin.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from tvclin.histories import History
-    from tvclin.plant import Plant
+    from tvclin.linear.plant import Plant
+    from tvclin.winds.histories import History
 
 
 def optimum(
@@ -52,12 +52,13 @@ def optimum(
     """
     import numpy as np
 
+    from tvclin.answers.study import SHAPES
+    from tvclin.base.errors import one_of, positive
+    from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
+    from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
-    from tvclin.errors import one_of, positive
-    from tvclin.optimum import NOT_CONVERGED, optimum_deflection, optimum_with_rate_limit
-    from tvclin.plant import Plant
-    from tvclin.study import SHAPES
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.file import load_vehicle
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
@@ -92,9 +93,9 @@ def _write(
 ) -> None:
     import numpy as np
 
-    from tvclin.files import write_text
+    from tvclin.base.files import write_text
+    from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_chart, response_curves, save_figure
-    from tvclin.response import attitude_responses
 
     end = 3.0 * float(wind.end)
     times = np.linspace(min(0.0, float(deflection.onset)), end, 601)
@@ -109,7 +110,7 @@ def _write(
 def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[str, Any]:
     import numpy as np
 
-    from tvclin.boundary import boundary_limit
+    from tvclin.boundary.limit import boundary_limit
 
     trim = abs(float(plant.coefficients.B * wind.peak))
     held = abs(float(boundary_limit(plant, wind, 0.0).deflection))

@@ -7,7 +7,7 @@ import typer
 from tvclin.cli.options import AsJson, Plane, Plot, Vehicle
 
 if TYPE_CHECKING:
-    from tvclin.coefficients import Coefficients
+    from tvclin.vehicle.coefficients import Coefficients
 
 
 def poles(
@@ -21,11 +21,11 @@ def poles(
     plot: Plot = None,
 ) -> None:
     """Print the poles of the models, and the residues at the unstable ones."""
+    from tvclin.base.errors import one_of
     from tvclin.cli.output import print_json, print_table
-    from tvclin.coefficients import Coefficients
-    from tvclin.errors import one_of
-    from tvclin.plant import MODELS, available_models
-    from tvclin.vehicle_file import load_vehicle
+    from tvclin.linear.plant import MODELS, available_models
+    from tvclin.vehicle.coefficients import Coefficients
+    from tvclin.vehicle.file import load_vehicle
 
     one_of("model", model, [*MODELS, "all"])
     loaded = load_vehicle(vehicle)
@@ -49,8 +49,8 @@ def poles(
 
 
 def _poles(coefficients: "Coefficients", model: str) -> list[dict[str, Any]]:
-    from tvclin.modes import all_modes
-    from tvclin.plant import Plant
+    from tvclin.linear.modes import all_modes
+    from tvclin.linear.plant import Plant
 
     every = all_modes(Plant(coefficients, model))
     columns = (every.poles, every.deflection_residues, every.wind_residues)

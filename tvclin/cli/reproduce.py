@@ -17,10 +17,10 @@ def reproduce(
 
     Figures 6 to 11 stand beside flights of their own, so it takes a minute or two.
     """
-    from tvclin.errors import install
-    from tvclin.files import called
+    from tvclin.base.errors import install
+    from tvclin.base.files import called
     from tvclin.plots.flown import chosen_engine
-    from tvclin.reproduce.figures import reproduce as write_everything
+    from tvclin.show.reproduce.figures import reproduce as write_everything
 
     with waiting("making figures"):
         written = write_everything(output)

@@ -21,9 +21,9 @@ from tvclin.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from tvclin.extremes import Extremes, Shown
-    from tvclin.loads import Loads
-    from tvclin.verdict import Verdict
+    from tvclin.linear.extremes import Extremes, Shown
+    from tvclin.linear.loads import Loads
+    from tvclin.linear.verdict import Verdict
 
 _LONGEST = 1000.0
 """Of --until: nothing in a flight lasts that long."""
@@ -61,12 +61,12 @@ def respond(
 
     Exit code 0: answered; 2: bad input.
     """
+    from tvclin.base.errors import positive, within
     from tvclin.cli.output import print_json
-    from tvclin.errors import positive, within
-    from tvclin.extremes import extremes, shown_until
-    from tvclin.loads import wind_loads
-    from tvclin.vehicle_file import load_vehicle
-    from tvclin.verdict import judge
+    from tvclin.linear.extremes import extremes, shown_until
+    from tvclin.linear.loads import wind_loads
+    from tvclin.linear.verdict import judge
+    from tvclin.vehicle.file import load_vehicle
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
@@ -93,9 +93,9 @@ def respond(
 def _write(case: Case, length: float, points: int, csv: Path | None, plot: Path | None) -> None:
     import numpy as np
 
-    from tvclin.files import write_text
+    from tvclin.base.files import write_text
+    from tvclin.linear.response import attitude_responses
     from tvclin.plots import response_chart, response_curves, save_figure
-    from tvclin.response import attitude_responses
 
     times = np.linspace(0.0, length, points)
     response = attitude_responses(case.plant, case.deflection, case.wind, times)
@@ -124,7 +124,7 @@ def _print(
     import numpy as np
 
     from tvclin.cli.output import print_table
-    from tvclin.extremes import FALLEN, LET_GO, TURNED_OVER
+    from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER
 
     whole = _covers_the_wind(case, shown)
     angle, when = float(np.degrees(loads.peak_angle_of_attack)), loads.peak_time
@@ -159,7 +159,7 @@ def _print(
 
 
 def _covers_the_wind(case: Case, shown: "Shown") -> bool:
-    from tvclin.extremes import WHOLE
+    from tvclin.linear.extremes import WHOLE
 
     return shown.why == WHOLE or shown.time >= float(case.wind.end)
 

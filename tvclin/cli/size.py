@@ -10,8 +10,8 @@ from tvclin.cli.options import MODELS_HELP, AsJson, Gust, PeakDeg, PeakSpeed, Pl
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
-    from tvclin.sizing import Sizing
-    from tvclin.study_file import SizingAsked, SoundingAsked
+    from tvclin.answers.sizing.record import Sizing
+    from tvclin.answers.study_file.sizing import SizingAsked, SoundingAsked
 
 _SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
@@ -116,9 +116,9 @@ def size(
     """
     from dataclasses import replace
 
+    from tvclin.answers.study_file.read import load_sizing
     from tvclin.cli.output import print_json
     from tvclin.cli.size_tables import print_sizing, sizing_document
-    from tvclin.study_file import load_sizing
 
     asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
     asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed)
@@ -170,8 +170,8 @@ def _with_pulse(
     """What was asked, with the first pulse as the options have it; none where none is named."""
     from dataclasses import replace
 
-    from tvclin.errors import InputError
-    from tvclin.study_file.plan import DEFAULT_WIND
+    from tvclin.answers.study_file.plan import DEFAULT_WIND
+    from tvclin.base.errors import InputError
 
     if peak_deg is not None and peak_speed is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
@@ -191,9 +191,9 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
     """The soundings of the files by name."""
     import numpy as np
 
-    from tvclin.errors import InputError, number
-    from tvclin.soundings import read_sounding
-    from tvclin.study_file import SoundingAsked
+    from tvclin.answers.study_file.sizing import SoundingAsked
+    from tvclin.base.errors import InputError, number
+    from tvclin.winds.soundings.read import read_sounding
 
     if files and azimuth_deg is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
@@ -217,16 +217,16 @@ def _gust(asked: "SizingAsked", given: tuple[float, float] | None) -> Any:
 def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
     import numpy as np
 
-    from tvclin.errors import within
+    from tvclin.base.errors import within
 
     return None if degrees is None else float(np.radians(within(name, degrees, lowest, 90.0)))
 
 
 def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
-    from tvclin.campaign import disperse_study
-    from tvclin.errors import InputError
-    from tvclin.study import Study
+    from tvclin.answers.campaign.quick import disperse_study
+    from tvclin.answers.study import Study
+    from tvclin.base.errors import InputError
 
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted

@@ -5,14 +5,15 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.sizing import DeflectionTotal, Sizing, Worst
+    from tvclin.answers.sizing.record import Sizing, Worst
+    from tvclin.answers.sizing.total import DeflectionTotal
 
 
 def print_sizing(
     found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
-    from tvclin.sizing.record import VARYING
+    from tvclin.answers.sizing.record import VARYING
 
     name = found.schedule.vehicle.name or source
     typer.echo(f"{name}, {found.model}, {found.plane}: {', '.join(found.winds)}\n")
@@ -39,8 +40,8 @@ def print_sizing(
 def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
     import numpy as np
 
+    from tvclin.answers.sizing.record import VARYING
     from tvclin.cli.output import print_table
-    from tvclin.sizing.record import VARYING
 
     columns = [np.degrees(found.at_times(name)) for name in names]
     rows = [
@@ -105,7 +106,7 @@ def _print_total(total: "DeflectionTotal") -> None:
 
 def _doubts(found: "Sizing", i: int) -> str:
     """Marks of a flight time: what is doubtful there in any wind."""
-    from tvclin.sizing.notes import STEADY
+    from tvclin.answers.sizing.record import STEADY
 
     marks = {
         "1": found.beyond_one_pole[i].any(),

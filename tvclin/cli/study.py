@@ -72,7 +72,9 @@ def study(
     """
     from dataclasses import replace
 
-    from tvclin.campaign import DEFAULT_DISPERSIONS
+    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+    from tvclin.answers.study_file.read import load_study
+    from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
     from tvclin.cli.study_tables import (
         dispersed_document,
@@ -82,10 +84,8 @@ def study(
         questions_document,
         study_document,
     )
-    from tvclin.errors import InputError
-    from tvclin.report.findings import find
-    from tvclin.report.questions import all_yes
-    from tvclin.study_file import load_study
+    from tvclin.show.report.findings import find
+    from tvclin.show.report.questions import all_yes
 
     given = {
         "dead_band": dead_band,

@@ -7,9 +7,9 @@ import typer
 from tvclin.cli.inputs import gust_words
 
 if TYPE_CHECKING:
-    from tvclin.campaign import DispersedStudy
-    from tvclin.report.findings import Findings
-    from tvclin.study import Study
+    from tvclin.answers.campaign.quick import DispersedStudy
+    from tvclin.answers.study import Study
+    from tvclin.show.report.findings import Findings
 
 
 def print_study(result: "Study", source: str) -> None:
@@ -162,7 +162,7 @@ def dispersed_document(found: "DispersedStudy") -> dict[str, Any]:
 def print_questions(found: "Findings") -> None:
     """Print every question with its answer, where more than one is asked."""
     from tvclin.cli.output import print_pairs
-    from tvclin.report.questions import questions, sufficient
+    from tvclin.show.report.questions import questions, sufficient
 
     each = questions(found)
     if len(each) < 2:
@@ -180,7 +180,7 @@ def print_questions(found: "Findings") -> None:
 
 def questions_document(found: "Findings") -> dict[str, Any]:
     """Return the same as a document for JSON."""
-    from tvclin.report.questions import questions, sufficient
+    from tvclin.show.report.questions import questions, sufficient
 
     return {
         "questions": [
@@ -232,8 +232,8 @@ def _print_boundaries(result: "Study") -> None:
 
 def _governed(result: "Study") -> str:
     """By what the required deflection is governed, and where it stands in the table."""
-    from tvclin.boundary import BOUNDARY
-    from tvclin.requirement import NOTHING
+    from tvclin.answers.requirement import NOTHING
+    from tvclin.boundary.limit import BOUNDARY
 
     by = result.requirement.governs
     if by == NOTHING:

@@ -13,8 +13,8 @@ def vehicles(as_json: AsJson = False) -> None:
     import numpy as np
 
     from tvclin.cli.output import print_json, print_table
-    from tvclin.coefficients import Coefficients
-    from tvclin.vehicle_file import list_vehicles, load_vehicle
+    from tvclin.vehicle.coefficients import Coefficients
+    from tvclin.vehicle.file import list_vehicles, load_vehicle
 
     rows, document = [], {}
     for key in list_vehicles():
@@ -35,10 +35,10 @@ def init(
     ] = False,
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
-    from tvclin.errors import InputError
-    from tvclin.files import called, exists, write_text
-    from tvclin.study_file import example
-    from tvclin.vehicle_file import template
+    from tvclin.answers.study_file.read import example
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called, exists, write_text
+    from tvclin.vehicle.file import template
 
     if exists(file) and file.is_file() and file.stat().st_size > 0:
         raise InputError(f"{called(file)} exists already; name another file or move it away")

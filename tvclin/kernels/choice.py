@@ -19,7 +19,7 @@ from warnings import warn
 
 import numpy as np
 
-from tvclin.errors import install
+from tvclin.base.errors import install
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError
+from tvclin.base.errors import InputError
 from tvclin.kernels.pieces import Pieces, locate, moved
 
 FloatArray = NDArray[np.float64]

@@ -8,9 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.closed_forms import rectangular_limit, triangular_limit, triangular_limit_with_drift
-from tvclin.coefficients import Coefficients
-from tvclin.plant import Plant
+from tvclin.answers.requirement import required_deflection
+from tvclin.answers.study import Study
+from tvclin.boundary.closed_forms import (
+    rectangular_limit,
+    triangular_limit,
+    triangular_limit_with_drift,
+)
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import (
     COLOURS,
@@ -27,10 +32,9 @@ from tvclin.plots.style import (
     fine_grid,
     new_axes,
 )
-from tvclin.requirement import required_deflection
-from tvclin.study import Study
-from tvclin.vehicle import Vehicle
-from tvclin.vehicle_file import load_vehicle
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.file import load_vehicle
+from tvclin.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from control import ControlPlot

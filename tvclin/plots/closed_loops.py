@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.autopilot import Autopilot
-from tvclin.autopilot.answer import WindAnswer
-from tvclin.errors import instance
-from tvclin.histories import History
-from tvclin.margins import Margins, loop_margins
-from tvclin.plant import Plant
+from tvclin.base.errors import instance
+from tvclin.control.autopilot.answer import WindAnswer
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, control_plot, draw, fine_grid
+from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     import control

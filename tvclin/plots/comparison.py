@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.comparison import TrimComparison
-from tvclin.errors import InputError
+from tvclin.base.errors import InputError
+from tvclin.control.comparison.trim import TrimComparison
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError
+from tvclin.base.errors import InputError
 
 FloatArray = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.flight import FlightBeside
+from tvclin.flights.beside import FlightBeside
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.single_response import frames
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, draw

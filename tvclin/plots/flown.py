@@ -9,19 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.coefficients import Coefficients
-from tvclin.errors import one_of
-from tvclin.flight import (
-    ReportControl,
-    flown_boundary,
-    fly_planar,
-    fly_sixdof,
-    load_flight_condition,
-)
-from tvclin.histories import History
-from tvclin.vehicle import Vehicle
-from tvclin.vehicle_file import load_vehicle
-from tvclin.winds import TriangularWind
+from tvclin.base.errors import one_of
+from tvclin.flights.condition import load_flight_condition
+from tvclin.flights.control import ReportControl
+from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.flights.planar.fly import fly_planar
+from tvclin.flights.sixdof.fly import fly_sixdof
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.file import load_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import TriangularWind
 
 FloatArray = NDArray[np.float64]
 

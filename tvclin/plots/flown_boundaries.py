@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.closed_forms import triangular_limit, triangular_limit_with_drift
-from tvclin.coefficients import Coefficients
-from tvclin.errors import positive
+from tvclin.base.errors import positive
+from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.flown import FLOWN, PEAK, chosen_engine, flown_limit
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
-from tvclin.vehicle_file import load_vehicle
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.file import load_vehicle
 
 if TYPE_CHECKING:
     from control import ControlPlot

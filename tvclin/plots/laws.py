@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.forecast_free import forecast_free_limit
-from tvclin.laws import Law
-from tvclin.optimum import optimum_deflection
-from tvclin.plant import Plant
+from tvclin.answers.requirement import required_deflection
+from tvclin.answers.trials import law_curve
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.control.laws.law import Law
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
-from tvclin.requirement import required_deflection
-from tvclin.trials import law_curve
-from tvclin.winds import TriangularWind
+from tvclin.winds.pulses import TriangularWind
 
 if TYPE_CHECKING:
     from control import ControlPlot

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.autopilot import Autopilot
-from tvclin.errors import InputError, instance
+from tvclin.base.errors import InputError, instance
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.kernels import polynomials
 from tvclin.kernels.loop_grid import frequencies
 from tvclin.kernels.stability import stability
-from tvclin.margins import Loop, Margins, loop_margins
-from tvclin.plant import Plant
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.marks import Mark
 from tvclin.plots.style import COLOURS, WARM

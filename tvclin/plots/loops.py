@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.autopilot import Autopilot
-from tvclin.errors import instance
-from tvclin.margins import CRITERIA, Criteria
-from tvclin.plant import Plant
+from tvclin.base.errors import instance
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.criteria import CRITERIA, Criteria
+from tvclin.linear.plant import Plant
 from tvclin.plots.loop_samples import (
     LoopSamples,
     corner_frequencies,

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.autopilot import Autopilot
+from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.kernels import polynomials
-from tvclin.plant import Plant
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, LoopSamples, margin_marks, sampled, unstable_poles
 from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.coefficients import Coefficients
-from tvclin.modes import Modes, all_modes
-from tvclin.plant import MODELS, Plant
+from tvclin.linear.modes import Modes, all_modes
+from tvclin.linear.plant import MODELS, Plant
 from tvclin.plots.style import COLOURS, MARKS, WARM, control_plot, cycle, fine_grid
+from tvclin.vehicle.coefficients import Coefficients
 
 if TYPE_CHECKING:
     from control import ControlPlot

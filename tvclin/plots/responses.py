@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import boundary_limit
-from tvclin.coefficients import Coefficients
-from tvclin.deflections import trim_then_hold
-from tvclin.errors import number, positive, within
-from tvclin.plant import Plant
+from tvclin.base.errors import number, positive, within
+from tvclin.boundary.limit import boundary_limit
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.flown import FLOWN, PEAK, Flights, chosen_engine, flown_attitudes
 from tvclin.plots.style import COLOURS, INK, LINES, MARKS, Look, Style, cycle, draw
-from tvclin.response import attitude_responses
-from tvclin.vehicle import Vehicle
-from tvclin.vehicle_file import load_vehicle
-from tvclin.winds import TriangularWind
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.file import load_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.pulses import TriangularWind
 
 if TYPE_CHECKING:
     from control import ControlPlot

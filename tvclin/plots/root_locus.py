@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.autopilot import Autopilot
-from tvclin.errors import InputError, nonnegative
+from tvclin.base.errors import InputError, nonnegative
+from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.kernels import polynomials
-from tvclin.plant import Plant
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import (
     LoopSamples,

@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.histories import History
+from tvclin.linear.response import Responses
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
-from tvclin.response import Responses
+from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import ControlPlot

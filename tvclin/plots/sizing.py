@@ -4,11 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.errors import InputError, number, positive
+from tvclin.answers.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
+from tvclin.base.errors import InputError, number, positive
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
-from tvclin.sizing import Sizing
-from tvclin.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING
 
 if TYPE_CHECKING:
     from control import ControlPlot

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.boundary import boundary_limit
-from tvclin.coefficients import Coefficients
-from tvclin.deflections import trim_then_hold
-from tvclin.errors import number, positive
-from tvclin.histories import History
-from tvclin.plant import Plant
+from tvclin.base.errors import number, positive
+from tvclin.boundary.limit import boundary_limit
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, WARM, Look, broken_lines, draw
-from tvclin.winds import RectangularWind, TriangularWind
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import RectangularWind, TriangularWind
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -80,7 +80,7 @@ def sketch_c(
     The solution jumps at y = 1 from x = 0 (the switch comes never) to x = 1 (at once). For a
     large y it comes down to x = (y - 1 + 2^(1 - r))/(2 y); the report prints (y - 1)/(2 y).
     """
-    from tvclin.optimum.two_poles import early_switch, switch_variable
+    from tvclin.boundary.optimum.two_poles import early_switch, switch_variable
 
     y = np.linspace(0.0, number("highest", highest, positive), int(points))
     y = np.sort(np.concatenate([y[y != 1.0], [1.0 - _JUMP, 1.0, 1.0 + _JUMP]]))

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from tvclin.errors import InputError
-from tvclin.files import write_whole
+from tvclin.base.errors import InputError
+from tvclin.base.files import write_whole
 from tvclin.plots.curves import Column, Curves
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import (
+from tvclin.base.errors import (
     InputError,
     nonnegative,
     nonzero,
@@ -14,7 +14,7 @@ from tvclin.errors import (
     together,
     within,
 )
-from tvclin.histories import History
+from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 

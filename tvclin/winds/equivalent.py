@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import (
+from tvclin.base.errors import (
     InputError,
     instance,
 )
-from tvclin.histories import History
+from tvclin.winds.histories import History
 from tvclin.winds.pulses import TriangularWind
 
 _CANCELLED = 1e-12
@@ -46,7 +46,8 @@ def equivalent_triangle(wind: History) -> History:
 
     Examples
     --------
-    >>> from tvclin.winds import OneMinusCosineGust, equivalent_triangle
+    >>> from tvclin.winds.gusts import OneMinusCosineGust
+    >>> from tvclin.winds.equivalent import equivalent_triangle
     >>> equivalent_triangle(OneMinusCosineGust(peak=0.08, duration=6.0))
     TriangularWind(peak=0.08, duration=6.0)
     """

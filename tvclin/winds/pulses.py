@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import nonnegative
-from tvclin.histories import History
+from tvclin.base.errors import nonnegative
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
+from tvclin.winds.histories import History
 from tvclin.winds.sampled import straight_lines
 
 FloatArray = NDArray[np.float64]

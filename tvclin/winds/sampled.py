@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.errors import InputError, finite, within
-from tvclin.histories import History, linear_pieces
+from tvclin.base.errors import InputError, finite, within
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import LONGEST
+from tvclin.winds.histories import History, linear_pieces
 
 FloatArray = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.errors import (
+from tvclin.base.errors import (
     InputError,
     finite,
     positive,

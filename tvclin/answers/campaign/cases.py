@@ -1,0 +1,168 @@
+"""From the index of a case to its numbers, vehicle and wind, and to the answers.
+
+A case has the same bits whichever cases are computed with it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.campaign.dispersions import GAINS, WIND
+from tvclin.answers.campaign.draws import draw
+from tvclin.answers.campaign.outputs import REGISTRY, Batch, columns, compute
+from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.campaign.winds import WindEnsemble
+from tvclin.base.errors import InputError
+from tvclin.boundary.limit import leading_pole
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+_TOGETHER = 4096
+"""Cases that are held in memory at a time."""
+OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
+PAIRED = "two unstable modes grow together: the dead band must never be left"
+UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """What was drawn for some cases.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray
+        Dispersed parameters [SI], and under "wind" which of an ensemble, ``(n,)`` each.
+    possible : ndarray of bool
+        Which of the cases can be.
+    """
+
+    values: dict[str, NDArray[Any]]
+    possible: NDArray[np.bool_]
+
+    def take(self, which: slice | NDArray[Any]) -> "Cases":
+        """Return some of the cases."""
+        return Cases({k: v[which] for k, v in self.values.items()}, self.possible[which])
+
+
+def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
+    """Return the random numbers of the cases `first` to `first + count`, a row for each."""
+    dimension = len(campaign.dispersions.each) + (1 if campaign.wind.count else 0)
+    return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
+
+
+def drawn(campaign: Campaign, rows: FloatArray) -> Cases:
+    """Return the cases that have these random numbers."""
+    each = len(campaign.dispersions.each)
+    found = campaign.dispersions.apply(campaign.nominal, rows[:, :each])
+    values: dict[str, NDArray[Any]] = dict(found.values)
+    if isinstance(campaign.wind, WindEnsemble):
+        values["wind"] = campaign.wind.chosen(rows[:, each])
+    return Cases(values, found.possible)
+
+
+def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, NDArray[Any]]:
+    """Return the columns of the cases `first` to `first + count`, ``(count,)`` each.
+
+    They are "case", what was dispersed, the outputs and "status".
+    """
+    end = first + count
+    parts = [
+        _together(campaign, at, numbers(campaign, at, min(_TOGETHER, end - at)))
+        for at in range(first, end, _TOGETHER)
+    ]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def draw_case(campaign: Campaign, case: int) -> Cases:
+    """Return one case."""
+    return drawn(campaign, numbers(campaign, case, 1))
+
+
+def batch(campaign: Campaign, cases: Cases) -> Batch:
+    """Return plant, wind and gains of possible cases.
+
+    Raises
+    ------
+    InputError
+        When one of the cases is no vehicle or no wind.
+    """
+    changes = {k: v for k, v in cases.values.items() if k not in (*WIND, *GAINS, "wind")}
+    vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
+    plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
+    wind = campaign.wind.history(cases.values)
+    return Batch(plant, wind, _gains(campaign, cases.values), cases.possible.size, vehicle)
+
+
+def nominal(campaign: Campaign) -> dict[str, float]:
+    """Return the outputs of the nominal vehicle in the nominal wind; nothing for an ensemble.
+
+    Raises
+    ------
+    InputError
+        When they cannot be answered.
+    """
+    if isinstance(campaign.wind, WindEnsemble):
+        return {}
+    wind, gains = campaign.wind.history({}), _gains(campaign, {})
+    batch = Batch(campaign.plant, wind, gains, 1, campaign.vehicle)
+    found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
+    return {name: float(values[0]) for name, values in found.items()}
+
+
+def _gains(campaign: Campaign, values: dict[str, NDArray[Any]]) -> dict[str, Any]:
+    nominal = campaign.nominal
+    return {name: values.get(name, nominal[name]) for name in GAINS if name in nominal}
+
+
+def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, NDArray[Any]]:
+    """The columns of the cases with these random numbers, from the case `first` on."""
+    cases, count = drawn(campaign, rows), len(rows)
+    index = np.arange(first, first + count, dtype=np.int64)
+    answers = {name: np.full(count, np.nan) for name in columns(campaign)}
+    status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
+
+    def answer(which: NDArray[np.intp], alone: bool) -> None:
+        made = batch(campaign, cases.take(which))
+        for name, values in compute(campaign, made, alone=alone).items():
+            answers[name][which] = values
+        if not alone:
+            poles = unstable_modes(made.plant).poles
+            unstable = np.broadcast_to(np.any(~np.isnan(poles), axis=-1), which.shape)
+            status[which[~unstable]] = STABLE
+            status[which[np.broadcast_to(leading_pole(made.plant)[1], which.shape)]] = PAIRED
+
+    def refused(case: np.intp, error: Exception) -> None:
+        status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
+
+    _divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
+    if any(REGISTRY[name].alone(campaign) for name in campaign.outputs):
+        for case in np.flatnonzero(cases.possible):
+            _divide(lambda which: answer(which, True), refused, np.array([case]))
+    if "flight" in campaign.outputs:
+        status[(status == OK) & np.isnan(answers["flight_survived"])] = UNDECIDED
+    return {"case": index, **cases.values, **answers, "status": status}
+
+
+def _divide(
+    work: Callable[[NDArray[np.intp]], None],
+    refused: Callable[[np.intp, Exception], None],
+    which: NDArray[np.intp],
+) -> None:
+    """Do the work for all at once, or halve what is refused until the bad cases stand alone."""
+    if not which.size:
+        return
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            work(which)
+    except (ValueError, ArithmeticError, RuntimeError) as error:
+        if which.size == 1:
+            refused(which[0], error)
+            return
+        middle = which.size // 2
+        _divide(work, refused, which[:middle])
+        _divide(work, refused, which[middle:])

@@ -1,0 +1,240 @@
+"""What is uncertain, and by how much: from numbers in (0, 1) to vehicles and winds."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    each,
+    finite,
+    flag,
+    instance,
+    number,
+    one_of,
+    positive,
+)
+from tvclin.vehicle.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+SHAPES = ("normal", "uniform", "truncated")
+WIND = ("wind_peak", "wind_duration")
+GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
+_CUT = 3.0
+"""A truncated normal distribution ends at so many standard deviations."""
+
+
+@dataclass(frozen=True)
+class Dispersion:
+    """The uncertainty of one number.
+
+    Attributes
+    ----------
+    parameter : str
+        A field of `Vehicle`, "wind_peak" or "wind_duration", or a gain of `Autopilot`.
+    shape : str
+        "normal", "uniform" or "truncated" (normal, cut at three standard deviations).
+    spread : float
+        One standard deviation; of a uniform distribution half its width.
+    relative : bool
+        Whether the spread is a part of the nominal value, or in its SI unit.
+    """
+
+    parameter: str
+    shape: str
+    spread: float
+    relative: bool = True
+
+    def __post_init__(self) -> None:
+        one_of("parameter", self.parameter, PARAMETERS)
+        one_of("shape", self.shape, SHAPES)
+        object.__setattr__(self, "spread", number("spread", self.spread, positive))
+        flag("relative", self.relative)
+
+    def deviates(self, normal: FloatArray) -> FloatArray:
+        """Return deviations in units of the spread from standard normal ones, ``(n,)``."""
+        from scipy.special import ndtr, ndtri
+
+        if self.shape == "normal":
+            return normal
+        if self.shape == "uniform":
+            return np.asarray(2.0 * ndtr(normal) - 1.0)
+        ends = ndtr(np.array([-_CUT, _CUT]))
+        return np.asarray(ndtri(ends[0] + (ends[1] - ends[0]) * ndtr(normal)))
+
+
+@dataclass(frozen=True, eq=False)
+class Dispersed:
+    """Dispersed numbers, ``(n,)`` each, and which of the cases are possible.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray
+        By parameter [SI].
+    possible : ndarray of bool
+        False where a number cannot be: a thrust below zero is no vehicle.
+    """
+
+    values: dict[str, FloatArray]
+    possible: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Dispersions:
+    """Several dispersions, independent or correlated.
+
+    Attributes
+    ----------
+    each : tuple of Dispersion
+        One for each parameter.
+    correlation : tuple of tuple of float, optional
+        Correlation of the underlying normal numbers, symmetric and positive definite.
+
+    Raises
+    ------
+    InputError
+        For a parameter that is dispersed twice, and a matrix that is no correlation.
+    """
+
+    each: tuple[Dispersion, ...]
+    correlation: tuple[tuple[float, ...], ...] | None = None
+
+    def __post_init__(self) -> None:
+        every = each("each", self.each, Dispersion, "one for each parameter")
+        object.__setattr__(self, "each", every)
+        names = [one.parameter for one in self.each]
+        if len(set(names)) < len(names):
+            raise InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
+        if self.correlation is not None:
+            _ = self._factor
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of what is dispersed."""
+        return tuple(one.parameter for one in self.each)
+
+    def apply(self, nominal: Mapping[str, Any], numbers: ArrayLike) -> Dispersed:
+        """Return the dispersed values of cases.
+
+        Parameters
+        ----------
+        nominal : mapping of str to float
+            The nominal value of each parameter [SI].
+        numbers : array_like
+            Numbers in (0, 1), ``(n, parameters)``; see `draw`.
+
+        Raises
+        ------
+        InputError
+            For a parameter that has no nominal value, and a part of a nominal value of zero.
+        """
+        from scipy.special import ndtri
+
+        instance("nominal", nominal, Mapping, "of parameters to numbers")
+        drawn = finite("numbers", numbers)
+        if drawn.ndim != 2 or drawn.shape[-1] != len(self.each):
+            raise InputError(
+                f"numbers must have a row of {len(self.each)} for each case; got an array of shape"
+                f" {drawn.shape}"
+            )
+        if np.any((drawn <= 0.0) | (drawn >= 1.0)):
+            raise InputError("numbers must all be above 0 and below 1")
+        normal = ndtri(drawn)
+        if self.correlation is not None:
+            # Element by element: a product of matrices has other bits in other company.
+            columns = zip(normal.T, self._factor.T, strict=True)
+            normal = sum((one[:, np.newaxis] * row for one, row in columns), np.zeros(drawn.shape))
+        values, possible = {}, np.ones(len(normal), dtype=bool)
+        for column, one in zip(normal.T, self.each, strict=True):
+            centre = self._centre(nominal, one)
+            scale = one.spread * (abs(centre) if one.relative else 1.0)
+            value = centre + scale * one.deviates(column)
+            values[one.parameter] = value
+            for names, rule in _RULES:
+                if one.parameter in names:
+                    possible &= rule(value, centre)
+        return Dispersed(values, possible)
+
+    @staticmethod
+    def _centre(nominal: Mapping[str, Any], one: Dispersion) -> float:
+        if nominal.get(one.parameter) is None:
+            raise InputError(f"{one.parameter} is dispersed, but has no nominal value here")
+        centre = number(one.parameter, nominal[one.parameter])
+        if one.relative and centre == 0.0:
+            raise InputError(
+                f"{one.parameter} is zero, and no part of zero can be its spread; give one in"
+                " its unit"
+            )
+        return centre
+
+    @property
+    def _factor(self) -> FloatArray:
+        matrix = finite("correlation", () if self.correlation is None else self.correlation)
+        size = len(self.each)
+        if matrix.shape != (size, size) or not np.allclose(matrix, matrix.T):
+            raise InputError(f"correlation must be a symmetric matrix of {size} rows")
+        if not np.allclose(np.diag(matrix), 1.0):
+            raise InputError("correlation must have ones on its diagonal")
+        try:
+            return np.asarray(np.linalg.cholesky(matrix), dtype=float)
+        except np.linalg.LinAlgError:
+            raise InputError("correlation must be positive definite") from None
+
+
+_POSITIVE = (
+    "weight",
+    "moment_of_inertia",
+    "thrust",
+    "velocity",
+    "control_force_slope",
+    "wind_duration",
+)
+_RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bool_]]], ...] = (
+    (_POSITIVE, lambda value, _: value > 0.0),
+    (("normal_force_slope", "axial_force"), lambda value, _: value >= 0.0),
+    (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),
+    (("attitude", "wind_peak"), lambda value, _: np.abs(value) < np.pi / 2),
+)
+PARAMETERS = (
+    *(f.name for f in fields(Vehicle) if f.name not in {"name", "time"}),
+    *WIND,
+    *GAINS,
+)
+"""What can be dispersed."""
+
+UNITS_OF = {
+    "weight": "N",
+    "moment_of_inertia": "kg m2",
+    "normal_force_slope": "N/rad",
+    "thrust": "N",
+    "aerodynamic_arm": "m",
+    "control_arm": "m",
+    "axial_force": "N",
+    "velocity": "m/s",
+    "attitude": "rad",
+    "control_force_slope": "N/rad",
+    "wind_peak": "rad",
+    "wind_duration": "s",
+    "attitude_gain": "rad/rad",
+    "rate_gain": "s",
+    "alpha_gain": "rad/rad",
+    "integral_gain": "1/s",
+}
+"""Their SI units."""
+
+DEFAULT_DISPERSIONS = Dispersions(
+    (
+        Dispersion("thrust", "truncated", 0.01),
+        Dispersion("moment_of_inertia", "truncated", 0.02),
+        Dispersion("normal_force_slope", "truncated", 0.05),
+        Dispersion("aerodynamic_arm", "truncated", 0.05),
+        Dispersion("control_arm", "truncated", 0.005),
+        Dispersion("velocity", "truncated", 0.005),
+        Dispersion("wind_duration", "uniform", 0.3),
+    )
+)
+"""Assumed, for a first answer: standard deviations as parts of the nominal values."""

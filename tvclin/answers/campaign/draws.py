@@ -1,0 +1,92 @@
+"""Random numbers that belong to the case: the same for any chunk, worker, machine or order.
+
+Case i of a seed has the same numbers whatever else is computed. Plain numbers come from a
+counter-based generator, one key for each block of cases; those of a Sobol sequence have an index
+anyway; a Latin hypercube is laid over the whole campaign, and so needs its size.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, one_of, whole_number
+
+FloatArray = NDArray[np.float64]
+
+METHODS = ("plain", "sobol", "latin")
+_BLOCK = 1024
+_INSIDE = 2.0**-54
+"""Numbers are kept so far from zero and one, where distributions have their ends."""
+
+
+def draw(
+    seed: int, first: int, count: int, dimension: int, *, method: str = "plain", size: int = 0
+) -> FloatArray:
+    """Return numbers in (0, 1) for the cases `first` to `first + count`, ``(count, dimension)``.
+
+    Parameters
+    ----------
+    seed : int
+        Seed of the campaign, zero or positive.
+    first, count : int
+        Which cases.
+    dimension : int
+        Numbers of each case.
+    method : {"plain", "sobol", "latin"}
+        Independent numbers, a scrambled Sobol sequence, or a Latin hypercube.
+    size : int
+        Number of cases of the whole campaign; only a Latin hypercube needs it.
+
+    Raises
+    ------
+    InputError
+        For a seed that is no integer, cases outside the campaign, and an unknown method.
+
+    Examples
+    --------
+    >>> from tvclin.answers.campaign.draws import draw
+    >>> whole = draw(7, 0, 3000, 2)
+    >>> bool((draw(7, 2000, 10, 2) == whole[2000:2010]).all())
+    True
+    """
+    for name, value in (("seed", seed), ("first", first), ("count", count)):
+        whole_number(name, value)
+    one_of("method", method, METHODS)
+    if not count or not dimension:
+        return np.zeros((count, dimension))
+    if method == "latin" and first + count > size:
+        raise InputError(f"a Latin hypercube of {size} cases has no case {first + count - 1}")
+    numbers = {"plain": _plain, "sobol": _sobol, "latin": _latin}[method](
+        seed, first, count, dimension, size
+    )
+    return np.clip(numbers, _INSIDE, 1.0 - 2.0**-53)
+
+
+def _plain(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:
+    del size
+    begin, end = first // _BLOCK, (first + count - 1) // _BLOCK
+    blocks = [
+        np.random.Generator(
+            np.random.Philox(np.random.SeedSequence(seed, spawn_key=(block,)))
+        ).random((_BLOCK, dimension))
+        for block in range(begin, end + 1)
+    ]
+    offset = first - begin * _BLOCK
+    return np.concatenate(blocks)[offset : offset + count]
+
+
+def _sobol(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:
+    from scipy.stats import qmc  # late: it takes half a second to import
+
+    del size
+    sequence = qmc.Sobol(dimension, scramble=True, rng=np.random.default_rng(seed))
+    if first:
+        sequence.fast_forward(first)
+    total = 1 << max(count - 1, 0).bit_length()  # scipy warns of other sizes
+    return np.asarray(sequence.random(total)[:count])
+
+
+def _latin(seed: int, first: int, count: int, dimension: int, size: int) -> FloatArray:
+    from scipy.stats import qmc  # late: it takes half a second to import
+
+    sequence = qmc.LatinHypercube(dimension, rng=np.random.default_rng(seed))
+    return np.asarray(sequence.random(size)[first : first + count])

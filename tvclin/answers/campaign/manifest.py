@@ -1,0 +1,149 @@
+"""The manifest: what a campaign is and what it is computed with, sealed with a hash.
+
+It is written before the first chunk, and every chunk carries its hash. Work goes on only with the
+versions that it names, so that all chunks belong together to the last bit.
+"""
+
+import json
+from dataclasses import dataclass
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from tvclin.answers.campaign.file import document_of, parse_campaign
+from tvclin.answers.campaign.plan import Campaign
+from tvclin.base.errors import InputError, missing, shown
+from tvclin.base.files import called, exists, make_directory, reason, write_text
+from tvclin.kernels.choice import available
+
+NAME = "manifest.json"
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """A campaign and what computes it.
+
+    Attributes
+    ----------
+    campaign : Campaign
+        The campaign.
+    versions : dict of str to str
+        Of tvclin, numpy and scipy, and of numba where its kernels are used.
+    seal : str
+        SHA-256 of all this.
+    """
+
+    campaign: Campaign
+    versions: dict[str, str]
+    seal: str
+
+    @property
+    def compiled(self) -> bool:
+        """Whether compiled kernels are used."""
+        return "numba" in self.versions
+
+
+def new_manifest(campaign: Campaign, compiled: bool | None = None) -> Manifest:
+    """Return the manifest of a campaign that is computed here.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    compiled : bool, optional
+        Whether compiled kernels are used; by default where there is a compiler.
+
+    Raises
+    ------
+    InputError
+        When compiled kernels are asked for without a compiler.
+    """
+    wanted = available() if compiled is None else compiled
+    versions = _versions(wanted)
+    return Manifest(campaign, versions, _seal(_content(document_of(campaign), versions)))
+
+
+def begin(campaign: Campaign, folder: Path, compiled: bool | None = None) -> Manifest:
+    """Write the manifest into a folder, or find it there, and return it.
+
+    Raises
+    ------
+    InputError
+        When the folder holds another campaign or cannot be written.
+    """
+    if exists(folder / NAME):
+        found = read_manifest(folder)
+        if document_of(found.campaign) != document_of(campaign):
+            raise InputError(
+                f"{called(folder)} holds another campaign, or this one before it was changed; name"
+                " another folder, or put the campaign file back as it was"
+            )
+        return found
+    made = new_manifest(campaign, compiled)
+    make_directory(folder)
+    document = _content(document_of(campaign), made.versions) | {"sha256": made.seal}
+    write_text(folder / NAME, json.dumps(document, indent=1) + "\n")
+    return made
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Return the manifest of a folder.
+
+    Raises
+    ------
+    InputError
+        When there is none, or it was changed after the campaign began.
+    """
+    file = folder / NAME
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+        seal = document.pop("sha256")
+        versions, described = document["versions"], document["design"]
+        kind = document["format"]
+    except OSError as error:
+        raise InputError(
+            f"{called(folder)} holds no campaign: {NAME} cannot be read ({reason(error)})"
+        ) from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        raise InputError(f"{called(file)} is damaged: it is no manifest") from None
+    if kind != _FORMAT:
+        raise InputError(f"{file} has the format {shown(kind)}, and this version reads {_FORMAT}")
+    if _seal(document) != seal:
+        raise InputError(
+            f"{file} was changed after the campaign began; put it back, or begin another campaign"
+        )
+    return Manifest(parse_campaign(described), versions, seal)
+
+
+def check_versions(manifest: Manifest) -> None:
+    """Raise `InputError` unless this process computes with what the manifest names."""
+    if manifest.compiled and not available():
+        begun_with = manifest.versions["numba"]
+        raise missing(
+            f"the campaign uses compiled kernels (numba {begun_with}) and needs numba", "fast"
+        )
+    here = _versions(manifest.compiled)
+    for name, wanted in manifest.versions.items():
+        if here.get(name) != wanted:
+            raise InputError(
+                f"the campaign was begun with {name} {wanted}, and here is {here.get(name)}; its"
+                " last bits could differ: install that version, or begin another campaign"
+            )
+
+
+def _versions(compiled: bool) -> dict[str, str]:
+    try:
+        numba = {"numba": version("numba")} if compiled else {}
+    except PackageNotFoundError:
+        raise missing("compiled kernels need numba", "fast") from None
+    return {name: version(name) for name in ("tvclin", "numpy", "scipy")} | numba
+
+
+def _content(described: dict[str, Any], versions: dict[str, str]) -> dict[str, Any]:
+    return {"format": _FORMAT, "versions": versions, "design": described}
+
+
+def _seal(content: dict[str, Any]) -> str:
+    return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

@@ -1,0 +1,195 @@
+"""What is computed for each case: a registry of pure functions from a batch to columns."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.campaign.flights import COLUMNS, Flight
+from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.requirement import required_deflection
+from tvclin.base.errors import InputError
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.many import fly_many
+from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+_FLOWN_TO = 5e-4
+"""Boundaries are flown to this part of the largest trim deflection."""
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Cases to be computed together.
+
+    Attributes
+    ----------
+    plant : Plant
+        A batch of shape ``(n,)``, or one plant for all.
+    wind : History
+        A batch of shape ``(n,)``, or one wind for all.
+    gains : dict of str to float or ndarray
+        Gains of the autopilot, if one flies, ``(n,)`` where they are dispersed.
+    count : int
+        n.
+    vehicle : Vehicle
+        What the plant was made of.
+    """
+
+    plant: Plant
+    wind: History
+    gains: dict[str, Any]
+    count: int
+    vehicle: Vehicle
+
+    def one(self) -> tuple[Plant, History]:
+        """Return the plant and the wind of the first case, no longer as a batch."""
+        shape = (self.count,)
+        return self.plant.one(0, shape), self.wind.one(0, shape)
+
+    def one_vehicle(self) -> Vehicle:
+        """Return the vehicle of the first case."""
+        given = ((f.name, getattr(self.vehicle, f.name)) for f in fields(Vehicle))
+        return self.vehicle.replace(
+            **{name: float(np.ravel(v)[0]) for name, v in given if np.ndim(v)}
+        )
+
+
+@dataclass(frozen=True)
+class Output:
+    """One kind of answer.
+
+    Attributes
+    ----------
+    columns : callable
+        From a campaign to the names of its columns and their units.
+    work : callable
+        From a campaign and a batch to those columns, ``(n,)`` each or one number for all;
+        `InputError` when one of the cases cannot be answered.
+    alone : callable
+        From a campaign to whether the work takes one case at a time.
+    """
+
+    columns: Callable[[Campaign], dict[str, str]]
+    work: Callable[[Campaign, Batch], dict[str, Any]]
+    alone: Callable[[Campaign], bool] = lambda _: False
+
+
+def columns(campaign: Campaign) -> dict[str, str]:
+    """Return the names of the outputs of a campaign and their units."""
+    every = [REGISTRY[output].columns(campaign) for output in campaign.outputs]
+    return {name: unit for some in every for name, unit in some.items()}
+
+
+def compute(campaign: Campaign, batch: Batch, *, alone: bool) -> dict[str, FloatArray]:
+    """Return the outputs of a batch that are computed together or alone, ``(n,)`` each.
+
+    Raises
+    ------
+    InputError
+        When one of the cases cannot be answered.
+    """
+    found: dict[str, Any] = {}
+    for output in (REGISTRY[name] for name in campaign.outputs):
+        if output.alone(campaign) == alone:
+            found |= output.work(campaign, batch)
+    return {name: np.broadcast_to(values, (batch.count,)) for name, values in found.items()}
+
+
+def required_name(dead_band: float, kind: str = "required") -> str:
+    """Return the name of the column of a dead band."""
+    short = f"{dead_band:g}"
+    return f"{kind}_K{short if float(short) == dead_band else repr(dead_band)}"
+
+
+def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    return {
+        required_name(K): np.abs(required_deflection(batch.plant, batch.wind, K).deflection)
+        for K in campaign.dead_bands
+    }
+
+
+def _forecast_free(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
+    del campaign
+    return {"forecast_free": np.abs(forecast_free_limit(batch.plant, batch.wind).deflection)}
+
+
+def _minimum(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    del campaign
+    return {"minimum": least_peaks(batch.plant, batch.wind)}
+
+
+def _slow(campaign: Campaign) -> bool:
+    """Whether the least peak is a search of its own for each case, which three poles ask for."""
+    return campaign.model == "drift-and-speed"
+
+
+def law_of(campaign: Campaign, batch: Batch) -> Law:
+    """Return the law that flies the first case: the nominal one, or with gains of its own.
+
+    Raises
+    ------
+    InputError
+        For a campaign that flies nothing.
+    """
+    if campaign.flight is None:
+        raise InputError('the campaign flies nothing: it has no output "flight"')
+    gains = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
+    return campaign.flight.designed(campaign.plant, campaign.wind.largest, gains)
+
+
+def _flight(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    flight = cast(Flight, campaign.flight)
+    dispersed = any(np.ndim(value) for value in batch.gains.values())
+    found = fly_many(
+        batch.plant,
+        Autopilot(**batch.gains) if dispersed else law_of(campaign, batch),
+        batch.wind,
+        deflection_limit=flight.deflection_limit,
+        rate_limit=flight.rate_limit,
+        actuator=flight.actuator,
+        sample_rate=flight.sample_rate,
+    )
+    fate = np.select([found.status == "survived", found.status == "lost"], [1.0, 0.0], np.nan)
+    return {"flight_survived": fate} | {
+        f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(found, f"peak_{name}"))
+        for name in ("attitude", "angle_of_attack", "deflection")
+    }
+
+
+def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
+    """The boundary found by flights with six degrees of freedom, some dozen for each."""
+    vehicle, wind = batch.one_vehicle(), batch.one()[1]
+
+    def flown(K: float) -> float:
+        found = flown_boundary(
+            vehicle, wind, K, engine="sixdof", plane=campaign.plane, tolerance=_FLOWN_TO
+        )
+        return abs(found.deflection)
+
+    return {required_name(K, "flown"): flown(K) for K in campaign.dead_bands}
+
+
+REGISTRY = {
+    "required": Output(
+        lambda campaign: {required_name(K): "rad" for K in campaign.dead_bands}, _required, _slow
+    ),
+    "forecast-free": Output(lambda _: {"forecast_free": "rad"}, _forecast_free),
+    "minimum": Output(lambda _: {"minimum": "rad"}, _minimum, _slow),
+    "flight": Output(lambda _: COLUMNS, _flight),
+    "flown": Output(
+        lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},
+        _flown,
+        lambda _: True,
+    ),
+}
+"""By the names that a campaign may ask for."""

@@ -1,0 +1,163 @@
+"""One case of a campaign in full: its numbers, its plant and wind, and its exact response."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.answers.campaign.cases import batch, draw_case, evaluate
+from tvclin.answers.campaign.flights import Flight, flight_response
+from tvclin.answers.campaign.outputs import law_of
+from tvclin.answers.campaign.plan import Campaign
+from tvclin.base.errors import (
+    InputError,
+    shown,
+    whole_number,
+)
+from tvclin.control.laws.law import Law
+from tvclin.kernels.choice import pinned
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_response
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """One case of a campaign.
+
+    Attributes
+    ----------
+    case : int
+        Its number.
+    inputs : dict of str to float
+        What was drawn for it [SI].
+    outputs : dict of str to float
+        What was found [SI]; with the versions of the manifest the same bits as in the campaign.
+    status : str
+        "ok", or in words what is different.
+    dead_band : float
+        K of `response`.
+    plant, wind : Plant and History, or None
+        Its plant and wind; None where the case cannot be.
+    flight, law : Flight and Law, or None
+        How it was flown, where the campaign flies.
+    """
+
+    case: int
+    inputs: dict[str, float]
+    outputs: dict[str, float]
+    status: str
+    dead_band: float
+    plant: Plant | None
+    wind: History | None
+    flight: Flight | None = None
+    law: Law | None = None
+
+    @cached_property
+    def required(self) -> float:
+        """The deflection [rad] that is required at `dead_band`, its sign opposing the wind."""
+        from tvclin.answers.requirement import required_deflection
+
+        plant, wind = self._flown()
+        return float(required_deflection(plant, wind, self.dead_band).deflection)
+
+    def response(self, capability: float = 1.0, points: int = 401) -> "TimeResponseData":
+        """Return the exact response to the wind and to trim until the dead band is left.
+
+        Parameters
+        ----------
+        capability : float
+            Deflection limit over what is required, positive. With more than one the limit
+            that is held for ever drives the attitude away to the other side.
+        points : int
+            How many times, from the onset of the wind to twice its duration.
+
+        Raises
+        ------
+        InputError
+            When the case cannot be, or needs no deflection.
+        """
+        plant, wind = self._flown()
+        if self.required == 0.0:
+            raise InputError(f"case {self.case} needs no deflection")
+        deflection = trim_then_hold(
+            plant, wind, capability * self.required, self.dead_band, "literal"
+        )
+        start, end = float(wind.onset), float(wind.end)
+        return attitude_response(
+            plant, deflection, wind, np.linspace(start, 2.0 * end - start, points)
+        )
+
+    def flown(self) -> "TimeResponseData":
+        """Return its flight with limits, at the samples of its law.
+
+        Raises
+        ------
+        InputError
+            When the case cannot be, or the campaign flies nothing.
+        """
+        plant, wind = self._flown()
+        if self.flight is None or self.law is None:
+            raise InputError('the campaign flies nothing: it has no output "flight"')
+        return flight_response(self.flight, self.law, plant, wind)
+
+    def _flown(self) -> tuple[Plant, History]:
+        if self.plant is None or self.wind is None:
+            raise InputError(f"case {self.case} cannot be flown: {self.status}")
+        return self.plant, self.wind
+
+
+def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:
+    """Return one case of a campaign, computed anew.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    case : int
+        Which case.
+    compiled : bool
+        Whether compiled kernels are used.
+
+    Raises
+    ------
+    InputError
+        For a case that the campaign does not have.
+    """
+    if whole_number("case", case) >= campaign.cases:
+        raise InputError(
+            f"case must be below {campaign.cases}, the size of the campaign; got {shown(case)}"
+        )
+    with pinned(compiled):
+        row = evaluate(campaign, case, 1)
+    drawn = draw_case(campaign, case)
+    plant: Plant | None = None
+    wind: History | None = None
+    law: Law | None = None
+    if drawn.possible[0]:
+        try:
+            made = batch(campaign, drawn)
+            plant, wind = made.one()
+            law = law_of(campaign, made) if campaign.flight is not None else None
+        except InputError:  # its status says why
+            pass
+    found: dict[str, Any] = {name: values[0] for name, values in row.items()}
+    status = str(found.pop("status"))
+    del found["case"]
+    inputs = {name: float(found.pop(name)) for name in drawn.values}
+    return Replay(
+        case,
+        inputs,
+        {k: float(v) for k, v in found.items()},
+        status,
+        campaign.dead_bands[0],
+        plant,
+        wind,
+        campaign.flight,
+        law,
+    )

@@ -1,0 +1,271 @@
+"""What a sample proves: quantiles and probabilities with confidence, and what drives them."""
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import (
+    InputError,
+    fraction,
+    whole_number,
+)
+
+FloatArray = NDArray[np.float64]
+
+_ROUNDING = 1e-12
+"""A probability that is so near to a confidence is equal to it."""
+
+
+@dataclass(frozen=True)
+class Quantile:
+    """A quantile of a sample with its confidence bounds, by order statistics.
+
+    Attributes
+    ----------
+    probability, confidence : float
+        Of the quantile, and of each bound.
+    estimate : float
+        The sample quantile.
+    upper : float
+        With the confidence asked for, the quantile is no larger; infinite if the sample is too
+        small to say so.
+    lower : float
+        With the same confidence it is no smaller; minus infinite if that cannot be said.
+    cases : int
+        Size of the sample.
+    """
+
+    probability: float
+    confidence: float
+    estimate: float
+    upper: float
+    lower: float
+    cases: int
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("probability", self.probability, "-"),
+            ("estimate", self.estimate, ""),
+            ("no larger than", self.upper, ""),
+            ("no smaller than", self.lower, ""),
+            ("confidence of each bound", self.confidence, "-"),
+            ("cases", self.cases, ""),
+        ]
+        return card("Quantile", rows)
+
+    @property
+    def converged(self) -> bool:
+        """Whether both bounds lie within one percent of the estimate: more cases change little."""
+        return self.within(0.01)
+
+    def within(self, part: float) -> bool:
+        """Return whether both bounds lie within a part of the estimate of each other."""
+        if not np.isfinite(self.estimate):  # so many flights are lost
+            return False
+        return bool(self.upper - self.lower <= part * abs(self.estimate))
+
+
+@dataclass(frozen=True)
+class Success:
+    """A probability of success, or of loss, with its Clopper-Pearson interval.
+
+    Attributes
+    ----------
+    estimate, lower, upper : float
+        Successes (or losses) over cases, and the ends of the interval.
+    confidence : float
+        Of the interval.
+    """
+
+    estimate: float
+    lower: float
+    upper: float
+    confidence: float
+
+
+@dataclass(frozen=True)
+class Driver:
+    """How an input goes with the loss of flights.
+
+    Attributes
+    ----------
+    rank : float
+        Rank correlation with the loss: positive where larger values are lost more often.
+    sure : float
+        One minus the probability that, of as many inputs that drive nothing, one shows as much.
+    """
+
+    rank: float
+    sure: float
+
+
+def zero_failure_size(probability: float, consumer_risk: float = 0.1) -> int:
+    """Return how many cases without a failure prove a probability of success.
+
+    Parameters
+    ----------
+    probability : float
+        Of success, in (0, 1).
+    consumer_risk : float
+        The risk that a worse system passes, in (0, 1).
+
+    Notes
+    -----
+    n = ln(risk)/ln(probability), after Hanson and Beard, NASA/TP-2010-216447.
+
+    Examples
+    --------
+    >>> from tvclin.answers.campaign.statistics import zero_failure_size
+    >>> [zero_failure_size(p) for p in (0.95, 0.99, 0.9973, 0.99865)]
+    [45, 230, 852, 1705]
+    """
+    p = fraction("probability", probability)
+    return int(np.ceil(np.log(fraction("consumer_risk", consumer_risk)) / np.log(p) - 1e-12))
+
+
+def quantile_bound(
+    values: ArrayLike, probability: float = 0.99865, confidence: float = 0.9
+) -> Quantile:
+    """Return a quantile of a sample and its one-sided bounds, whatever the distribution.
+
+    Parameters
+    ----------
+    values : array_like
+        The sample, ``(n,)``; infinite values are legal.
+    probability, confidence : float
+        Of the quantile, and of each bound, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        For an empty sample, NaN in it, and numbers outside (0, 1).
+
+    Notes
+    -----
+    The r-th smallest of n values is at least the p-quantile with the probability that a binomial
+    number of n and p is below r.
+    """
+    from scipy.special import bdtr  # scipy.stats takes half a second more to import
+
+    sample = np.sort(np.asarray(values, dtype=float).ravel())
+    if not sample.size or np.any(np.isnan(sample)):
+        raise InputError("values must be a sample of one number or more, without NaN")
+    p, c = fraction("probability", probability), fraction("confidence", confidence)
+    n = sample.size
+
+    def below(rank: int) -> float:
+        return float(bdtr(rank, n, p))
+
+    upper = bisect_left(range(n), c - _ROUNDING, key=below)  # counted from zero, as `sample` is
+    lower = bisect_right(range(n), 1.0 - c + _ROUNDING, key=below) - 1
+    return Quantile(
+        p,
+        c,
+        float(np.quantile(sample, p, method="inverted_cdf")),
+        float(sample[upper]) if upper < n else np.inf,
+        float(sample[lower]) if lower >= 0 else -np.inf,
+        n,
+    )
+
+
+def success_probability(successes: int, cases: int, confidence: float = 0.9) -> Success:
+    """Return a probability of success and its two-sided Clopper-Pearson interval.
+
+    Parameters
+    ----------
+    successes, cases : int
+        How many of how many.
+    confidence : float
+        Of the interval, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        For numbers that are not whole, more successes than cases, and no cases.
+    """
+    from scipy.special import betaincinv  # scipy.stats takes half a second more to import
+
+    k, n = whole_number("successes", successes), whole_number("cases", cases)
+    if not 0 < n or k > n:
+        raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
+    c = fraction("confidence", confidence)
+    missed = (1.0 - c) / 2.0
+    low = betaincinv(k, n - k + 1, missed) if k else 0.0
+    high = betaincinv(k + 1, n - k, 1.0 - missed) if k < n else 1.0
+    return Success(k / n, float(low), float(high), c)
+
+
+def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str, float]:
+    """Return the rank correlation of each input with the output, the strongest first.
+
+    Parameters
+    ----------
+    inputs : dict of str to ndarray
+        Dispersed values, ``(n,)`` each.
+    output : array_like
+        What they drive, ``(n,)``, without NaN; infinite values have the highest rank.
+
+    Notes
+    -----
+    Spearman's coefficient: its square is about the part of the variance of the ranks that the
+    input explains alone, when inputs are independent. Zero where one of the two is constant.
+    """
+    from scipy.stats import spearmanr
+
+    result = np.asarray(output, dtype=float)
+    if np.any(np.isnan(result)):
+        raise InputError("output must be a sample without NaN")
+    found = {
+        name: float(spearmanr(values, result).statistic)
+        if np.ptp(values) and result.min() < result.max()
+        else 0.0
+        for name, values in inputs.items()
+    }
+    return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
+
+
+def loss_drivers(inputs: dict[str, FloatArray], lost: ArrayLike) -> dict[str, Driver]:
+    """Return how each input goes with the loss of flights, the strongest first.
+
+    Parameters
+    ----------
+    inputs : dict of str to ndarray
+        Dispersed values, ``(n,)`` each.
+    lost : array_like of bool
+        Which flights are lost, ``(n,)``.
+
+    Returns
+    -------
+    dict of str to Driver
+        Nothing where no flight or every flight is lost.
+
+    Notes
+    -----
+    How sure it is comes from the test of Mann and Whitney, exact for few flights without ties,
+    times the number of inputs (Bonferroni).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from tvclin.answers.campaign.statistics import loss_drivers
+    >>> thrust = np.linspace(0.95, 1.05, 8)
+    >>> found = loss_drivers({"thrust": thrust}, thrust < 0.98)["thrust"]
+    >>> round(found.rank, 3), round(found.sure, 3)
+    (-0.845, 0.964)
+    """
+    from scipy.stats import mannwhitneyu
+
+    which = np.asarray(lost, dtype=bool)
+    if not np.any(which) or np.all(which):
+        return {}
+
+    def chance(values: FloatArray) -> float:
+        if not np.ptp(values):
+            return 1.0
+        return len(inputs) * float(mannwhitneyu(values[which], values[~which]).pvalue)
+
+    ranks = sensitivities(inputs, which)
+    return {k: Driver(rank, max(1.0 - chance(inputs[k]), 0.0)) for k, rank in ranks.items()}

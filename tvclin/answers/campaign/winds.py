@@ -1,0 +1,120 @@
+"""Winds of a campaign: one shape with a peak and a duration, or a sampled ensemble."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, number, one_of
+from tvclin.winds.checks import checked_peak, checked_span
+from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import RectangularWind, TriangularWind
+from tvclin.winds.sampled import SampledWind
+
+FloatArray = NDArray[np.float64]
+
+SHAPES: dict[str, Callable[..., Any]] = {
+    "triangular": TriangularWind,
+    "rectangular": RectangularWind,
+    "one-minus-cosine": OneMinusCosineGust,
+}
+
+
+@dataclass(frozen=True)
+class ShapedWind:
+    """A wind of one shape, whose peak and duration may be dispersed.
+
+    Attributes
+    ----------
+    shape : str
+        "triangular", "rectangular" or "one-minus-cosine".
+    peak : float
+        Nominal wind angle of attack [rad].
+    duration : float
+        Nominal duration [s].
+    """
+
+    shape: str
+    peak: float
+    duration: float
+
+    count = 0
+
+    def __post_init__(self) -> None:
+        one_of("shape of the wind", self.shape, SHAPES)
+        object.__setattr__(self, "peak", number("peak of the wind", self.peak))
+        object.__setattr__(self, "duration", number("duration of the wind", self.duration))
+        checked_peak(self.peak)
+        checked_span("duration of the wind", self.duration)
+
+    @property
+    def nominal(self) -> dict[str, float]:
+        """Nominal values of what can be dispersed."""
+        return {"wind_peak": self.peak, "wind_duration": self.duration}
+
+    @property
+    def largest(self) -> float:
+        """The largest nominal wind angle [rad], without sign."""
+        return abs(self.peak)
+
+    def history(self, values: dict[str, Any]) -> History:
+        """Return the winds of cases that have these dispersed values."""
+        found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
+        made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=found["wind_duration"])
+        return made
+
+
+@dataclass(frozen=True, eq=False)
+class WindEnsemble:
+    """Sampled winds, of which each case draws one.
+
+    Attributes
+    ----------
+    time : ndarray
+        Sample times [s], ``(n,)``.
+    angle : ndarray
+        Wind angles of attack [rad], straight between the samples, ``(winds, n)``.
+
+    Raises
+    ------
+    InputError
+        As `SampledWind`, for each of the winds.
+    """
+
+    time: FloatArray
+    angle: FloatArray
+
+    def __post_init__(self) -> None:
+        checked = SampledWind(time=self.time, angle=self.angle)
+        if checked.angle.ndim != 2:
+            raise InputError(
+                f"angle must hold one wind in each row; got an array of shape {checked.angle.shape}"
+            )
+        object.__setattr__(self, "time", checked.time)
+        object.__setattr__(self, "angle", checked.angle)
+
+    @property
+    def count(self) -> int:
+        """How many winds there are."""
+        return len(self.angle)
+
+    @property
+    def nominal(self) -> dict[str, float]:
+        """Nothing of a sampled wind can be dispersed."""
+        return {}
+
+    @property
+    def largest(self) -> float:
+        """The largest wind angle [rad] of all, without sign."""
+        return float(np.abs(self.angle).max())
+
+    def chosen(self, numbers: ArrayLike) -> NDArray[np.int64]:
+        """Return which wind each of the numbers in (0, 1) draws."""
+        return np.asarray(np.asarray(numbers) * self.count, dtype=np.int64)
+
+    def history(self, values: dict[str, Any]) -> History:
+        """Return the winds whose numbers are ``values["wind"]``; the first without."""
+        return SampledWind(time=self.time, angle=self.angle[values.get("wind", 0)])

@@ -1,0 +1,355 @@
+"""What a deflection limit must be: the largest of all that a control in a flight needs.
+
+The report's boundary is one requirement, and not always the largest. A limit is sufficient when it
+is none of these too low for
+
+- the boundary of the control, with the dead band left by trim itself, as in a flight;
+- the minimum over all unstable poles, appendix C, which nothing undercuts;
+- for K = 1, which claims to need no forecast, the bound without one, and the trim law flown where
+  (4b) does not speak for it: in winds that come back, and where the path is as quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import Row, card
+from tvclin.base.errors import InputError, instance, nonzero, plain, within
+from tvclin.boundary.limit import (
+    BOUNDARY,
+    COMPARABLE,
+    MINIMUM,
+    NO_FORECAST,
+    ROUNDING,
+    boundary_alone,
+    leading_pole,
+    open_loop_needs,
+)
+from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.flights.closed_loop.many import fly_many
+from tvclin.linear.deflections import trim_deflection
+from tvclin.linear.modes import unstable_poles
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+TRIM_LAW = "the trim law flown"
+NOTHING = "nothing"
+_WIDEST = 1e9
+"""Limits beyond this [rad] mean nothing."""
+_GAIN = 10.0
+"""Of the attitude feedback of the trim law that is flown, over that of trim; as of `TrimLaw`."""
+_SAMPLES = 250.0
+"""Of that law in the time in which the fastest mode grows by e: it is late by a part of 0.002."""
+_COARSE = 50.0
+"""In a first flight: a law that is late by 0.01 and yet survives is not lost when it is quicker."""
+_FEW, _MOST = 25.0, 5e5
+"""At least so many, in a wind so long that the others would be more than `_MOST` in all."""
+_RATES = (0.01, 1e6)
+"""Sample rates that can be flown [Hz]."""
+_QUICK = 0.1
+"""A path that answers with more than this part of the fastest rate has a say beside it."""
+_LITTLE = 1.005
+"""What a flight that survives with so many times (4b) adds to it is not looked for."""
+_TINY = 1e-12
+"""A limit [rad] in place of none, where nothing is needed and nothing asked."""
+_HIGHEST = 4.0
+"""Over the trim deflection without drift: where trim grows without end no more is tried."""
+_TRIES = 12
+_ROUNDS = 3
+_MORE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class RequiredDeflection:
+    """The deflection limit that is required, of one case or a batch ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        Over the trim deflection B alpha_w,max without drift.
+    deflection : float or ndarray
+        The same [rad], -limit B alpha_w,max; its sign opposes the wind.
+    governs : str or ndarray of str
+        Which of `needs` is the largest; "nothing" where no deflection is needed.
+    needs : dict of str to float or ndarray
+        All requirements by their names, as sizes [rad]; zero where one does not apply.
+    status : str or ndarray of str
+        That of the boundary with the literal switch; see `BoundaryLimit`.
+    """
+
+    limit: Any
+    deflection: Any
+    governs: Any
+    needs: dict[str, Any]
+    status: Any
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [
+            ("required limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("governed by", self.governs, ""),
+        ]
+        rows += [(name, np.degrees(need), "deg") for name, need in self.needs.items()]
+        return card("Required deflection", rows)
+
+
+def required_deflection(
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike = 1.0,
+    *,
+    whole: History | None = None,
+) -> RequiredDeflection:
+    """Return the deflection limit that a control needs in a wind of one sign.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch, of any model.
+    wind : History
+        Wind angle of attack that does not change its sign; batches broadcast.
+    dead_band : array_like
+        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+    whole : History, optional
+        The same wind with what blows to the other side, where `wind` is its part to one side. The
+        minimum and the trim law meet it; what drifts to the other side first may cost deflection.
+
+    Returns
+    -------
+    RequiredDeflection
+        The largest of all requirements, and which one it is.
+
+    Raises
+    ------
+    InputError
+        For a wind that changes sign, never ends or is zero, and a dead band outside [0, 1].
+
+    Notes
+    -----
+    The eqs (4b), (17) and (C1). The condition (4b) of the fastest mode speaks for the trim law as
+    long as the wind rises and falls once and the path is slow. Where the wind comes back, a second
+    mode grows at more than a twentieth of that rate, b1 is above a tenth of it, another
+    requirement is larger than that of (4b), or a flight with half a percent more is lost, the trim
+    law is flown with limits up to the largest trim deflection, with which it is never limited, and
+    the least above which all that were tried survive is required for K = 1. (The speed is left out
+    in these flights.) For a pair it is that largest trim deflection over K, infinite for K = 0.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> long = tv.TriangularWind(peak=np.radians(5), duration=60.0)
+    >>> found = tv.required_deflection(plant, long, dead_band=0.5)
+    >>> found.governs, round(found.limit, 3), round(tv.boundary_limit(plant, long, 0.5).limit, 3)
+    ('the minimum over all unstable poles', 0.195, 0.124)
+    """
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    boundary = boundary_alone(plant, wind, K, True)[0]
+    needs = open_loop_needs(plant, wind, K, boundary)
+    blows = wind
+    if whole is not None:
+        instance("whole", whole, History, "the wind with what blows to the other side")
+        if whole.batch != wind.batch:
+            raise InputError(
+                f"whole must be the same winds as wind, of shape {wind.batch}; got {whole.batch}"
+            )
+        blows = whole
+        needs[MINIMUM] = np.maximum(needs[MINIMUM], least_peaks(plant, whole))
+    least = np.max(list(needs.values()), axis=0)
+    beaten = (least > needs[BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
+    can = (K == 1.0) & _can_fly(plant) & np.isfinite(least)
+    flies = can & (_path_counts(plant) | _comes_back(wind) | beaten)
+    if plant.model != "fixed-path" and np.any(can & ~flies):
+        flies = flies | _lost(plant, blows, _LITTLE * least, can & ~flies)
+    needs[TRIM_LAW] = _trim_law_flown(plant, blows, flies, least)
+    governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
+    most = np.array(needs[BOUNDARY])
+    for name in (MINIMUM, NO_FORECAST, TRIM_LAW):
+        larger = needs[name] > most * (1.0 + ROUNDING)
+        governs, most = np.where(larger, name, governs), np.where(larger, needs[name], most)
+    governs = np.where(most == 0.0, NOTHING, governs)
+    full = -np.asarray(plant.coefficients.B) * wind.peak
+    with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
+        limit = np.where(most == 0.0, 0.0, most / np.abs(full))
+    return RequiredDeflection(
+        plain(limit),
+        plain(np.asarray(np.copysign(most, full))),
+        governs.astype(str) if governs.ndim else str(governs),
+        {name: plain(np.asarray(need)) for name, need in needs.items()},
+        boundary.status,
+    )
+
+
+def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:
+    """Return whether a deflection capability is all that a control needs.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `required_deflection`.
+    limit : array_like
+        Capability delta_max [rad]; its sign is ignored.
+
+    Returns
+    -------
+    bool or ndarray of bool
+        Whether it is at or above `required_deflection`. A real autopilot lets go of deflection it
+        no longer needs, so every capability above that is sufficient. (A history that *holds*
+        more than the boundary for ever is not stable by (4b); that is the question of `judge`.)
+
+    Raises
+    ------
+    InputError
+        As `required_deflection`, and for a limit of zero.
+    """
+    capability = _capability(limit)
+    needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    enough = np.asarray(covers(capability, needed))
+    return enough if enough.ndim else bool(enough)
+
+
+def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
+    """Return whether a limit is as large as what is needed, but for rounding; sizes both."""
+    return np.asarray(limit) >= np.asarray(needed) * (1.0 - 4.0 * np.finfo(float).eps)
+
+
+def survivable_peak(
+    plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0
+) -> Any:
+    """Return the largest peak [rad] of a wind of this shape that a given limit survives.
+
+    The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind. Infinite
+    where no deflection is needed. The theory is linear; read a value of many degrees as
+    "more than the small-angle model can say".
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `required_deflection`; only the shape of the wind counts.
+    limit : array_like
+        Capability delta_max [rad]; its sign is ignored.
+
+    Raises
+    ------
+    InputError
+        As `required_deflection`, and for a limit of zero.
+    """
+    capability = _capability(limit)
+    needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
+    with np.errstate(divide="ignore"):
+        return plain(np.asarray(wind.peak * (capability / needed)))
+
+
+def _capability(limit: ArrayLike) -> FloatArray:
+    """Return the size of a limit [rad]."""
+    return np.abs(within("limit", nonzero("limit", limit, "rad"), -_WIDEST, _WIDEST, "rad"))
+
+
+def _trim_law_flown(
+    plant: Plant, wind: History, flies: NDArray[np.bool_], least: FloatArray
+) -> FloatArray:
+    """What the trim law needs flown [rad], at least `least`, where it flies; else 0."""
+    shape = least.shape
+    found = np.zeros(shape)
+    if not np.any(flies):
+        return found
+    trim = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape)
+    which = np.flatnonzero(np.broadcast_to(flies, shape))
+    some, winds = plant.some(which, shape), wind.some(which, shape)
+    found.ravel()[which] = _least_flown(some, winds, least.ravel()[which], trim.ravel()[which])
+    return found
+
+
+def _can_fly(plant: Plant) -> NDArray[np.bool_]:
+    """Whether flights of the trim law can be judged: something grows, and no pair does."""
+    rate, paired = leading_pole(plant)
+    return np.asarray(~paired & ~np.isnan(rate))
+
+
+def _comes_back(wind: History) -> NDArray[np.bool_]:
+    """Whether a wind rises again after it has fallen: the trim law has then let go meanwhile."""
+    size = np.abs(wind.peak)[..., np.newaxis]
+    change = np.diff(np.abs(wind.looked_at), axis=-1)
+    fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
+    return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
+
+
+def _path_counts(plant: Plant) -> NDArray[np.bool_]:
+    """Whether the path has a say beside the fastest mode: in a second one, or by its own pace."""
+    poles = unstable_poles(plant)
+    if plant.model == "fixed-path" or not poles.shape[-1]:
+        return np.zeros(plant.batch, dtype=bool)
+    fast, b1 = np.real(poles[..., 0]), np.asarray(plant.coefficients.b1)
+    with np.errstate(invalid="ignore"):  # NaN stands for a pole that is not there
+        counts = (b1 < 0.0) | (b1 > _QUICK * fast)
+        if poles.shape[-1] > 1:
+            counts = counts | (np.real(poles[..., 1]) > COMPARABLE * fast)
+    return np.asarray(counts)
+
+
+def _lost(
+    plant: Plant, wind: History, limit: FloatArray, asked: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Which of the trim laws that are asked for are lost with limits [rad]."""
+    shape = asked.shape
+    lost = np.array(asked)
+    for samples in (_COARSE, _SAMPLES):
+        which = np.flatnonzero(lost)
+        if which.size:
+            some, winds = plant.some(which, shape), wind.some(which, shape)
+            lost.ravel()[which] = ~_survives(some, winds, limit.ravel()[which], samples)
+    return lost
+
+
+def _survives(
+    plant: Plant, wind: History, limit: FloatArray, samples: float = _SAMPLES
+) -> NDArray[np.bool_]:
+    """Whether delta = B alpha + ``|B|`` gain (theta + theta'/beta) survives with limits [rad].
+
+    The speed of a plant is left out. What is too long to be flown does not survive.
+    """
+    c = plant.coefficients
+    gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
+    with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown
+        rate_gain = np.where(beta > 0.0, gain / beta, 0.0)
+    law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
+    model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
+    limits = np.where(limit > 0.0, limit, _TINY)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        pole, span = leading_pole(plant)[0], wind.end - wind.onset
+        rate = np.clip(np.maximum(np.minimum(samples * pole, _MOST / span), _FEW * pole), *_RATES)
+        limits = np.where(span * rate <= 2.0 * _MOST, limits, np.nan)  # too long to be flown
+    flown = fly_many(Plant(c, model), law, wind, deflection_limit=limits, sample_rate=rate)
+    return np.asarray(flown.status == "survived")
+
+
+def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
+    """The least limit [rad] above which all that are tried survive, from `low` to `high`.
+
+    The law is not limited by `high`. With b1 < 0 trim itself grows without end: no more is tried
+    than a few times the wind's, and where that is lost no limit is enough.
+    """
+    c = plant.coefficients
+    grows = np.asarray(c.b1) < 0.0
+    high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * wind.peak)), high)
+    parts = np.linspace(0.0, 1.0, _TRIES)[:, np.newaxis]
+    high = np.maximum(high * (1.0 + _MORE), low)
+    never = np.zeros(low.shape, dtype=bool)
+    for _ in range(_ROUNDS):
+        tried = low + parts * (high - low)
+        lost = ~_survives(plant, wind, tried)
+        never |= grows & lost[-1]
+        last = np.where(lost.any(axis=0), _TRIES - 1 - np.argmax(lost[::-1], axis=0), -1)
+        everyone = np.arange(low.size)
+        high = tried[np.minimum(last + 1, _TRIES - 1), everyone]
+        low = tried[np.maximum(last, 0), everyone]
+    return np.where(never, np.inf, high)

@@ -1,0 +1,150 @@
+"""What one vehicle, frozen at its time, needs in one wind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.requirement import required_deflection
+from tvclin.base.errors import InputError
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.limit import BOUNDARY, OK, PAIR, STABLE
+from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+LAWS = ("bound", "flown")
+_RATE = 100.0
+_HIGHEST = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class FrozenNeed:
+    """Deflections [rad] that one wind asks of one vehicle; NaN where one is not defined.
+
+    Attributes
+    ----------
+    trim : float
+        |B alpha_w,max|, ideal trim without drift.
+    required : ndarray
+        What the control needs at each dead band, ``(k,)``; see `required_deflection`.
+    no_forecast : float
+        Laws that do not know when the wind will stop.
+    minimum : float
+        The whole wind being known, appendix C.
+    slow_mode : float
+        y of eq (C8) for this wind: from one on the slow mode of the flight path decides.
+    said : tuple of str
+        Why something is not defined, or not met exactly.
+    beyond : ndarray
+        What is required over the boundary (4b) alone, ``(k,)``, one or more.
+    paired : bool
+        Whether two modes grow together, so that the dead band must never be left.
+    """
+
+    trim: float
+    required: FloatArray
+    no_forecast: float
+    minimum: float
+    slow_mode: float
+    said: tuple[str, ...]
+    beyond: FloatArray
+    paired: bool = False
+
+
+def frozen_need(
+    plant: Plant,
+    wind: History,
+    dead_bands: FloatArray,
+    law: str,
+    whole: History | None = None,
+) -> FrozenNeed:
+    """Return what a plant needs in a wind.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant.
+    wind : History
+        One wind that ends.
+    dead_bands : ndarray
+        K, ``(k,)``.
+    law : {"bound", "flown"}
+        Whether `no_forecast` is the bound of all such laws or what the recoverable-attitude law
+        needs when it is flown.
+    whole : History, optional
+        The wind with what blows to the other side, as of `required_deflection`.
+    """
+    said: list[str] = []
+
+    def asked(function: Callable[[], Any], missing: Any) -> Any:
+        try:
+            return function()
+        except InputError as error:
+            said.append(str(error))
+            return missing
+
+    alone, paired = np.full(dead_bands.shape, np.nan), False
+
+    def needed() -> FloatArray:
+        nonlocal alone, paired
+        found = required_deflection(plant, wind, dead_bands, whole=whole)
+        statuses = dict.fromkeys(np.ravel(found.status).tolist())
+        said.extend(one for one in statuses if one not in (OK, STABLE))
+        alone, paired = np.asarray(found.needs[BOUNDARY]), PAIR in statuses
+        return np.abs(np.asarray(found.deflection))
+
+    slow = slow_mode(plant, wind)
+    exact = Plant.from_coefficients(plant.coefficients, "drift-exact")
+    two = exact if (slow > 1.0 or slow < 0.0) and _unstable(plant) == 1 else plant
+    minimum = asked(lambda: float(least_peaks(two, wind)), np.nan)
+    required = np.maximum(asked(needed, np.nan), np.full(dead_bands.shape, np.nan_to_num(minimum)))
+    counted = np.isfinite(alone) & (alone > 0.0) & np.isfinite(required)
+    beyond = np.divide(required, alone, out=np.ones(dead_bands.shape), where=counted)
+    return FrozenNeed(
+        trim=abs(float(plant.coefficients.B * wind.peak)),
+        required=required,
+        no_forecast=asked(lambda: _no_forecast(plant, wind, law), np.nan),
+        minimum=minimum,
+        slow_mode=slow,
+        said=tuple(dict.fromkeys(said)),
+        beyond=beyond,
+        paired=paired,
+    )
+
+
+def slow_mode(plant: Plant, wind: History) -> float:
+    """Return y of eq (C8) for any wind: the slow mode's demand over that of the fast one.
+
+    It is one at the edge of the single-pole theory, for a triangle at `single_pole_validity`, and
+    negative where the modes are driven to opposite sides. NaN without two real unstable poles.
+    """
+    modes = unstable_modes(Plant.from_coefficients(plant.coefficients, "drift-exact"))
+    if modes.poles.size < 2 or np.iscomplexobj(modes.poles) or not np.isfinite(wind.onset):
+        return float("nan")
+    from_onset = wind.shift(-wind.onset).laplace(modes.poles)
+    demands = modes.poles * from_onset * modes.wind_residues / modes.deflection_residues
+    return float(demands[1] / demands[0])
+
+
+def _no_forecast(plant: Plant, wind: History, law: str) -> float:
+    if not _unstable(plant):
+        return 0.0
+    if law == "bound":
+        return abs(forecast_free_limit(plant, wind).deflection)
+    flown = RecoverableAttitudeLaw(plant, design_peak=abs(float(wind.peak)))
+    found = closed_loop_boundary(plant, flown, wind, sample_rate=_RATE, highest=_HIGHEST)
+    return abs(found.deflection)
+
+
+def _unstable(plant: Plant) -> int:
+    return int(unstable_modes(plant).poles.size)

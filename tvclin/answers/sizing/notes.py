@@ -1,0 +1,86 @@
+"""What a reader of a sizing should know before believing its numbers."""
+
+import numpy as np
+
+from tvclin.answers.sizing.record import STEADY, Sizing
+
+_SAME = 1e-9
+"""What is not larger by this part is as large."""
+
+
+def notes_of(found: Sizing) -> tuple[str, ...]:
+    """Return notes on a sizing, each one sentence; often none."""
+    return (
+        *_unknown(found),
+        *_beyond_one_pole(found),
+        *found.said,
+        *_changes(found),
+        *_outside(found),
+        *_at_the_ends(found),
+    )
+
+
+def _unknown(found: Sizing) -> list[str]:
+    begin, end = found.schedule.span
+    place = found.schedule.place
+    return [
+        f"{wind} is known from {place(first)} to {place(last)} only; beyond it is unknown, not"
+        " calm: what it does there is not counted, and no flight time there is sized"
+        for wind, (first, last) in zip(found.winds, found.known_times.tolist(), strict=True)
+        if begin < first or last < end
+    ]
+
+
+def _beyond_one_pole(found: Sizing) -> list[str]:
+    beyond = found.beyond_one_pole
+    notes = []
+    for j, wind in enumerate(found.winds):
+        if np.any(beyond[:, j]):
+            i = int(np.argmax(beyond[:, j]))
+            lasts, edge = found.ends[i, j] - found.begins[i, j], found.edge[i]
+            holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
+            notes.append(
+                f"{wind} ({lasts:.4g} s at {found.times[i]:.6g} s) is beyond the single-pole"
+                f" theory, which holds for {holds} there: the minimum is the two-pole result, and"
+                " no dead band counts for less"
+            )
+    return notes
+
+
+def _changes(found: Sizing) -> list[str]:
+    if not np.any(found.change > STEADY):
+        return []
+    i, j = np.unravel_index(int(np.nanargmax(found.change)), found.change.shape)
+    return [
+        f"beta or B changes by up to {100 * found.change[i, j]:.0f} % while {found.winds[j]} blows"
+        f" (at {found.times[i]:.6g} s); frozen parameters are doubtful above {100 * STEADY:.0f} %"
+    ]
+
+
+def _outside(found: Sizing) -> list[str]:
+    if np.all(found.covered):
+        return []
+    first, last = found.schedule.span
+    return [
+        f"winds blow outside the schedule, {first:.6g} to {last:.6g} s; parameters are there those"
+        " of its nearer end"
+    ]
+
+
+def _at_the_ends(found: Sizing) -> list[str]:
+    """What is largest at the first or the last flight time, and may be larger beyond it."""
+    order = np.argsort(found.times)
+    ends: dict[str, list[str]] = {}
+    for name in found.required:
+        values = found.at_times(name)[order]
+        times, values = found.times[order][~np.isnan(values)], values[~np.isnan(values)]
+        if times.size < 2:
+            continue
+        if values[0] > (1.0 + _SAME) * values[1:].max():
+            ends.setdefault(f"first flight time, {times[0]:.6g} s; before", []).append(name)
+        if values[-1] > (1.0 + _SAME) * values[:-1].max():
+            ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
+    return [
+        f"largest at the {end} it there may be more: {', '.join(names)}"
+        for end, names in ends.items()
+    ]

@@ -1,0 +1,285 @@
+"""What a sizing found: one value, with the worst, a table, a CSV and a Dataset."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import missing, one_of
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import write_text
+
+if TYPE_CHECKING:
+    import xarray
+
+FloatArray = NDArray[np.float64]
+
+STEADY = 0.1
+"""Frozen parameters are doubted where beta or B changes by more than this part of itself."""
+TRIM, NO_FORECAST, MINIMUM = "trim", "no forecast", "minimum"
+VARYING = ", varying"
+"""What the name of a requirement ends with when parameters vary while the wind blows."""
+
+
+def beyond_one_pole(slow_mode: FloatArray) -> NDArray[np.bool_]:
+    """Return where y of eq (C8) says that the slow mode of the flight path decides."""
+    return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The largest of one requirement.
+
+    Attributes
+    ----------
+    deflection : float
+        The deflection [rad].
+    time : float
+        The flight time [s] to which it belongs.
+    wind : str
+        The wind.
+    """
+
+    deflection: float
+    time: float
+    wind: str
+
+
+@dataclass(frozen=True, eq=False)
+class Sizing:
+    """Required deflections over a flight, in several winds; make it with `size`.
+
+    Attributes
+    ----------
+    schedule : FlightSchedule
+        The flight.
+    times : ndarray
+        Flight times [s], ``(n,)``.
+    winds : tuple of str
+        Names of the winds, m of them.
+    dead_bands : ndarray
+        K, falling, ``(k,)``.
+    required : dict of str to ndarray
+        By name, required deflections [rad], ``(n, m)``: "trim", "K = 1" and so on, "no forecast",
+        "minimum", and, where it was asked for, the same with ", varying" for parameters that vary
+        while the wind blows. NaN where one is not defined; `said` tells why. With varying
+        parameters "minimum" is that of one pole, and not defined beyond it. NaN as well where the
+        wind is not known.
+    law : str
+        What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
+        the recoverable-attitude law needs in flight.
+    model, plane : str
+        As of `boundary_limit` and `Plant`.
+    begins, ends : ndarray
+        When each wind blows [s], ``(n, m)``; NaN in a calm.
+    change : ndarray
+        By how much beta or B changes while it blows, over its value at the flight time, ``(n, m)``.
+    known_times : ndarray
+        First and last flight time [s] at which each wind is known, ``(m, 2)``: a sounding ends at
+        its last level. Infinite for others.
+    covered : ndarray of bool
+        Whether the schedule covers the wind; outside, parameters are those of its nearer end.
+    slow_mode : ndarray
+        y of eq (C8) for each wind, ``(n, m)``: from one on the slow mode of the flight path
+        decides, one pole is not enough, and "minimum" is the two-pole result.
+    edge : ndarray
+        Duration [s] of a triangle at which that happens, ``(n,)``; see `single_pole_validity`.
+    said : tuple of str
+        Why a requirement is not defined or not met exactly; often nothing.
+    notes : tuple of str
+        What the reader should know before believing the numbers; often nothing.
+    """
+
+    schedule: FlightSchedule
+    times: FloatArray
+    winds: tuple[str, ...]
+    dead_bands: FloatArray
+    required: dict[str, FloatArray]
+    law: str
+    model: str
+    plane: str
+    begins: FloatArray
+    ends: FloatArray
+    change: FloatArray
+    known_times: FloatArray
+    covered: NDArray[np.bool_]
+    slow_mode: FloatArray
+    edge: FloatArray
+    said: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Where the wind is known, ``(n, m)``."""
+        first, last = self.known_times.T
+        times = self.times[:, np.newaxis]
+        return np.asarray((first <= times) & (times <= last))
+
+    @property
+    def beyond_one_pole(self) -> NDArray[np.bool_]:
+        """Where the wind is beyond the single-pole theory, ``(n, m)``."""
+        return beyond_one_pole(self.slow_mode)
+
+    @property
+    def steady(self) -> NDArray[np.bool_]:
+        """Where beta and B change by at most a tenth while the wind blows, ``(n, m)``."""
+        return np.asarray((self.change <= STEADY) & self.covered)
+
+    @property
+    def worst(self) -> dict[str, Worst]:
+        """The largest of each requirement, by name; those defined nowhere are left out."""
+        return self._largest(range(len(self.winds)))
+
+    def worst_in(self, wind: str) -> dict[str, Worst]:
+        """Return the largest of each requirement in one wind, as `worst` has it for all.
+
+        Raises
+        ------
+        InputError
+            For an unknown wind.
+        """
+        return self._largest([self.winds.index(one_of("wind", wind, self.winds))])
+
+    @property
+    def freezing_error(self) -> dict[str, FloatArray]:
+        """Frozen requirement over the varying one, minus one, ``(n, m)``; empty without these."""
+        pairs = {name: f"{name}{VARYING}" for name in self.required}
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return {
+                name: self.required[name] / self.required[varying] - 1.0
+                for name, varying in pairs.items()
+                if varying in self.required
+            }
+
+    def at_times(self, name: str) -> FloatArray:
+        """Return a requirement [rad] in the worst wind of each flight time, ``(n,)``.
+
+        Winds in which it is not known do not count; see `not_sized`.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        values = self.required[one_of("name", name, self.required)]
+        with np.errstate(invalid="ignore"):
+            return np.fmax.reduce(values, axis=1)
+
+    def not_sized(self, name: str) -> tuple[str, ...]:
+        """Return in words where a requirement is not known in every wind; nothing if it is.
+
+        Raises
+        ------
+        InputError
+            For an unknown name.
+        """
+        values = self.required[one_of("name", name, self.required)]
+        first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
+        early, late = self.times < first, self.times > last
+        rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
+        words = {
+            f"above {self.schedule.place(last)}": np.any(late),
+            f"below {self.schedule.place(first)}": np.any(early),
+            f"from {rest.min(initial=np.inf):.6g} to {rest.max(initial=0):.6g} s": rest.size > 1,
+            f"at {rest.max(initial=0):.6g} s": rest.size == 1,
+        }
+        return tuple(word for word, there in words.items() if there)
+
+    def to_csv(self, path: Path | None = None) -> str:
+        """Return a line for each flight time and wind as CSV, and write it where a path is given.
+
+        Deflections are in degrees. Every number reads back as the same one.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        columns = self._columns()
+        writer.writerow(["time_s", "wind", *columns])
+        for i, time in enumerate(self.times.tolist()):
+            for j, wind in enumerate(self.winds):
+                cells = [values[i, j].item() for values in columns.values()]
+                writer.writerow([repr(time), wind, *(repr(cell) for cell in cells)])
+        if path is not None:
+            write_text(a_path("path", path), text.getvalue())
+        return text.getvalue()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return all numbers as an `xarray.Dataset` over time and wind, dead bands apart.
+
+        Deflections are in radians; units are in the attributes of each variable.
+
+        Raises
+        ------
+        InputError
+            Where xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise missing("a Dataset needs xarray", "campaign") from None
+        data: dict[str, Any] = {}
+        for name, values in self.required.items():
+            if not name.startswith("K = "):
+                data[_key(name)] = (("time", "wind"), values, {"units": "rad"})
+        for ending in ("", VARYING):
+            rows = [self.required.get(f"K = {K:g}{ending}") for K in self.dead_bands]
+            if rows and rows[0] is not None:
+                stacked = np.stack([row for row in rows if row is not None], axis=-1)
+                dimensions = ("time", "wind", "dead_band")
+                data[_key(f"boundary{ending}")] = (dimensions, stacked, {"units": "rad"})
+        for name, (values, unit) in self._others().items():
+            data[name] = (("time", "wind"), values, {"units": unit})
+        data["single_pole_edge"] = ("time", self.edge, {"units": "s"})
+        about = {k: getattr(self, k) for k in ("model", "plane", "law")}
+        return xarray.Dataset(
+            data,
+            coords={
+                "time": ("time", self.times, {"units": "s"}),
+                "wind": list(self.winds),
+                "dead_band": self.dead_bands,
+            },
+            attrs={"vehicle": self.schedule.vehicle.name, **about},
+        )
+
+    def _largest(self, winds: Sequence[int]) -> dict[str, Worst]:
+        found = {}
+        for name, values in self.required.items():
+            part = values[:, winds]
+            if np.all(np.isnan(part)):
+                continue
+            i, j = np.unravel_index(int(np.nanargmax(part)), part.shape)
+            found[name] = Worst(float(part[i, j]), float(self.times[i]), self.winds[winds[int(j)]])
+        return found
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        degrees = {f"{_key(k)}_deg": np.degrees(v) for k, v in self.required.items()}
+        others = {f"{k}_s" if u == "s" else k: v for k, (v, u) in self._others().items()}
+        return degrees | others
+
+    def _others(self) -> dict[str, tuple[NDArray[Any], str]]:
+        return {
+            "begins": (self.begins, "s"),
+            "ends": (self.ends, "s"),
+            "change": (self.change, "1"),
+            "known": (self.known, "1"),
+            "covered": (self.covered, "1"),
+            "slow_mode": (self.slow_mode, "1"),
+            "beyond_one_pole": (self.beyond_one_pole, "1"),
+        }
+
+
+def _key(name: str) -> str:
+    """A name without blanks and signs, for columns and variables."""
+    return name.replace(" = ", "").replace(VARYING, "_varying").replace(" ", "_")

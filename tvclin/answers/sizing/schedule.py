@@ -1,0 +1,193 @@
+"""A vehicle over its flight: the numbers of Table I at many times, and what lies between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, finite, instance, number, positive
+from tvclin.flights.condition import FlightCondition
+from tvclin.flights.trajectory import nominal_flight
+from tvclin.vehicle.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+_MOST = 100_000
+"""A schedule of more times than that is a step that was given in the wrong unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightSchedule:
+    """A vehicle at several times of its flight, straight lines between them.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        A batch ``(n,)`` of two or more, whose `time` rises. Numbers that do not change may stand
+        once.
+    nominal_deflection : array_like
+        Deflection of the nominal flight delta_n [rad], ``(n,)`` or one for all; zero if not known.
+    altitude : array_like, optional
+        Altitude [m], ``(n,)``: only a wind over height needs it.
+
+    Raises
+    ------
+    InputError
+        For a vehicle without times, fewer than two of them, times that do not rise, and shapes
+        other than theirs.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> booster = tv.load_vehicle("configuration-i")
+    >>> schedule = tv.FlightSchedule(booster.replace(time=[60.0, 70.0], velocity=[500.0, 580.0]))
+    >>> schedule.at(65.0).velocity
+    540.0
+    """
+
+    vehicle: Vehicle
+    nominal_deflection: ArrayLike = 0.0
+    altitude: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        times = np.asarray(self.vehicle.time)
+        if self.vehicle.time is None or times.ndim != 1 or times.size < 2:
+            raise InputError(
+                "vehicle must be a batch with two or more times [s] in its field time; got"
+                f" {'none' if self.vehicle.time is None else f'times of shape {times.shape}'}"
+            )
+        if np.any(np.diff(times) <= 0.0):
+            late = int(np.argmax(np.diff(times) <= 0.0)) + 1
+            raise InputError(
+                f"the times of a schedule must rise; got {times[late]:.6g} s after"
+                f" {times[late - 1]:.6g} s at index {late}"
+            )
+        nominal = finite("nominal_deflection", self.nominal_deflection, "rad")
+        object.__setattr__(self, "nominal_deflection", nominal)
+        given = {"nominal_deflection": nominal, **_numbers(self.vehicle)}
+        if self.altitude is not None:
+            object.__setattr__(self, "altitude", finite("altitude", self.altitude, "m"))
+            given["altitude"] = self.altitude
+        for name, values in given.items():
+            if np.shape(values) not in ((), times.shape):
+                raise InputError(
+                    f"{name} must be one number or one for each of the {times.size} times; got"
+                    f" shape {np.shape(values)}"
+                )
+
+    @property
+    def times(self) -> FloatArray:
+        """The times [s], rising, ``(n,)``."""
+        return np.asarray(self.vehicle.time)
+
+    @property
+    def time(self) -> FloatArray:
+        """The times again, by the name under which a flight through a sounding has them."""
+        return self.times
+
+    @property
+    def height(self) -> FloatArray:
+        """The altitude at the times [m], ``(n,)``; `InputError` where it is not known."""
+        if self.altitude is None:
+            raise InputError("the schedule has no altitude; give altitude_m in it")
+        return np.broadcast_to(np.asarray(self.altitude), self.times.shape)
+
+    @property
+    def speed(self) -> FloatArray:
+        """The speed at the times [m/s], ``(n,)``."""
+        return np.broadcast_to(np.asarray(self.vehicle.velocity), self.times.shape)
+
+    @property
+    def flight_path_angle(self) -> FloatArray:
+        """The flight path angle at the times [rad], ``(n,)``: nominally that of the attitude."""
+        return np.broadcast_to(np.asarray(self.vehicle.attitude), self.times.shape)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The first and the last time [s]."""
+        return float(self.times[0]), float(self.times[-1])
+
+    def at(self, time: ArrayLike) -> Vehicle:
+        """Return the vehicle at a time [s], or a batch of them at several.
+
+        Raises
+        ------
+        InputError
+            For times outside the schedule.
+        """
+        times = finite("time", time, "s")
+        first, last = self.span
+        if np.any((times < first) | (times > last)):
+            raise InputError(
+                f"time must be between {first:.6g} and {last:.6g} s, the span of the schedule; got"
+                f" {float(times.min()):.6g} to {float(times.max()):.6g} s"
+            )
+        return self.held(times)
+
+    def held(self, time: ArrayLike) -> Vehicle:
+        """Return the vehicle at any time [s]: outside the schedule that of its nearer end."""
+        times = finite("time", time, "s")
+        numbers = {
+            name: np.interp(times, self.times, values) if np.ndim(values) else values
+            for name, values in _numbers(self.vehicle).items()
+        }
+        return self.vehicle.replace(**numbers, time=times)
+
+    def nominal_at(self, time: ArrayLike) -> Any:
+        """Return the nominal deflection [rad] at times [s]; outside that of the nearer end."""
+        values = np.broadcast_to(np.asarray(self.nominal_deflection), self.times.shape)
+        return np.interp(finite("time", time, "s"), self.times, values)
+
+    def place(self, time: float) -> str:
+        """Return where the flight is at a time [s], in words: its altitude where that is known."""
+        if self.altitude is None:
+            return f"the height at {time:.4g} s"
+        height = float(np.interp(time, self.times, self.height))
+        return f"{height / 1e3:.1f} km ({time:.4g} s)"
+
+    @classmethod
+    def from_flight(
+        cls,
+        vehicle: Vehicle,
+        condition: FlightCondition,
+        *,
+        start: float,
+        stop: float,
+        step: float = 0.5,
+    ) -> FlightSchedule:
+        """Return the schedule of the nominal flight through a vehicle's state.
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            One vehicle with its time.
+        condition : FlightCondition
+            Altitude and specific impulse, as of `nominal_flight`.
+        start, stop : float
+            The span [s], around the vehicle's time.
+        step : float
+            Time between two rows [s]; what lies between them is read off straight lines.
+
+        Raises
+        ------
+        InputError
+            As `nominal_flight`, and for a step not positive.
+        """
+        flight = nominal_flight(vehicle, condition, start=start, stop=stop)
+        width = number("step", step, positive, "s")
+        own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+        if (flight.stop - flight.start) / width > _MOST:
+            raise InputError(f"step must give at most {_MOST} rows; got {width:.6g} s")
+        before, after = np.arange(own, flight.start, -width), np.arange(own, flight.stop, width)
+        times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
+        return cls(flight.vehicle_at(times), flight.deflection(times), flight.states(times)[2])
+
+
+def _numbers(vehicle: Vehicle) -> dict[str, Any]:
+    """The numbers of a vehicle by name, but its time."""
+    found = {f.name: getattr(vehicle, f.name) for f in fields(vehicle)}
+    return {k: v for k, v in found.items() if k not in ("name", "time") and v is not None}

@@ -1,0 +1,193 @@
+"""Schedules from files: a row for each time, with the keys of vehicle files."""
+
+import csv
+import io
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, path, shown
+from tvclin.base.files import called, exists, tables_of
+from tvclin.base.units import UNITS
+from tvclin.flights.condition import load_flight_condition
+from tvclin.vehicle.file import build_vehicle, parse_vehicle, quantities, vehicle_text
+from tvclin.vehicle.vehicle import Vehicle
+
+_BEFORE, _AFTER = 25.0, 50.0
+"""How much of a vehicle's nominal flight a schedule shows, from its own time [s]."""
+_OWN = {"nominal_deflection": "angle", "altitude": "length"}
+_OTHERS = [f"{name}_{unit}" for name, dimension in _OWN.items() for unit in UNITS[dimension]]
+
+
+def load_schedule(
+    source: str | PathLike[str],
+    *,
+    start: float | None = None,
+    stop: float | None = None,
+    step: float = 0.5,
+) -> FlightSchedule:
+    """Return a flight schedule from a file, or along the nominal flight of a vehicle.
+
+    Parameters
+    ----------
+    source : str or path
+        A CSV file: one line of the keys of vehicle files, `time_s` among them, then a line for
+        each time; a constant may stand in the first line only. A TOML file with a table
+        [schedule]: lists of one length, and numbers that do not change. Or a vehicle with a table
+        [flight], by name or file: its nominal flight. Tables may hold nominal_deflection_deg and
+        altitude_m as well.
+    start, stop : float, optional
+        Span [s] of the nominal flight; from 25 s before the vehicle's time to 50 s after it where
+        not given. A table has its own.
+    step : float
+        Time [s] between rows of the nominal flight.
+
+    Raises
+    ------
+    InputError
+        As `load_vehicle` and `FlightSchedule`, naming the line or row of a table that is wrong.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tv.load_schedule("configuration-i").span
+    (41.0, 116.0)
+    """
+    path("source", source, "a name or a path")
+    if str(source).lower().endswith(".csv") and not exists(source):
+        raise InputError(f"{called(source)} does not exist; name a flight schedule, or a vehicle")
+    text, name = vehicle_text(source)
+    if Path(name).suffix.lower() == ".csv":
+        return _from_rows(_csv_rows(text, name), name)
+    table = _schedule_table(text, name)
+    if table is not None:
+        return schedule_of(table, name)
+    vehicle, condition = parse_vehicle(text, name), load_flight_condition(source)
+    own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
+    first = own - _BEFORE if start is None else start
+    last = own + _AFTER if stop is None else stop
+    return FlightSchedule.from_flight(vehicle, condition, start=first, stop=last, step=step)
+
+
+def schedule_of(table: dict[str, Any], source: str) -> FlightSchedule:
+    """Return the schedule of a table of lists by the keys of vehicle files; see `load_schedule`."""
+    return _from_rows(_toml_rows(table, source), source)
+
+
+Row = tuple[str, dict[str, Any]]
+"""What a row is called in messages, and its keys and values."""
+
+
+def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
+    source = called(source)
+    if len(rows) < 2:
+        raise InputError(f"{source} must hold two or more times; got {len(rows)}")
+    vehicles, others = [], []
+    for place, row in rows:
+        try:
+            others.append(_taken(row))
+            vehicles.append(build_vehicle(row))
+            if vehicles[-1].time is None:
+                raise InputError("a key is missing: time_s")
+        except InputError as error:
+            raise InputError(f"{source}, {place}: {error}") from None
+    times = [float(np.asarray(v.time)) for v in vehicles]
+    for (place, _), before, now in zip(rows[1:], times, times[1:], strict=False):
+        if now <= before:
+            raise InputError(f"{source}, {place}: time_s must rise; got {now:g} after {before:g}")
+    first = vehicles[0]
+    names = [name for name in first.__dataclass_fields__ if getattr(first, name) is not None]
+    columns: dict[str, Any] = {
+        name: [getattr(v, name) for v in vehicles] for name in names if name != "name"
+    }
+    nominal, altitude = zip(*others, strict=True)
+    known = None if altitude[0] is None else altitude
+    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known)
+
+
+def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
+    """Take nominal deflection [rad] and altitude [m] out of a row: zero and None if not there."""
+    found = quantities({key: row.pop(key) for key in _OTHERS if key in row}, _OWN, "schedule")
+    return found.get("nominal_deflection", 0.0), found.get("altitude")
+
+
+def _csv_rows(text: str, source: str) -> list[Row]:
+    source = called(source)
+    reader = csv.reader(io.StringIO(text))
+    try:
+        lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+    except csv.Error as error:
+        raise InputError(f"{source}, line {reader.line_num}: not CSV: {error}") from None
+    lines = [(n, c) for n, c in lines if any(c) and not c[0].startswith("#")]
+    if not lines:
+        raise InputError(f"{source} is empty; give a line of keys, then a line for each time")
+    keys, lines = lines[0][1], lines[1:]
+    for key in keys:
+        if not key or keys.count(key) > 1:
+            raise InputError(f"{source}: every column needs a key of its own; got {shown(key)}")
+    for n, cells in lines:
+        if len(cells) != len(keys):
+            raise InputError(f"{source}, line {n}: {len(keys)} cells are needed; got {len(cells)}")
+    places = [f"line {n}" for n, _ in lines]
+    columns = zip(*(cells for _, cells in lines), strict=True)
+    table = {k: _column(source, places, k, c) for k, c in zip(keys, columns, strict=False)}
+    return _rows(table, places)
+
+
+def _column(source: str, places: list[str], key: str, cells: tuple[str, ...]) -> Any:
+    """The values of a column, or the one that stands in its first line only."""
+    if key != "time_s" and cells[0] and not any(cells[1:]):
+        return _cell(source, places[0], key, cells[0])
+    return [_cell(source, place, key, cell) for place, cell in zip(places, cells, strict=True)]
+
+
+def _cell(source: str, place: str, key: str, text: str) -> Any:
+    if not text:
+        raise InputError(
+            f"{source}, {place}: {key} is missing; give it in every line, or in the first only"
+        )
+    if key == "name":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{source}, {place}: {key} must be a number; got {shown(text)}") from None
+
+
+def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
+    """The table [schedule] of a TOML file; None where there is none."""
+    document, source = tables_of(text, source), called(source)
+    table = document.get("schedule")
+    others = document.keys() - {"schedule"}
+    if table is not None and others:
+        raise InputError(
+            f"{source}: a schedule has nothing beside [schedule]; got {shown(min(others))}"
+        )
+    if table is not None and not isinstance(table, dict):
+        raise InputError(f"{source}: schedule must be a table [schedule]; got {shown(table)}")
+    return table
+
+
+def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
+    source = called(source)
+    times = table.get("time_s")
+    if not isinstance(times, list):
+        raise InputError(f"{source}: [schedule] needs time_s, a list of times in s")
+    for key, values in table.items():
+        if isinstance(values, list) and len(values) != len(times):
+            raise InputError(
+                f"{source}: {key} must have a value for each of the {len(times)} times, or be one"
+                f" number; got {len(values)}"
+            )
+    return _rows(table, [f"row {i + 1}" for i in range(len(times))])
+
+
+def _rows(table: dict[str, Any], places: list[str]) -> list[Row]:
+    """The rows of columns, of which a single value holds for all."""
+    return [
+        (place, {key: v[i] if isinstance(v, list) else v for key, v in table.items()})
+        for i, place in enumerate(places)
+    ]

@@ -1,0 +1,287 @@
+"""Flight times by winds: the deflection that each asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import count
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
+from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.notes import notes_of
+from tvclin.answers.sizing.placing import (
+    PlacedWind,
+    WindOf,
+    known_times,
+    named_winds,
+    place,
+    placings,
+)
+from tvclin.answers.sizing.record import (
+    MINIMUM,
+    NO_FORECAST,
+    TRIM,
+    VARYING,
+    Sizing,
+    beyond_one_pole,
+)
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.answers.sizing.varying import VaryingNeed, varying_need
+from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
+from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.linear.plant import MODELS, Plant
+from tvclin.vehicle.coefficients import PLANES, Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+WORDS = {"model": MODELS, "plane": PLANES, "law": LAWS}
+_LOOKS = 33
+"""Parameters are looked at so many times while a wind blows."""
+
+
+def size(
+    schedule: FlightSchedule,
+    winds: WindOf | Mapping[str, WindOf],
+    *,
+    times: ArrayLike | None = None,
+    dead_bands: ArrayLike = (1.0, 0.5),
+    model: str = "drift-exact",
+    plane: str = "pitch",
+    placing: str | Mapping[str, str] = "peak",
+    window: float = 20.0,
+    law: str = "bound",
+    varying: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sizing:
+    """Return the deflection that each wind asks for at each flight time.
+
+    Parameters
+    ----------
+    schedule : FlightSchedule
+        The vehicle over its flight; see `load_schedule`.
+    winds : History, callable, or mapping of str to these
+        One wind, or winds by name. A function takes the vehicle at a flight time and gives the wind
+        it meets then: a wind speed makes different angles at different speeds of flight. What
+        `fly_through` gives has its place in the flight already.
+    times : array_like, optional
+        Flight times [s] within the schedule, ``(n,)``; its own times where not given.
+    dead_bands : array_like
+        K of the report's control, in [0, 1].
+    model, plane : str
+        As of `Plant`.
+    placing : {"peak", "flight"} or mapping of str to these
+        Whether a wind is moved so that its peak meets the flight time, or blows in flight time
+        already: then what blows within half a `window` [s] of the flight time counts. For all
+        winds, or by their names ("peak" for the others).
+    window : float
+        See `placing`.
+    law : {"bound", "flown"}
+        What stands for laws without a forecast: the bound that none of them undercuts, or what the
+        recoverable-attitude law needs when it is flown (a second or more for each wind and time).
+    varying : bool
+        Whether to let parameters vary while the wind blows as well, beside the frozen ones.
+    progress : callable, optional
+        Is told how many flight times and winds are done, and how many there are.
+
+    Returns
+    -------
+    Sizing
+        Frozen at each flight time, as `required_deflection`, `forecast_free_limit` and
+        `optimum_deflection` say it; NaN where a measured wind is not known.
+
+    Raises
+    ------
+    InputError
+        For times outside the schedule, batches of winds, winds that never end, unknown names and
+        numbers out of range; with `varying`, for a vehicle without a real unstable pole.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> schedule = tv.load_schedule("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> found = tv.size(schedule, wind, times=[56.0, 66.0, 76.0])
+    >>> np.degrees(found.required["K = 1"])[:, 0].round(3)
+    array([0.42 , 0.351, 0.26 ])
+    """
+    instance("schedule", schedule, FlightSchedule, "see load_schedule")
+    for name, value in (("model", model), ("plane", plane), ("law", law)):
+        one_of(name, value, WORDS[name])
+    flag("varying", varying)
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
+    bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
+    if chosen.ndim != 1 or not chosen.size or not bands.size:
+        raise InputError("times and dead_bands must hold one number or more each")
+    named = named_winds(winds)
+    where = placings(named, placing)
+    vehicles = [schedule.at(t) for t in chosen.tolist()]
+    placed = [
+        [place(wind, v, t, where[name], window) for name, wind in named.items()]
+        for t, v in zip(chosen.tolist(), vehicles, strict=True)
+    ]
+    told = _counted(progress, len(placed) * len(named) * (2 if varying else 1))
+    needs = [
+        [told(_frozen(Plant.from_vehicle(v, model, plane), w, bands, law)) for w in row]
+        for v, row in zip(vehicles, placed, strict=True)
+    ]
+    required = _frozen_columns(needs, bands)
+    slow = _table(needs, lambda need: need.slow_mode)
+    said = [one for row in needs for need in row for one in need.said]
+    if varying:
+        mode = _growing(schedule, model, plane, placed)
+        required |= _varying_columns(mode, placed, needs, bands, told)
+        required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
+        said += _missing(required, bands)
+    edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
+    found = Sizing(
+        schedule=schedule,
+        times=chosen,
+        winds=tuple(named),
+        dead_bands=bands,
+        required=required,
+        law=law,
+        model=model,
+        plane=plane,
+        slow_mode=slow,
+        edge=np.array(edges),
+        said=tuple(dict.fromkeys(said)),
+        notes=(),
+        known_times=np.array([known_times(wind) for wind in named.values()]),
+        **_circumstances(schedule, plane, vehicles, placed),
+    )
+    return replace(found, notes=notes_of(found))
+
+
+def _circumstances(
+    schedule: FlightSchedule,
+    plane: str,
+    vehicles: list[Vehicle],
+    placed: list[list[PlacedWind]],
+) -> dict[str, NDArray[Any]]:
+    """When each wind blows, how much changes meanwhile, and whether the schedule covers it."""
+    span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
+    changes = [
+        [_change(schedule, plane, v, w) for w in row]
+        for v, row in zip(vehicles, placed, strict=True)
+    ]
+    return {
+        "begins": span[..., 0],
+        "ends": span[..., 1],
+        "change": np.array(changes),
+        "covered": np.array([[_covers(schedule, w) for w in row] for row in placed]),
+    }
+
+
+def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> FrozenNeed:
+    if wind.calm:
+        needs = 0.0 if wind.known else np.nan
+        every = np.full(bands.shape, needs)
+        return FrozenNeed(needs, every, needs, needs, np.nan, (), np.ones(bands.shape))
+    return frozen_need(plant, wind.history, bands, law, wind.whole)
+
+
+def _varying(
+    mode: GrowingMode, wind: PlacedWind, frozen: FrozenNeed, bands: FloatArray
+) -> VaryingNeed:
+    """With varying parameters; what is required beyond (4b) is taken in the frozen proportion."""
+    if wind.calm:
+        needs = 0.0 if wind.known else np.nan
+        return VaryingNeed(needs, np.full(bands.shape, needs), needs)
+    along = varying_need(mode, wind.in_flight, bands)
+    if frozen.paired:
+        with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
+            return replace(along, required=along.trim / bands)
+    return replace(along, required=np.maximum(along.required * frozen.beyond, along.minimum))
+
+
+def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:
+    """Why dead bands are defined for frozen parameters and not for varying ones."""
+    for K in bands:
+        frozen, along = (required[f"K = {K:g}{ending}"] for ending in ("", VARYING))
+        if np.any(np.isnan(along) & ~np.isnan(frozen)):
+            return ["B changes its sign while a wind blows: no dead bands, varying, there"]
+    return []
+
+
+def _growing(
+    schedule: FlightSchedule, model: str, plane: str, placed: list[list[PlacedWind]]
+) -> GrowingMode:
+    """The growing direction over the schedule and all winds."""
+    spans = [schedule.span, *(w.span for row in placed for w in row if not w.calm)]
+    first, last = (f(x) for f, x in zip((min, max), zip(*spans, strict=True), strict=True))
+    return GrowingMode(schedule, model, plane, (first, last))
+
+
+def _frozen_columns(needs: list[list[FrozenNeed]], bands: FloatArray) -> dict[str, FloatArray]:
+    return {
+        TRIM: _table(needs, lambda need: need.trim),
+        **_bands(needs, bands, ""),
+        NO_FORECAST: _table(needs, lambda need: need.no_forecast),
+        MINIMUM: _table(needs, lambda need: need.minimum),
+    }
+
+
+def _varying_columns(
+    mode: GrowingMode,
+    placed: list[list[PlacedWind]],
+    frozen: list[list[FrozenNeed]],
+    bands: FloatArray,
+    told: Callable[[VaryingNeed], VaryingNeed],
+) -> dict[str, FloatArray]:
+    needs = [
+        [told(_varying(mode, wind, need, bands)) for wind, need in zip(*row, strict=True)]
+        for row in zip(placed, frozen, strict=True)
+    ]
+    return {
+        f"{TRIM}{VARYING}": _table(needs, lambda need: need.trim),
+        **_bands(needs, bands, VARYING),
+        f"{MINIMUM}{VARYING}": _table(needs, lambda need: need.minimum),
+    }
+
+
+def _counted(progress: Callable[[int, int], None] | None, total: int) -> Callable[[Any], Any]:
+    """What passes each need on, and tells how many there have been."""
+    done = count(1)
+
+    def told(need: Any) -> Any:
+        if progress is not None:
+            progress(next(done), total)
+        return need
+
+    return told
+
+
+def _bands(needs: Any, bands: FloatArray, ending: str) -> dict[str, FloatArray]:
+    return {
+        f"K = {K:g}{ending}": _table(needs, lambda need, k=k: need.required[k])
+        for k, K in enumerate(bands)
+    }
+
+
+def _table(needs: Any, value: Any) -> FloatArray:
+    return np.array([[value(need) for need in row] for row in needs], dtype=float)
+
+
+def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
+    first, last = schedule.span
+    slack = 1e-9 * (last - first)
+    return wind.calm or (wind.span[0] >= first - slack and wind.span[1] <= last + slack)
+
+
+def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
+    """The largest change of beta or B while a wind blows, over the value at its flight time."""
+    if wind.calm:
+        return 0.0
+    now = Coefficients.from_vehicle(vehicle, plane)
+    then = Coefficients.from_vehicle(schedule.held(np.linspace(*wind.span, _LOOKS)), plane)
+    pairs = [(np.sqrt(np.abs(c.mu_alpha)), np.asarray(c.B)) for c in (now, then)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        changes = [np.abs(x / x0 - 1.0).max() for x0, x in zip(*pairs, strict=True) if x0 != 0.0]
+    return float(max(changes, default=0.0))

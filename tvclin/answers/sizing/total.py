@@ -1,0 +1,253 @@
+"""What the nozzle must turn in all: the wind, and all else that takes deflection.
+
+    total = |nominal| + |wind| + sum of systematic offsets + sqrt(sum of random parts^2)
+
+A reserve is a part of the available limit that stays unused: total <= (1 - reserve) limit.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tvclin.answers.sizing.record import Sizing
+from tvclin.base.errors import (
+    InputError,
+    between,
+    each,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    single,
+    text,
+    within,
+)
+from tvclin.vehicle.vehicle import Vehicle
+
+_WIDEST = 1e9
+"""Deflections beyond this [rad] mean nothing."""
+KINDS = ("systematic", "random")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a total.
+
+    Attributes
+    ----------
+    name : str
+        What takes deflection.
+    deflection : float
+        How much [rad], zero or positive.
+    kind : {"systematic", "random"}
+        Whether it adds up with the others, or by the root of the sum of squares.
+    """
+
+    name: str
+    deflection: float
+    kind: str = "systematic"
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, KINDS)
+        text("name of a line", self.name)
+        name = self.name or "deflection"
+        size = number(name, self.deflection, nonnegative, "rad")
+        within(name, size, 0.0, _WIDEST, "rad")
+        object.__setattr__(self, "deflection", size)
+
+
+@dataclass(frozen=True)
+class DeflectionTotal:
+    """All that a nozzle must turn, against what it can; make it with `total_deflection`.
+
+    Attributes
+    ----------
+    lines : tuple of Line
+        What takes deflection.
+    reserve : float
+        Part of the limit that is to stay unused, in [0, 1).
+    limit : float or None
+        Available deflection [rad].
+    time : float or None
+        Flight time [s] to which the lines belong.
+    not_sized : tuple of str
+        Where along the flight the total is not known, in words, such as "above 24.9 km"; nothing
+        where it is known throughout.
+    """
+
+    lines: tuple[Line, ...]
+    reserve: float = 0.0
+    limit: float | None = None
+    time: float | None = None
+    not_sized: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lines", each("lines", self.lines, Line, "of a total"))
+        object.__setattr__(self, "not_sized", each("not_sized", self.not_sized, str, "a place"))
+        reserve = number("reserve", self.reserve, nonnegative)
+        if reserve >= 1.0:
+            raise InputError(f"reserve must be a part of the limit, below 1; got {reserve:.6g}")
+        if self.limit is not None:
+            number("limit", self.limit, positive, "rad")
+        if self.time is not None:
+            number("time", self.time, unit="s")
+
+    @property
+    def systematic(self) -> float:
+        """Sum of the systematic lines [rad]."""
+        return float(sum(line.deflection for line in self.lines if line.kind == "systematic"))
+
+    @property
+    def random(self) -> float:
+        """Root of the sum of the squares of the random lines [rad]."""
+        parts = [line.deflection for line in self.lines if line.kind == "random"]
+        return float(np.linalg.norm(parts))
+
+    @property
+    def total(self) -> float:
+        """Systematic and random together [rad]."""
+        return self.systematic + self.random
+
+    @property
+    def required(self) -> float:
+        """The least limit [rad] that leaves the reserve: total/(1 - reserve)."""
+        return self.total / (1.0 - self.reserve)
+
+    @property
+    def sufficient(self) -> bool | None:
+        """Whether the limit covers the total and leaves the reserve.
+
+        None without a limit, and where it is enough for what is known and not all is known.
+        """
+        if self.limit is None:
+            return None
+        enough = bool(self.required <= self.limit * (1.0 + 1e-12))
+        return None if enough and self.not_sized else enough
+
+    @property
+    def left(self) -> float | None:
+        """What of the limit total and reserve leave [rad]; negative if it is too little."""
+        return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
+
+
+def total_deflection(
+    vehicle: Vehicle,
+    wind: float,
+    *,
+    nominal: float = 0.0,
+    dispersion: float = 0.0,
+    thrust_offset: float = 0.0,
+    gravity_offset: float = 0.0,
+    others: Sequence[Line] = (),
+    reserve: float = 0.0,
+    limit: float | None = None,
+) -> DeflectionTotal:
+    """Return all that a nozzle must turn at one time of the flight.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, at that time.
+    wind : float
+        What the wind asks for [rad]; see `boundary_limit` and `size`. Systematic.
+    nominal : float
+        Deflection of the nominal flight delta_n [rad]. Systematic.
+    dispersion : float
+        What the dispersed vehicle and wind add [rad], such as the `required.upper` of
+        `disperse_study` less the required deflection of its study. Random.
+    thrust_offset : float
+        Angle [rad] between the thrust and the axis of the nozzle. Random.
+    gravity_offset : float
+        Distance [m] of the centre of gravity from the axis of the vehicle. Random.
+    others : sequence of Line
+        Further lines.
+    reserve : float
+        Part of the limit that is to stay unused.
+    limit : float, optional
+        Available deflection [rad].
+
+    Raises
+    ------
+    InputError
+        For a batch of vehicles and numbers out of range.
+
+    Notes
+    -----
+    An offset moment takes the deflection that balances it, moment/(T l_c) with the control force
+    per deflection for T: the thrust offset makes T l_c sin(angle), and the offset of the centre of
+    gravity (T - F_A) times its distance, for thrust and axial force pass it by. The attitude
+    is held; the drift that a side force starts is left out.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> booster = tv.load_vehicle("configuration-i")
+    >>> found = tv.total_deflection(booster, np.radians(0.35), thrust_offset=np.radians(0.25),
+    ...     gravity_offset=0.05, reserve=0.2, limit=np.radians(1.0))
+    >>> round(float(np.degrees(found.total)), 3), found.sufficient
+    (0.626, True)
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    single("vehicle", vehicle.batch)
+    others = each("others", others, Line, "such as Line('wind tunnel', 0.01)")
+    thrust, axial, slope, arm = (
+        float(np.asarray(x))
+        for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
+    )
+    turned = number("thrust_offset", thrust_offset, between(-1.0, 1.0), "rad")
+    aside = number("gravity_offset", gravity_offset, finite, "m")
+    lines = (
+        Line("nominal flight", abs(number("nominal", nominal, finite, "rad"))),
+        Line("wind", abs(number("wind", wind, finite, "rad"))),
+        Line("dispersions", number("dispersion", dispersion, nonnegative, "rad"), "random"),
+        Line("thrust offset", thrust * float(np.sin(abs(turned))) / slope, "random"),
+        Line("centre of gravity offset", abs((thrust - axial) * aside / (slope * arm)), "random"),
+    )
+    time = None if vehicle.time is None else float(np.asarray(vehicle.time))
+    return DeflectionTotal((*lines, *others), reserve, limit, time)
+
+
+def worst_total(
+    sizing: Sizing, name: str, *, dispersion: float = 0.0, **offsets: float | None
+) -> DeflectionTotal:
+    """Return the largest total over the flight times of a sizing.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        The winds' requirements; its schedule gives the vehicle and the nominal deflection. Where
+        one is not known, the total says so in `not_sized`.
+    name : str
+        Which of its requirements counts as the wind, such as "K = 1".
+    dispersion : float
+        What dispersions add, as a part of the wind's requirement: 0.3 is 30 percent.
+    **offsets
+        thrust_offset, gravity_offset, reserve and limit, as of `total_deflection`.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, numbers out of range, and a requirement that is defined nowhere.
+    """
+    instance("sizing", sizing, Sizing, "see size")
+    part = number("dispersion", dispersion, nonnegative)
+    winds = sizing.at_times(name)
+    if np.all(np.isnan(winds)):
+        why = "; ".join(sizing.said or sizing.notes)
+        raise InputError(f"{name} is not defined at any flight time: {why}")
+    totals = [
+        total_deflection(
+            sizing.schedule.at(t),
+            wind,
+            nominal=float(sizing.schedule.nominal_at(t)),
+            dispersion=part * wind,
+            **offsets,  # type: ignore[arg-type]
+        )
+        for t, wind in zip(sizing.times.tolist(), winds.tolist(), strict=True)
+        if not np.isnan(wind)
+    ]
+    worst = max(totals, key=lambda one: one.total)
+    return replace(worst, not_sized=sizing.not_sized(name))

@@ -1,0 +1,345 @@
+"""One vehicle, one wind: the whole answer as one value."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from math import radians
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
+from tvclin.base.cards import Row, card
+from tvclin.base.errors import InputError, between, instance, number, one_of, positive, single
+from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
+from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING, BoundaryLimit, boundary_limit
+from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
+from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.linear.deflections import SWITCHES
+from tvclin.linear.modes import Modes, unstable_modes
+from tvclin.linear.plant import MODELS, Plant, available_models
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import RectangularWind, TriangularWind
+
+_FEEBLE = 0.5
+"""A booster's thrust over its weight is rather a slip of the pen below this."""
+_STRONG = radians(1.5)
+"""Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
+
+_ONE_POLE = ("fixed-path", "drift")
+"""Models that leave the slow mode of the flight path out."""
+OUTLASTS = "outlasts what one pole can say"
+TRUSTS = "trusts a forecast"
+"""Of a wind and of a dead band, in the notes of a study."""
+
+DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
+SHAPES: dict[str, Callable[..., Any]] = {
+    "rectangular": RectangularWind,
+    "triangular": TriangularWind,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What a booster needs to survive a wind, and whether a given limit is enough.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        The vehicle, one.
+    plane, model : str
+        The plane, and the model on which the verdict rests.
+    coefficients : Coefficients
+        Its linear coefficients in that plane.
+    shape : str
+        Shape of the wind, a key of `SHAPES`.
+    wind : RectangularWind or TriangularWind
+        The wind.
+    switch : str
+        What leaves the dead band of the boundaries shown, as in `trim_then_hold`. The verdict is
+        always that of a flight, whose trim itself leaves it.
+    modes : dict of str to Modes
+        Unstable poles of every model.
+    trim_deflection : float
+        ``|B alpha_w,max|`` [rad], the largest deflection that ideal trim without drift takes.
+    boundaries : dict of str to BoundaryLimit
+        For "fixed-path" and for a model with drift, the boundary at each of `dead_bands`.
+    dead_bands : ndarray
+        K, falling; the dead band of the verdict is among them.
+    dead_band : float
+        K of the verdict.
+    requirement : RequiredDeflection
+        What a limit must be at `model` and `dead_band`, and what governs it.
+    limit : float or None
+        The capability [rad] in question.
+    sufficient : bool or None
+        Whether the limit is at or above what is required.
+    survivable_peak : float or None
+        The largest peak [rad] of such a wind that the limit survives.
+    forecast_free : dict of str to ForecastFreeLimit
+        For the models of `boundaries` that have one, the least deflection of any law that does
+        not know when the wind will stop.
+    minima : dict of str to float
+        For the same models the least peak [rad] when the whole wind is known, appendix C.
+    notes : tuple of str
+        What the reader should know before believing the numbers; often nothing.
+    gust : History or None
+        What blows on top of the wind, in its time.
+    """
+
+    vehicle: Vehicle
+    plane: str
+    model: str
+    coefficients: Coefficients
+    shape: str
+    wind: Any
+    switch: str
+    modes: dict[str, Modes]
+    trim_deflection: float
+    boundaries: dict[str, BoundaryLimit]
+    dead_bands: NDArray[np.float64]
+    dead_band: float
+    requirement: RequiredDeflection
+    limit: float | None
+    sufficient: bool | None
+    survivable_peak: float | None
+    forecast_free: dict[str, ForecastFreeLimit]
+    minima: dict[str, float]
+    notes: tuple[str, ...] = ()
+    gust: History | None = None
+
+    @classmethod
+    def from_vehicle(
+        cls,
+        vehicle: Vehicle,
+        *,
+        wind: str = "triangular",
+        duration: float,
+        peak: float,
+        limit: float | None = None,
+        dead_band: float = 1.0,
+        model: str = "fixed-path",
+        plane: str = "pitch",
+        switch: str = "literal",
+        gust: History | None = None,
+    ) -> Self:
+        """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            One vehicle.
+        wind : {"triangular", "rectangular"}
+            Shape of the wind.
+        duration : float
+            Duration tau [s].
+        peak : float
+            Wind angle of attack alpha_w,max [rad].
+        limit : float, optional
+            Deflection capability delta_max [rad], positive, to be judged.
+        dead_band : float
+            K of the verdict, in [0, 1].
+        model : str
+            Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed".
+        plane : {"pitch", "yaw"}
+            Plane of the motion.
+        switch : {"literal", "report"}
+            What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
+        gust : History, optional
+            A gust that is added to the wind, in its time, such as `OneMinusCosineGust`; see
+            `History.shift`.
+
+        Raises
+        ------
+        InputError
+            For a batch of vehicles or gusts, a wind and gust whose sum changes its sign, an unknown
+            shape, model or plane, and numbers out of range.
+
+        Examples
+        --------
+        >>> import numpy as np, tvclin as tv
+        >>> vehicle = tv.load_vehicle("configuration-i")
+        >>> result = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5))
+        >>> round(float(np.degrees(result.required_deflection)), 3)
+        0.368
+        """
+        shape = SHAPES[one_of("wind", wind, SHAPES)]
+        one_of("model", model, MODELS)
+        one_of("switch", switch, SWITCHES)
+        peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
+        dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+        coefficients = Coefficients.from_vehicle(vehicle, plane)
+        single("vehicle", coefficients.batch)
+        plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
+        alone = shape(peak=peak, duration=duration)
+        history = alone if gust is None else _with_gust(alone, gust)
+        dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
+        with_drift = model if model != "fixed-path" else "drift"
+        shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
+        plant = plants.get(model) or Plant(coefficients, model)
+        limit = None if limit is None else _capability(limit)
+        required = required_deflection(plant, history, dead_band)
+        modes = {name: unstable_modes(each) for name, each in plants.items()}
+        needed = _needed(shown, history, dead_bands, switch)
+        free = needed["forecast_free"].get(plant.model)
+        notes = (
+            *_notes(plant, history, required, dead_band),
+            *_left_out(plant, modes),
+            *_forecast_trusted(required, dead_band, free),
+            *_doubts(vehicle, plane, peak),
+        )
+        return cls(
+            vehicle=vehicle,
+            plane=plane,
+            model=model,
+            coefficients=coefficients,
+            shape=wind,
+            wind=alone,
+            switch=switch,
+            modes=modes,
+            trim_deflection=abs(float(coefficients.B * history.peak)),
+            dead_bands=dead_bands,
+            dead_band=dead_band,
+            requirement=required,
+            limit=limit,
+            notes=notes,
+            gust=gust,
+            **needed,
+            **_judged(required, history, limit),
+        )
+
+    @property
+    def required_deflection(self) -> float:
+        """The deflection [rad] that is required at the verdict's model and dead band, a size."""
+        return abs(float(self.requirement.deflection))
+
+    def _repr_html_(self) -> str:
+        deg, wind = np.degrees, self.wind
+        rows: list[Row] = [
+            ("model, plane", f"{self.model}, {self.plane}", ""),
+            ("wind", f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s", ""),
+            ("dead band", self.dead_band, "-"),
+            ("required deflection", deg(self.required_deflection), "deg"),
+            ("governed by", self.requirement.governs, ""),
+            ("ideal trim", deg(self.trim_deflection), "deg"),
+        ]
+        if self.limit is not None:
+            word = "sufficient" if self.sufficient else "NOT sufficient"
+            rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
+        return card(self.vehicle.name or "Study", rows)
+
+
+def _with_gust(wind: History, gust: History) -> History:
+    instance("gust", gust, History, "such as OneMinusCosineGust")
+    single("gust", gust.batch)
+    return wind + gust
+
+
+def _capability(limit: float) -> float:
+    number("limit", limit, positive, "rad")
+    return number("limit", limit, between(0.0, np.pi / 2), "rad")
+
+
+def _needed(
+    plants: dict[str, Plant], wind: History, dead_bands: NDArray[np.float64], switch: str
+) -> dict[str, Any]:
+    """What each model needs: with dead bands, without a forecast, and with a complete one."""
+    best = _where_defined(_optimum, plants, wind)
+    return {
+        "boundaries": {k: boundary_limit(p, wind, dead_bands, switch) for k, p in plants.items()},
+        "forecast_free": _where_defined(forecast_free_limit, plants, wind),
+        "minima": {name: optimum.peak for name, optimum in best.items()},
+    }
+
+
+def _judged(required: RequiredDeflection, wind: History, limit: float | None) -> dict[str, Any]:
+    """Whether a limit is enough, and what it survives; None without one."""
+    if limit is None:
+        return {"sufficient": None, "survivable_peak": None}
+    needed = abs(float(required.deflection))
+    survived = float(wind.peak) * limit / needed if needed else np.inf
+    return {"sufficient": bool(covers(limit, needed)), "survivable_peak": survived}
+
+
+def _optimum(plant: Plant, wind: History) -> Optimum:
+    """The least peak of a control from t = 0 on, or from the onset of a gust before that."""
+    return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
+
+
+def _where_defined(
+    function: Callable[..., Any], plants: dict[str, Plant], wind: History
+) -> dict[str, Any]:
+    """What a function of plant and wind says of each model for which it is defined."""
+    found = {}
+    for name, plant in plants.items():
+        with suppress(InputError):
+            found[name] = function(plant, wind)
+    return found
+
+
+def outlasts_one_pole(study: Study) -> bool:
+    """Return whether the wind lasts longer than `single_pole_validity` allows."""
+    return bool(study.wind.duration > single_pole_validity(study.coefficients))
+
+
+def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
+    if vehicle.thrust < _FEEBLE * vehicle.weight:
+        ratio = float(vehicle.thrust / vehicle.weight)
+        yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
+    if plane == "pitch" and abs(peak) > _STRONG:
+        yield (
+            "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
+            " time leaves out: a head wind of 5 deg needs up to a fifth more (tvclin fly"
+            " --along-trajectory --boundary)"
+        )
+
+
+def _notes(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    if required.status == PAIR:
+        yield (
+            "two unstable modes grow together here, whose two conditions one limit cannot meet:"
+            " required is the largest trim deflection over K, with which the dead band is never"
+            " left (tvclin optimum shows the least of all)"
+        )
+        return
+    edge = float(single_pole_validity(plant.coefficients))
+    flown = dead_band == 1.0 and plant.model not in _ONE_POLE
+    if wind.end - wind.onset > edge and required.governs == BOUNDARY and not flown:
+        yield (
+            f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
+            " then need more (tvclin optimum)"
+        )
+
+
+def _left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
+    """Where the exact model has more unstable modes, and no duration up to which one is enough."""
+    name = "drift-exact"
+    if plant.model not in _ONE_POLE or name not in modes:
+        return
+    more = modes[name].poles.size > modes[plant.model].poles.size
+    if more and np.isnan(single_pole_validity(plant.coefficients)):
+        yield (
+            f"the exact model has unstable modes that {plant.model} leaves out, and may need more"
+            f" (--model {name})"
+        )
+
+
+def _forecast_trusted(
+    required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
+) -> Iterator[str]:
+    """Where the limit required is one that only a control with a forecast can live with."""
+    if free is None or dead_band == 1.0:
+        return
+    bound = abs(float(free.deflection))
+    if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
+        yield (
+            f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
+            f" stop needs at least {np.degrees(bound):.4f} deg"
+        )

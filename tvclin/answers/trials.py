@@ -1,0 +1,247 @@
+"""Standard trials of laws: the same winds for all, and what each law needs in them.
+
+Every wind has the same peak and is measured by the duration of the triangle it belongs to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import callable_for, each, flag, instance, number, positive
+from tvclin.control.autopilot.gains import canonical_gains
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
+from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.linear.plant import Plant
+from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.winds.histories import History
+from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind
+from tvclin.winds.sampled import SampledWind
+
+FloatArray = NDArray[np.float64]
+
+STANDARD_LAWS = ("attitude and rate", "trim", "dead band 0.5", "recoverable attitude")
+"""Names of the laws of the trials."""
+_SPARE = 1.2
+"""Loads are those at so many times the boundary, where every law is at its ease."""
+_POINTS = 801
+_HIGHEST = 4.0
+_RATE = 100.0
+
+
+@dataclass(frozen=True)
+class LawTrial:
+    """One law in one wind.
+
+    Attributes
+    ----------
+    law, wind : str
+        Their names.
+    limit : float
+        Boundary: least deflection limit, over ``|B alpha_w,max|``; infinite if none was found, and
+        the lowest that was tried if that survives.
+    status : str
+        "ok", or in words what is to be said of the boundary, as of `ClosedLoopBoundary`.
+    lowest, highest : float
+        The range of limits that were tried.
+    growth : float
+        Growth rate [1/s] of the worst mode near rest, as of `ClosedLoopBoundary`.
+    creeps : bool
+        Whether the law lets that mode creep away, though it survives the wind.
+    monotone : bool
+        Whether every limit that was tried above one that survives survives as well.
+    looked : tuple of pairs of float
+        Steps in which limits were tried above the boundary, and up to where, as of
+        `ClosedLoopBoundary`.
+    peak_angle_of_attack, peak_attitude : float
+        Largest of 801 samples of a flight at 1.2 times the boundary, over the peak of the wind;
+        NaN where there is no boundary, or where they were not asked for.
+    """
+
+    law: str
+    wind: str
+    limit: float
+    status: str
+    lowest: float
+    highest: float
+    growth: float
+    creeps: bool
+    monotone: bool
+    looked: tuple[tuple[float, float], ...]
+    peak_angle_of_attack: float
+    peak_attitude: float
+
+
+def standard_winds(peak: float, duration: float) -> dict[str, History]:
+    """Return the winds of the trials by name.
+
+    Parameters
+    ----------
+    peak : float
+        Largest wind angle of attack [rad] of each.
+    duration : float
+        Duration [s] of the triangle, and of each half of the double gusts.
+    """
+    tau, peak = number("duration", duration, positive, "s"), number("peak", peak, unit="rad")
+    triangle = TriangularWind(peak=peak, duration=tau)
+    back = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
+    rise = triangle.before(tau / 2)
+    return {
+        "triangle": triangle,
+        "sawtooth, stops dead": AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
+        "sawtooth, jumps first": AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
+        "1 - cosine": OneMinusCosineGust(peak=peak, duration=tau),
+        "trapezoid": TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
+        "two gusts": triangle + triangle.shift(tau),
+        "opposite gusts": triangle - triangle.shift(tau),
+        "flip to 0.3": rise - 0.3 * back.shift(tau / 2),
+        "full reversal": rise - back.shift(tau / 2),
+    }
+
+
+def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
+    """Return the laws of the trials by name, designed on a plant and for a peak [rad].
+
+    Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
+    with drift they would let its slow mode creep away.
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    gains = canonical_gains(plant.coefficients)
+    fixed = Plant.from_coefficients(plant.coefficients)
+    laws = (
+        SaturatedLaw(gains),
+        TrimLaw(fixed),
+        DeadBandLaw(fixed),
+        RecoverableAttitudeLaw(plant, design_peak=peak),
+    )
+    return dict(zip(STANDARD_LAWS, laws, strict=True))
+
+
+def law_trials(
+    plant: Plant,
+    laws: Mapping[str, Law],
+    winds: Mapping[str, History],
+    *,
+    sample_rate: float = _RATE,
+    cuts: int = 0,
+    loads: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+    **hardware: Any,
+) -> tuple[LawTrial, ...]:
+    """Return what each law needs in each wind, winds within laws.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant that flies.
+    laws, winds : mapping of str to Law and to History
+        By name, as of `standard_laws` and `standard_winds`.
+    sample_rate : float
+        Samples of the law in a second [Hz].
+    cuts : int
+        Sudden stops that are tried as well, as of `closed_loop_boundary`.
+    loads : bool
+        Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
+    progress : callable, optional
+        Is told how much is done, and how much there is at most, as of `closed_loop_boundary`.
+    **hardware
+        rate_limit and actuator, as of `closed_loop_boundary`.
+    """
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    for name, given, kind in (("laws", laws, Law), ("winds", winds, History)):
+        instance(name, given, Mapping, "by name")
+        each(name, tuple(given.values()), kind, "by name")
+    flag("loads", loads)
+    flown = {"sample_rate": sample_rate, **hardware}
+    pairs = [(law, wind) for law in laws.items() for wind in winds.items()]
+
+    def told(pair: int) -> Callable[[int, int], None]:
+        def tell(done: int, total: int) -> None:
+            if progress is not None:
+                progress(pair * total + done, len(pairs) * total)
+
+        return tell
+
+    return tuple(_trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs))
+
+
+def law_curve(
+    plant: Plant,
+    law: Law,
+    tau_beta: FloatArray,
+    peak: float,
+    *,
+    sample_rate: float = _RATE,
+) -> FloatArray:
+    """Return the boundary of a law in triangular winds, over tau times beta.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant that flies.
+    law : Law
+        The law.
+    tau_beta : ndarray
+        Duration of the wind times beta, ``(n,)``.
+    peak : float
+        Peak of the wind [rad].
+    sample_rate : float
+        Samples of the law in a second [Hz].
+    """
+    beta = float(plant.coefficients.beta)
+    winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
+    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST}
+    return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
+
+
+def _trial(
+    plant: Plant,
+    law: tuple[str, Law],
+    wind: tuple[str, History],
+    cuts: int,
+    loads: bool,
+    flown: dict[str, Any],
+    tell: Callable[[int, int], None],
+) -> LawTrial:
+    options = {"cuts": cuts, "highest": _HIGHEST, "progress": tell, **flown}
+    found = closed_loop_boundary(plant, law[1], wind[1], **options)
+    largest = (np.nan, np.nan)
+    if loads and np.isfinite(found.limit):
+        largest = _loads(plant, law[1], wind[1], _SPARE * abs(found.deflection), flown)
+    return LawTrial(
+        law=law[0],
+        wind=wind[0],
+        limit=found.limit,
+        status=found.status,
+        lowest=float(found.scan[0]),
+        highest=float(found.scan[-1]),
+        growth=found.growth,
+        creeps=found.creeps,
+        monotone=found.monotone,
+        looked=found.looked,
+        peak_angle_of_attack=largest[0],
+        peak_attitude=largest[1],
+    )
+
+
+def _loads(
+    plant: Plant, law: Law, wind: History, limit: float, flown: dict[str, Any]
+) -> tuple[float, float]:
+    """The largest angle of attack and attitude of one flight, over the peak of the wind."""
+    start, end = float(wind.onset), float(wind.end)
+    times = np.linspace(start, end + 0.5 * (end - start), _POINTS)
+    outputs = fly(plant, law, wind, times, deflection_limit=limit, **flown).outputs
+    peak = abs(float(wind.peak))
+    angle, attitude = (
+        float(np.abs(outputs[name]).max()) / peak for name in ("angle_of_attack", "attitude")
+    )
+    return angle, attitude

@@ -1,0 +1,174 @@
+"""Files: texts and tables read, and everything written whole or not at all."""
+
+import os
+import sys
+import tempfile
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tvclin.base.errors import InputError, shown
+
+_DEEPEST = 8
+"""Of tables and lists in each other: no file that is read here needs more than four levels."""
+_LONGEST = 160
+"""Of a name that messages quote whole."""
+_PREFIX = 60
+"""So much of its name a file carries while it is written, at most four bytes for each letter."""
+
+
+def write_whole(path: Path, write: Callable[[str], Any]) -> None:
+    """Call `write` with a temporary path and move the result into place when it is complete.
+
+    Parameters
+    ----------
+    path : Path
+        The file; one that is there already is replaced.
+    write : callable
+        Takes the temporary path and writes everything there.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    name = called(path)
+    if exists(path) and path.is_dir():
+        raise InputError(f"{name} is a directory; name a file in it")
+    if exists(path) and not path.is_file():
+        raise InputError(f"{name} is not an ordinary file; name another")
+    if not exists(path.parent):
+        raise InputError(f"{name} cannot be written: make the folder {called(path.parent)} first")
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:_PREFIX]}.")
+        os.close(handle)
+    except (OSError, ValueError) as error:
+        raise _unwritable(path, error) from None
+    try:
+        write(temporary)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(temporary).chmod(0o666 & ~mask)
+        Path(temporary).replace(path)
+    except OSError as error:
+        raise _unwritable(path, error) from None
+    finally:
+        Path(temporary).unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text as UTF-8; see `write_whole`."""
+    write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
+
+
+def read_text(path: Path, kind: str, start: str = "") -> str:
+    """Return the text of a file in UTF-8, with or without a byte order mark.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : str
+        What it should be, for messages: "a vehicle file".
+    start : str
+        How to get one, for messages.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, is empty, or is no text.
+    """
+    hint, name = f"; {start}" if start else "", called(path)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            text = file.read()
+    except IsADirectoryError:
+        raise InputError(f"{name} is a directory; name {kind} in it") from None
+    except FileNotFoundError:
+        raise InputError(f"{name} does not exist{hint}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{name} is not a text file in UTF-8") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name} cannot be read: {reason(error)}") from None
+    if not text.strip():
+        raise InputError(f"{name} is empty{hint}")
+    return text
+
+
+def tables_of(text: str, source: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; `source` names it in messages.
+
+    Raises
+    ------
+    InputError
+        For what is not TOML, tables and lists in each other more than eight deep, and a whole
+        number beyond what a float holds.
+    """
+    name = called(source)
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{name} is not valid TOML: {called(error)}") from None
+    except RecursionError:
+        raise InputError(f"{name} is not valid TOML: its lists are nested too deep") from None
+    except ValueError:
+        most = sys.get_int_max_str_digits()
+        raise InputError(f"{name} holds a whole number of more than {most} digits") from None
+    _check(document, name)
+    return document
+
+
+def exists(path: str | os.PathLike[str]) -> bool:
+    """Whether there is a file or directory of a name; not where no file can have that name."""
+    try:
+        return Path(path).exists()
+    except (OSError, ValueError):
+        return False
+
+
+def called(path: object) -> str:
+    """Return a name of a file as messages quote it: on one line, and shortened where very long."""
+    name = "".join(letter if letter.isprintable() else "?" for letter in str(path))
+    half = _LONGEST // 2
+    return name if len(name) <= _LONGEST else f"{name[:half]}...{name[3 - half :]}"
+
+
+def reason(error: Exception) -> str:
+    """Return in words why the system would not open a file."""
+    return getattr(error, "strerror", None) or str(error)
+
+
+def make_directory(path: Path) -> None:
+    """Make a directory, and those above it, unless it is there.
+
+    Raises
+    ------
+    InputError
+        When a file stands in its place, or it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise InputError(f"{called(path)} is a file; name a directory") from None
+    except (OSError, ValueError) as error:
+        raise _unwritable(path, error) from None
+
+
+def _unwritable(path: Path, error: Exception) -> InputError:
+    return InputError(f"{called(path)} cannot be written: {reason(error)}")
+
+
+def _check(document: dict[str, Any], name: str) -> None:
+    """Raise `InputError` for levels and numbers that no message could show; without recursion."""
+    left: list[tuple[object, str, int]] = [(document, "", 0)]
+    while left:
+        value, key, depth = left.pop()
+        if depth > _DEEPEST:
+            raise InputError(f"{name}: {key} is nested more than {_DEEPEST} levels deep")
+        if isinstance(value, dict):
+            left += [(item, shown(inner), depth + 1) for inner, item in value.items()]
+        elif isinstance(value, list):
+            left += [(item, key, depth + 1) for item in value]
+        elif isinstance(value, int) and abs(value) > sys.float_info.max:
+            raise InputError(f"{name}: {key} holds a whole number beyond {sys.float_info.max:.2g}")

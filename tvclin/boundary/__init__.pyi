@@ -1,0 +1,4 @@
+from .closed_forms import rectangular_limit as rectangular_limit
+from .closed_forms import solve_triangular_with_drift as solve_triangular_with_drift
+from .closed_forms import triangular_limit as triangular_limit
+from .closed_forms import triangular_limit_with_drift as triangular_limit_with_drift

@@ -1,0 +1,167 @@
+"""The least deflection of any law that does not know when the wind will stop.
+
+Let W(t) be the wind still to come, discounted with the unstable pole p,
+
+    W(t) = p * integral from t to infinity of e^(-p (r - t)) alpha_w(r) dr.
+
+A law that is told the whole wind needs sup-norm W(onset), appendix C. One that must be able to
+survive when the wind stops for good at any instant needs
+
+    y* = max{ W(onset), sup W / 2 }
+
+and a law that leans into the felt wind as far as it can still return from reaches it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import InputError, broadcast, ending, instance, nonnegative, number, plain
+from tvclin.kernels.choice import run
+from tvclin.kernels.pieces import rows
+from tvclin.kernels.switches import largest_futures
+from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+EXACT = "exact"
+BOUND = "bound of the fast mode"
+_ROUNDING = 1e-12
+_SECONDS, _COMPILED_SECONDS = 1e-4, 2e-7
+"""About what a knot of a case takes, in plain Python and as machine code."""
+
+
+@dataclass(frozen=True)
+class ForecastFreeLimit:
+    """What no law without a forecast can do without; of a batch, numbers are ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        y*, over the trim deflection B alpha_w,max without drift.
+    deflection : float or ndarray
+        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
+    kind : str
+        "exact", or for models with drift "bound of the fast mode": no law needs less.
+    foresight : float or ndarray
+        W(onset) over the peak: what is needed when the whole wind is known.
+    worst_stop : float or ndarray
+        The instant [s] from which most is still to come: W is largest there, and a law must lean
+        by W - y* at least. What a stop then leaves to be done is another matter.
+    """
+
+    limit: Any
+    deflection: Any
+    kind: str
+    foresight: Any
+    worst_stop: Any
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("kind", self.kind, ""),
+            ("with foresight", self.foresight, "-"),
+            ("worst stop", self.worst_stop, "s"),
+        ]
+        return card("Least limit without a forecast", rows)
+
+
+def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> ForecastFreeLimit:
+    """Return the least deflection of any law that does not know when the wind will stop.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant whose fastest unstable pole is real, or a batch.
+    wind : History
+        One wind of one sign, which ends, or a batch; batches broadcast.
+    reversal : float
+        R, the discounted impulse of a wind of the other sign that may come at any instant instead
+        of a stop, over the peak: ``p * integral of e^(-p r) |alpha_w(r)| dr``, counted from the
+        reversal. Then y = max{W(onset), (sup W + R)/2, R}. One is a full reversal for ever.
+
+    Returns
+    -------
+    ForecastFreeLimit
+        In a batch zero for a plant without an unstable pole, and NaN for one whose fastest
+        unstable poles are a pair.
+
+    Raises
+    ------
+    InputError
+        For a wind that changes its sign (y* is not defined for it: give the part of one sign and
+        the reversal), is zero or never ends, and for one plant without a real unstable pole or
+        with a faster pair.
+
+    Notes
+    -----
+    Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
+    the largest z that a stop allows, needs no forecast, and survives exactly above y*. With drift
+    it is a bound, of the fast mode alone; the slow mode adds a little.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> found = tv.forecast_free_limit(plant, tv.TriangularWind(peak=0.1, duration=40.0))
+    >>> round(found.limit, 4), round(found.foresight, 4)
+    (0.4653, 0.1)
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    R = number("reversal", reversal, nonnegative)
+    ending("wind", wind.end)
+    shape = broadcast(plant=plant.batch, wind=wind.batch)
+    poles = unstable_poles(plant)
+    if not shape and (not poles.size or np.imag(poles[0])):
+        raise InputError(
+            "plant must have real unstable poles, the fastest at least; it has"
+            f" {poles_in_words(poles)}"
+        )
+    fast = poles[..., :1] if poles.shape[-1] else np.full((*plant.batch, 1), np.nan)
+    real = np.imag(fast) == 0.0
+    stable = np.broadcast_to(np.isnan(fast[..., 0]), shape)
+    pole = np.where(real & ~np.isnan(fast), np.real(fast), 1.0)
+    strength = np.where(
+        real, np.abs(wind_strength(plant, pole) / _column(plant.coefficients.B)), np.nan
+    )
+    strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
+    pole = np.broadcast_to(pole[..., 0], shape)
+    peak = wind.peak
+    low, high = wind.extent
+    if np.any(np.minimum(-low, high) > _ROUNDING * np.abs(peak)):
+        raise InputError(
+            "a limit without forecast is not defined for a wind that changes its sign; give the"
+            " wind of one sign, and what may follow it as reversal"
+        )
+    winds, which = rows((wind * (1.0 / peak)).pieces, shape)
+    found = np.empty((which.size, 3))
+    knots = which.size * winds[0].shape[-1]
+    run(
+        largest_futures,
+        (winds, which, pole.ravel(), found),
+        which.size,
+        _SECONDS * knots,
+        _COMPILED_SECONDS * knots,
+    )
+    foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
+    limit = strength * np.maximum(foresight, np.maximum((ahead + R) / 2.0, R))
+    return ForecastFreeLimit(
+        plain(limit),
+        plain(-limit * np.asarray(plant.coefficients.B) * peak),
+        EXACT if plant.model == "fixed-path" else BOUND,
+        plain(strength * foresight),
+        plain(np.asarray(when)),
+    )
+
+
+def _column(values: Any) -> FloatArray:
+    return np.asarray(values)[..., np.newaxis]

@@ -1,0 +1,326 @@
+"""The boundary limit: the least deflection with which a wind can be survived, eq (4b).
+
+    y_BR = -delta_max / (B alpha_w,max)
+
+By eq (4b) the report's control (trim until the dead band is left, then the limit) is on the
+boundary exactly when the limit equals the discounted mean of the trim deflection still to come,
+
+    delta_max = p * integral from a to infinity of e^(-p (t - a)) delta_T(t) dt,
+
+where a is the time at which the dead band is left and p the largest real unstable pole.
+`boundary_limit` solves that for any wind of one sign and for every plant; the closed forms of
+the report stand in `closed_forms`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
+from tvclin.boundary.closed_forms import (
+    TriangularLimit,
+    rectangular_limit,
+    solve_triangular_with_drift,
+    triangular_limit,
+    triangular_limit_with_drift,
+)
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.optimum.least_peaks import least_peaks
+from tvclin.boundary.switching import Problem
+from tvclin.linear.deflections import SWITCHES
+from tvclin.linear.modes import unstable_poles
+from tvclin.linear.plant import Plant
+from tvclin.winds.equivalent import equivalent_triangle
+from tvclin.winds.histories import History
+
+__all__ = [
+    "BoundaryLimit",
+    "TriangularLimit",
+    "boundary_limit",
+    "rectangular_limit",
+    "solve_triangular_with_drift",
+    "triangle_error",
+    "triangular_limit",
+    "triangular_limit_with_drift",
+]
+
+FloatArray = NDArray[np.float64]
+
+COMPARABLE = 0.05
+"""Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
+_TOGETHER = 1e-4
+
+OK = "ok"
+STABLE = "no unstable pole: no deflection is needed"
+PAIR = (
+    "unstable poles that are a pair, or together: no one limit meets both conditions (4b), and with"
+    " this one the dead band is never left"
+)
+BOUNDARY = "the boundary of the control"
+MINIMUM = "the minimum over all unstable poles"
+NO_FORECAST = "the bound without a forecast"
+LARGER = {
+    BOUNDARY: "in flight, where trim itself leaves the dead band, more is needed",
+    MINIMUM: f"{MINIMUM} is larger",
+    NO_FORECAST: f"{NO_FORECAST} is larger",
+}
+ROUNDING = 1e-9
+"""A requirement that is larger by less than this part is the same one."""
+NEVER_LEFT = "trim never saturates: a lower limit does not meet (4b), a higher one is not needed"
+JUMP = "no limit meets (4b) exactly: every limit above this one is sufficient"
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryLimit:
+    """The boundary of one plant in one wind, or of a batch; every field has the shape ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        y_BR, the least limit over the trim deflection B alpha_w,max without drift.
+    deflection : float or ndarray
+        The same as a deflection [rad], -y_BR B alpha_w,max; its sign opposes the wind.
+    switch_time : float or ndarray
+        a [s], when the dead band is left on the boundary; NaN where it never is.
+    status : str or ndarray of str
+        "ok", or in words why the limit is not a solution of (4b), and which other requirement
+        is larger (see `required_deflection`).
+    """
+
+    limit: Any
+    deflection: Any
+    switch_time: Any
+    status: Any
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("dead band is left at", self.switch_time, "s"),
+            ("status", self.status, ""),
+        ]
+        return card("Boundary limit", rows)
+
+
+def boundary_limit(
+    plant: Plant, wind: History, dead_band: ArrayLike = 1.0, switch: str = "report"
+) -> BoundaryLimit:
+    """Return the boundary limit of a plant in any wind of one sign.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch, of any model.
+    wind : History
+        Wind angle of attack that does not change its sign; batches broadcast.
+    dead_band : array_like
+        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+    switch : {"report", "literal"}
+        What leaves the dead band, as in `trim_then_hold`. They differ on models with drift.
+
+    Returns
+    -------
+    BoundaryLimit
+        The condition (4b) is met at the largest unstable pole. Slower poles of the exact models
+        are not met; `judge` reports them. (A stable vehicle on an exact model may have only a
+        slow one, of the flight path; then it is that.) Where several limits meet the condition
+        (winds of several peaks) it is the largest. A complex pair that grows as fast asks for
+        two conditions, which one limit cannot meet: then it is the largest trim deflection over K,
+        with which the dead band is never left (infinite for K = 0), and the status says so.
+        Whether a capability is enough is the question of `is_sufficient`; the status says when
+        another requirement is larger.
+
+    Raises
+    ------
+    InputError
+        For a wind that changes sign, never ends or is zero, and a dead band outside [0, 1].
+
+    Notes
+    -----
+    Eqs (6) to (8), (12), (15a), (16) and (18) are its special cases.
+    """
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    one_of("switch", switch, SWITCHES)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    same = switch == "literal" or plant.model == "fixed-path"
+    found = boundary_alone(plant, wind, K, *((True,) if same else (False, True)))
+    return _with_others(plant, wind, K, found[0], found[-1])
+
+
+def open_loop_needs(
+    plant: Plant,
+    wind: History,
+    dead_band: ArrayLike,
+    boundary: BoundaryLimit,
+    enough: FloatArray | None = None,
+) -> dict[str, FloatArray]:
+    """Return what a limit must be at least [rad], by its reason; each in the shape of the batch.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `boundary_limit`.
+    boundary : BoundaryLimit
+        Theirs, with the literal switch, which a flight has.
+    enough : ndarray, optional
+        As of `least_peaks`.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Under `BOUNDARY`, under `MINIMUM` the least peak over all unstable poles, and under
+        `NO_FORECAST`, which only a control with K = 1 claims to need none of, the bound of laws
+        without a forecast (zero for the others).
+    """
+    K = np.asarray(dead_band)
+    size = np.abs(np.asarray(boundary.deflection))
+    free = (
+        np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
+        if np.any(K == 1.0) and _has_bound(plant)
+        else 0.0
+    )
+    return {
+        BOUNDARY: size,
+        MINIMUM: np.broadcast_to(least_peaks(plant, wind, enough), size.shape),
+        NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
+    }
+
+
+def _has_bound(plant: Plant) -> bool:
+    """Whether there is a bound without a forecast: one plant needs a real pole, the fastest."""
+    poles = unstable_poles(plant)
+    return bool(plant.batch) or (poles.size > 0 and np.imag(poles[0]) == 0.0)
+
+
+def _with_others(
+    plant: Plant, wind: History, K: FloatArray, found: BoundaryLimit, literal: BoundaryLimit
+) -> BoundaryLimit:
+    """The boundary with a status that says where another requirement is larger."""
+    size, status = np.abs(np.asarray(found.deflection)), np.asarray(found.status)
+    needs = open_loop_needs(plant, wind, K, literal, size)
+    most = np.max(list(needs.values()), axis=0)
+    larger = most > size * (1.0 + ROUNDING)
+    if not np.any(larger):
+        return found
+    reasons = [(need >= most)[larger] for need in needs.values()]
+    words, own = np.select(reasons, [LARGER[name] for name in needs], ""), status[larger]
+    said = np.where(own == OK, words, np.char.add(np.char.add(own, "; "), words))
+    status = status.astype(np.result_type(status, said))
+    status[larger] = said
+    return replace(found, status=status if status.ndim else str(status))
+
+
+def boundary_alone(
+    plant: Plant, wind: History, dead_band: ArrayLike, *literal: bool
+) -> list[BoundaryLimit]:
+    """Return `boundary_limit` for each switch, without a look at other requirements.
+
+    The arguments alone are checked.
+    """
+    K = np.asarray(dead_band, dtype=float)
+    _check_wind(wind)
+    pole, paired = leading_pole(plant)
+    unstable = ~np.isnan(pole)
+    if np.any(unstable & (np.asarray(plant.coefficients.B) == 0.0)):
+        raise InputError(
+            "plant must have an aerodynamic moment, mu_alpha other than zero, where its path grows:"
+            " limits are counted in the deflection that trims the wind"
+        )
+    scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
+    shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=wind.batch)
+    problem = Problem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
+    unstable, paired, K = (np.broadcast_to(a, shape) for a in (unstable, paired, K))
+    at_onset = unstable & (K == 0.0)
+    found = []
+    for solved in problem.solve(*literal):
+        limit = np.where(unstable, solved.demand, 0.0)
+        never = unstable & solved.never & ~at_onset & ~paired
+        if np.any(never | paired):
+            trim_alone = problem.largest_trim(never | paired)
+            with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
+                limit = np.where(paired, trim_alone / K, np.where(never, trim_alone, limit))
+        known = [~unstable, paired, never, solved.jumps & ~at_onset]
+        word = np.select(known, range(1, 1 + len(known)), 0)
+        status = np.array([OK, STABLE, PAIR, NEVER_LEFT, JUMP][: word.max(initial=0) + 1])[word]
+        found.append(
+            BoundaryLimit(
+                plain(limit),
+                plain(np.asarray(limit * scale)),
+                plain(np.where(unstable & ~never & ~paired, solved.time, np.nan)),
+                status if status.ndim else str(status),
+            )
+        )
+    return found
+
+
+def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> Any:
+    """Return the relative error of the boundary when a wind is replaced by its equivalent triangle.
+
+    It holds for the given plant: the triangle's boundary deflection over that of the wind itself,
+    minus one. Negative where the triangle promises too much; NaN where no deflection is needed.
+
+    Parameters
+    ----------
+    plant, wind, dead_band
+        As of `boundary_limit`.
+
+    Raises
+    ------
+    InputError
+        As `boundary_limit` and `equivalent_triangle`.
+    """
+    both = (wind, equivalent_triangle(wind))
+    true, triangle = (np.asarray(boundary_limit(plant, w, dead_band).deflection) for w in both)
+    with np.errstate(invalid="ignore"):
+        return plain(np.asarray(triangle / true - 1.0))
+
+
+def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the growth rate that decides [1/s], and where a pair of poles has a part in it.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+
+    Returns
+    -------
+    rate : ndarray
+        NaN where no mode grows, ``(...)``.
+    paired : ndarray of bool
+        Where a complex pair grows comparably with the fastest real pole, or two real poles are
+        together, so that one limit cannot meet both conditions (4b).
+    """
+    poles = unstable_poles(plant)
+    if not poles.shape[-1]:
+        return np.full(poles.shape[:-1], np.nan), np.zeros(poles.shape[:-1], dtype=bool)
+    grows, there = np.real(poles), ~np.isnan(poles)
+    complex_pole = there & (np.imag(poles) != 0.0)
+    real = np.where(there & ~complex_pole, grows, 0.0).max(axis=-1)
+    pair = np.where(complex_pole, grows, 0.0).max(axis=-1)
+    second = np.sort(np.where(there & ~complex_pole, grows, 0.0), axis=-1)[..., :-1].max(
+        axis=-1, initial=0.0
+    )
+    paired = (pair > COMPARABLE * real) | (second > (1.0 - _TOGETHER) * np.maximum(real, 1e-300))
+    leading = np.maximum(real, pair)
+    return np.where(leading > 0.0, leading, np.nan), paired
+
+
+def _check_wind(wind: History) -> None:
+    low, high = wind.extent
+    slack = 1e-12 * np.maximum(-low, high)
+    if np.any((low < -slack) & (high > slack)):
+        raise InputError(
+            "wind must not change its sign for a boundary limit; got values from"
+            f" {low.min():.6g} to {high.max():.6g} rad"
+        )
+    if np.any(np.isneginf(wind.end)):
+        raise InputError("wind must differ from zero; got a history that is zero throughout")
+    if np.any(np.isposinf(wind.end)):
+        raise InputError("wind must end: the last piece of its history must be zero")

@@ -1,0 +1,345 @@
+"""The minimum-peak problem with any number of unstable poles, by its dual.
+
+    least peak = max over lambda of  lambda . d / integral |lambda . e(u)| du
+
+and the deflection is the peak times the sign of the best lambda . e (the L-problem of moments).
+A small linear program on a grid finds where the sign changes, Newton's iteration on
+
+    L1(lambda)^2/2 - lambda . d  ->  min,      at the minimum L1 = peak,
+
+whose gradient and Hessian follow from the zeros of the sum, takes it to rounding.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.boundary.optimum.constraints import Constraints
+from tvclin.boundary.optimum.exponential_sums import SignedSum, Window
+
+FloatArray = NDArray[np.float64]
+
+_EPS = float(np.finfo(float).eps)
+_NEWTON_STEPS = 60
+_HALVINGS = 12
+_FAINT = 1e-6
+"""What is below this part of the largest counts as lost in the tolerance of a linear program."""
+_ARRIVED = 1e-13
+_LOST = 1e-200
+_SINGULAR = 1e-13
+_ROUNDS = 4
+"""So often the grid of the linear program is refined if Newton's iteration does not arrive."""
+
+
+def best_multipliers(window: Window) -> SignedSum:
+    """Return the sum whose sign is the deflection of least peak, scaled so that L1 = peak.
+
+    Parameters
+    ----------
+    window : Window
+        The functions e_i and their demands, which must not all be zero.
+
+    Notes
+    -----
+    Where a real pole p is so fast that the others count only after p t = 700, their multipliers
+    cannot be told from zero. What the fast pole does to the peak is then over long before, and
+    a slower pole that asks for the same peak stands in for it. Where that is so of all poles but
+    the slowest, they alone decide, and the slowest is met by a switch long after.
+    """
+    best = _from_grid(window)
+    if _misfit(window, best) < _ARRIVED:
+        return best
+    last = _slowest_last(window)
+    if last is not None and _misfit(window, last) < _ARRIVED:
+        return last
+    c = window.constraints
+    fast = int(np.argmax(c.decays))
+    place = int(np.argmax(np.real(c.poles)))
+    slower = c.poles[place] / 3.0
+    if not _lost(window, best.multipliers) or c.pulsations[fast] or slower < np.sort(c.decays)[-2]:
+        return best
+    poles = np.where(np.arange(c.poles.size) == place, slower, c.poles)
+    demands = np.where(np.arange(c.decays.size) == fast, 3.0 * c.demands, c.demands)
+    found = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
+    moments = c.moments(np.concatenate([[0.0], found.zeros, [window.end]])) @ found.signs
+    return SignedSum(found.multipliers, found.zeros, found.signs, found.norm, moments)
+
+
+def _slowest_last(window: Window) -> SignedSum | None:
+    """The sum without the slowest real pole, and one switch more, which meets that pole.
+
+    No deflection has a smaller peak than the others need. So this is the answer if the conditions
+    at the others do not feel the switch. None where there is no such pole or switch.
+    """
+    c = window.constraints
+    place, row = int(np.argmin(np.real(c.poles))), int(np.argmin(c.decays))
+    poles, demands = np.delete(c.poles, place), np.delete(c.demands, row)
+    if c.pulsations[row] or not np.any(demands):
+        return None
+    poles = poles if np.any(np.imag(poles)) else np.real(poles)
+    found = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
+    pole, end = float(c.decays[row]), window.end
+    moments = c.moments(np.concatenate([[0.0], found.zeros, [end]]))[row]
+    side = found.signs[-1]
+    beyond = 0.5 * side * (moments @ found.signs - c.demands[row] / found.norm)
+    if not 0.0 < beyond < moments[-1]:
+        return None
+    time = -np.log(pole * beyond + np.exp(-pole * end)) / pole
+    zeros, signs = np.append(found.zeros, time), np.append(found.signs, -side)
+    return SignedSum(
+        np.insert(found.multipliers, row, 0.0),
+        zeros,
+        signs,
+        found.norm,
+        c.moments(np.concatenate([[0.0], zeros, [end]])) @ signs,
+    )
+
+
+def _from_grid(window: Window) -> SignedSum:
+    cells, best = _first_cells(window), None
+    for _ in range(_ROUNDS):
+        levels, prices = grid_optimum(window.constraints, cells)
+        switches, doubtful = _switches(cells, levels)
+        for guess in _scaled(window, [_vanishing_at(window, switches), prices]):
+            found = _newton(window, guess)
+            if best is None or _misfit(window, found) < _misfit(window, best):
+                best = found
+            if _misfit(window, best) < _ARRIVED:
+                return best
+        if _lost(window, prices):
+            break
+        cells = _split(cells, doubtful)
+    assert best is not None
+    return best
+
+
+def _lost(window: Window, multipliers: FloatArray) -> bool:
+    part = np.abs(multipliers) * window.sizes
+    return bool(part.min() < _LOST * part.max())
+
+
+def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the best deflection that is constant in each cell, over its peak, and its prices.
+
+    Parameters
+    ----------
+    constraints : Constraints
+        Conditions on the moments.
+    cells : ndarray
+        Knots [s] of the cells, ``(k + 1,)``; the last may be infinite.
+
+    Returns
+    -------
+    tuple of ndarray
+        Levels in [-1, 1], ``(k,)``, and the multipliers, ``(n,)``, not scaled.
+
+    Notes
+    -----
+    The multiplier of a slow pole that matters only long after the others have died out is many
+    decades below theirs and lost in the tolerance of a linear program. So the program is solved
+    again for the cells from there on: the poles whose multipliers are known are served best,
+    under the conditions at the others.
+    """
+    moments = constraints.moments(cells)
+    sizes = np.abs(moments).sum(axis=1)
+    demands = constraints.demands / np.abs(constraints.demands / sizes).max()
+    rows = np.column_stack([moments, -demands]) / sizes[:, np.newaxis]
+    cost = np.append(np.zeros(cells.size - 1), -1.0)
+    found = _linear_program(cost, rows, np.zeros(sizes.size), (0.0, None))
+    if found is None:
+        return np.ones(cells.size - 1), constraints.demands / sizes**2
+    levels, prices = found[0][:-1], found[1] / sizes
+    known, first = np.abs(prices) * sizes > _FAINT, 0
+    while not np.all(known) and np.any(known):
+        strength = np.abs(prices[known]) @ np.exp(-constraints.decays[known, None] * cells[:-1])
+        later = np.flatnonzero(strength < _FAINT * strength[first])
+        if not later.size or strength[later[0]] < 1e-290:
+            break
+        first, late = int(later[0]), moments[:, later[0] :]
+        cost = -(prices[known] @ late[known])
+        unit, sizes = np.abs(cost).sum(), np.abs(late).sum(axis=1)
+        if not np.all(sizes[~known] > 0.0):
+            break
+        left = found[0][-1] * demands - moments[:, :first] @ levels[:first]
+        rows, left = late[~known] / sizes[~known, None], left[~known] / sizes[~known]
+        stage = _linear_program(cost / unit, rows, left)
+        if stage is None:
+            break
+        levels[first:], prices[~known] = stage[0], stage[1] * unit / sizes[~known]
+        known |= np.abs(prices) * sizes > _FAINT * unit
+    return levels, prices
+
+
+def _linear_program(
+    cost: FloatArray,
+    rows: FloatArray,
+    right: FloatArray,
+    last: tuple[float, float | None] = (-1, 1),
+) -> tuple[FloatArray, FloatArray] | None:
+    """Minimise cost . x under rows x = right and |x| <= 1; None where that cannot be."""
+    from scipy.optimize import linprog  # late: it takes 0.3 s to import
+
+    bounds = [*[(-1.0, 1.0)] * (cost.size - 1), last]
+    found = linprog(cost, A_eq=rows, b_eq=right, bounds=bounds, method="highs-ds")
+    return (found.x, found.eqlin.marginals) if found.status == 0 else None
+
+
+def _first_cells(window: Window) -> FloatArray:
+    """Cells as even as can be for every pole: in e^(-p u/4), and within each period."""
+    c = window.constraints
+    last = min(window.end, 34.0 / c.decays.min())
+    parts = [np.array([0.0, last])]
+    for pole in c.poles:
+        decay = np.real(pole)
+        reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
+        parts.append(-4.0 / decay * np.log1p(-np.linspace(0.0, reach, 150)))
+        if np.imag(pole):
+            count = min(last * np.imag(pole) / np.pi * 24.0, 4000.0)
+            parts.append(np.linspace(0.0, last, int(count) + 2))
+    inside = np.unique(np.minimum(np.concatenate(parts), last))
+    return inside if last == window.end else np.append(inside, window.end)
+
+
+def _switches(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Where levels of -1 and 1 change, and the cells in which that is not certain.
+
+    Cells between that are neither count for the parts of them that are.
+    """
+    full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)
+    times: list[float] = []
+    doubtful: list[int] = []
+    edges = np.concatenate([[-1], full, [levels.size]])
+    for before, after in pairwise(edges):
+        left = np.sign(levels[before]) if before >= 0 else 0.0
+        right = np.sign(levels[after]) if after < levels.size else 0.0
+        if after == before + 1 and not left * right:
+            continue
+        left, right = left or -right, right or -left
+        start, stop = cells[before + 1], min(cells[after], cells[-1] if after else np.inf)
+        if after > before + 1:
+            doubtful.extend(range(before + 1, after))
+        if np.isinf(stop) or not left:
+            continue
+        widths = np.diff(cells[before + 1 : after + 1])
+        mean = widths @ levels[before + 1 : after] / widths.sum() if widths.size else 0.0
+        share = (stop - start) * (1.0 + left * mean) / 2.0
+        if left != right:
+            times.append(start + share)
+        elif widths.size:
+            times.extend([start + share / 2.0, stop - share / 2.0])
+    return np.array(times), np.array(doubtful, dtype=np.intp)
+
+
+def _split(cells: FloatArray, doubtful: NDArray[np.intp]) -> FloatArray:
+    near = np.unique(np.concatenate([doubtful - 1, doubtful, doubtful + 1]))
+    near = near[(near >= 0) & (near < cells.size - 1)]
+    near = near[np.isfinite(cells[near + 1])]
+    widths = cells[near + 1] - cells[near]
+    new = cells[near] + widths * (np.arange(1, 16) / 16.0)[:, np.newaxis]
+    return np.unique(np.concatenate([cells, new.ravel()]))
+
+
+def _vanishing_at(window: Window, times: FloatArray) -> FloatArray:
+    """Multipliers whose sum is zero, or as small as can be, at the given times."""
+    c = window.constraints
+    if not times.size:
+        return c.demands / window.sizes**2
+    values = c.basis(times)
+    with np.errstate(divide="ignore", over="ignore"):
+        scale = 1.0 / np.abs(values).max(axis=1)
+    scale = np.where(np.isfinite(scale), scale, 1.0)
+    weight = np.abs(values / window.sizes[:, np.newaxis]).max(axis=0)
+    rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
+    return np.linalg.svd(rows)[2][-1] * scale
+
+
+def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
+    """The guesses with their best scale and sign, first the one that meets the conditions best.
+
+    Not the one with the highest dual value: that does not feel multipliers of very small size.
+    """
+    trials = []
+    for guess in guesses:
+        size = np.abs(guess) @ window.sizes
+        if np.isfinite(size) and size > 0.0:
+            trial = window.signed(guess / size)
+            height = trial.multipliers @ window.constraints.demands / trial.norm
+            trials.append(window.signed(trial.multipliers * (height / trial.norm)))
+    return sorted(trials, key=lambda trial: _misfit(window, trial))
+
+
+def _misfit(window: Window, found: SignedSum) -> float:
+    """Largest violation of a condition by the deflection L1 sgn(lambda . e), relative."""
+    demands = window.constraints.demands
+    with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
+        sizes = found.norm * window.sizes + np.abs(demands)
+        misfits = np.abs(found.norm * found.moments - demands) / sizes
+    return float(np.where(np.isnan(misfits), np.inf, misfits).max())
+
+
+def _newton(window: Window, found: SignedSum) -> SignedSum:
+    """Newton's iteration on the conditions, with steps in the logarithms of the multipliers.
+
+    A switch moves in proportion to those. Where such a step does not help, perhaps because a
+    multiplier has the wrong sign, it is a plain step.
+    """
+    for _ in range(_NEWTON_STEPS):
+        step = _newton_step(window, found)
+        for geometric in (True, False):
+            trial = _shortened(window, found, step, geometric)
+            if trial is not None:
+                break
+        if trial is None:
+            break
+        found = trial
+    return found
+
+
+def _shortened(
+    window: Window, found: SignedSum, step: FloatArray, geometric: bool
+) -> SignedSum | None:
+    """The result of the longest part of a step that meets the conditions better."""
+    misfit = _misfit(window, found)
+    for halvings in range(_HALVINGS):
+        part = 0.5**halvings
+        moved = found.multipliers + part * step
+        if geometric:
+            moved = _in_logarithms(window.constraints, found.multipliers, part * step)
+        if not np.all(np.isfinite(moved)):
+            continue
+        trial = window.signed(moved)
+        if _misfit(window, trial) < misfit * (1.0 - 1e-4 * part):
+            return trial
+    return None
+
+
+def _in_logarithms(
+    constraints: Constraints, multipliers: FloatArray, step: FloatArray
+) -> FloatArray:
+    """Multiply each multiplier by e^(step/multiplier), those of a pair as one complex number."""
+    size, change = constraints.joined(multipliers), constraints.joined(step)
+    still = size == 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        moved = size * np.exp(change / np.where(still, 1.0, size))
+    return constraints.in_rows(np.where(still, change, moved))
+
+
+def _newton_step(window: Window, found: SignedSum) -> FloatArray:
+    """The step of Newton's iteration, with columns scaled: multipliers differ by many decades."""
+    c = window.constraints
+    slopes = np.abs(found.multipliers @ c.slopes(found.zeros))
+    weights = np.sqrt(2.0 * found.norm / np.maximum(slopes, 1e-200 * found.norm + 1e-300))
+    rows = np.vstack([found.moments, (c.basis(found.zeros) * weights).T])
+    scale = np.linalg.norm(rows, axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    try:
+        _, sizes, directions = np.linalg.svd(rows / scale, full_matrices=False)
+    except np.linalg.LinAlgError:  # two zeros on top of each other: there is no step
+        return np.zeros_like(found.multipliers)
+    downhill = directions @ ((c.demands - found.norm * found.moments) / scale)
+    safe = sizes > _SINGULAR * sizes[0]
+    inverse = np.where(safe, 1.0 / np.where(safe, sizes, 1.0) ** 2, 0.0)
+    return directions.T @ (inverse * downhill) / scale

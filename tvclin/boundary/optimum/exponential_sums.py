@@ -1,0 +1,146 @@
+"""Sums of exponentials lambda . e(u): where they change sign, and their L1 norm.
+
+The dual of the minimum-peak problem asks for nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.boundary.optimum.constraints import Constraints
+
+FloatArray = NDArray[np.float64]
+
+_FADED = 60.0
+"""Past this many e-folding times of the slowest real pole a change of sign is not sought."""
+_TRUNCATED = 34.0
+"""Where a complex pair never stops to change sign, it is followed for so many e-folding times."""
+_GEOMETRIC = 600
+_PER_HALF_PERIOD = 16
+_MOST_POINTS = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """The functions e_i on a grid fine enough to see every change of sign.
+
+    Attributes
+    ----------
+    constraints : Constraints
+        The functions and their demands.
+    """
+
+    constraints: Constraints
+
+    @cached_property
+    def end(self) -> float:
+        """Time [s] at which the window is cut: the horizon; infinite for real poles without."""
+        c = self.constraints
+        if c.real or np.isfinite(c.horizon):
+            return float(c.horizon)
+        return float(_TRUNCATED / c.decays.min())
+
+    @cached_property
+    def grid(self) -> FloatArray:
+        """Times [s] from zero on, evenly spaced in their logarithm and within each period."""
+        c = self.constraints
+        last = min(self.end, _FADED / c.decays.min())
+        first = min(1e-6 / np.abs(c.poles).max(), 1e-3 * last)
+        parts = [np.zeros(1), np.geomspace(first, last, _GEOMETRIC)]
+        for pole in c.poles[np.imag(c.poles) > 0.0]:
+            step = np.pi / np.imag(pole) / _PER_HALF_PERIOD
+            reach = min(last, 700.0 / np.real(pole))
+            parts.append(np.linspace(0.0, reach, int(min(reach / step + 2, _MOST_POINTS))))
+        return np.unique(np.concatenate(parts))
+
+    @cached_property
+    def values(self) -> FloatArray:
+        """e_i on the grid, ``(n, k)``."""
+        return self.constraints.basis(self.grid)
+
+    @cached_property
+    def slopes(self) -> FloatArray:
+        """Derivatives of e_i on the grid, ``(n, k)``."""
+        return self.constraints.slopes(self.grid)
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """Upper bounds of the L1 norm of each e_i, ``(n,)``: those of their envelopes."""
+        decays = self.constraints.decays
+        return -np.expm1(-decays * self.end) / decays
+
+    def zeros(self, multipliers: FloatArray) -> FloatArray:
+        """Return the times [s] at which lambda . e changes its sign, rising."""
+        c = self.constraints
+        values, slopes = multipliers @ self.values, multipliers @ self.slopes
+        sides, rises = np.sign(values), np.sign(slopes)
+        dips = (sides[:-1] == sides[1:]) & (sides[:-1] == -rises[:-1]) & (sides[1:] == rises[1:])
+        times = self.grid
+        if np.any(dips):  # perhaps two zeros between neighbours: look at the bottom of the dip
+            bottoms = _refined(multipliers, c.slopes, times, np.flatnonzero(dips))
+            times = np.concatenate([times, bottoms])
+            order = np.argsort(times, kind="stable")
+            values = np.concatenate([values, multipliers @ c.basis(bottoms)])[order]
+            times = times[order]
+        values, times = values[values != 0.0], times[values != 0.0]
+        crossed = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
+        return _refined(multipliers, c.basis, times, crossed) if crossed.size else np.zeros(0)
+
+    def signed(self, multipliers: FloatArray) -> SignedSum:
+        """Return the sum with its changes of sign and the moments of its sign."""
+        zeros = self.zeros(multipliers)
+        knots = np.concatenate([[0.0], zeros, [self.end]])
+        moments = self.constraints.moments(knots)
+        areas = multipliers @ moments
+        signs = np.where(areas < 0.0, -1.0, 1.0)
+        return SignedSum(multipliers, zeros, signs, float(np.abs(areas).sum()), moments @ signs)
+
+    def tail(self, multipliers: FloatArray) -> float:
+        """Return a bound of the integral of |lambda . e| past the end of a cut window."""
+        c = self.constraints
+        if np.isinf(self.end) or np.isfinite(c.horizon):
+            return 0.0
+        beyond = np.exp(-c.decays * self.end) / c.decays
+        return float(np.abs(multipliers) @ beyond)
+
+
+@dataclass(frozen=True, eq=False)
+class SignedSum:
+    """One sum lambda . e.
+
+    Attributes
+    ----------
+    multipliers : ndarray
+        lambda, ``(n,)``.
+    zeros : ndarray
+        Times [s] of its changes of sign, ``(k,)``.
+    signs : ndarray
+        Its sign between them, ``(k + 1,)``.
+    norm : float
+        Its L1 norm on the window.
+    moments : ndarray
+        The moments of its sign, ``(n,)``: the gradient of the norm.
+    """
+
+    multipliers: FloatArray
+    zeros: FloatArray
+    signs: FloatArray
+    norm: float
+    moments: FloatArray
+
+
+def _refined(
+    multipliers: FloatArray, function: object, times: FloatArray, left: NDArray[np.intp]
+) -> FloatArray:
+    """The zeros of lambda . function between ``times[left]`` and the times after them."""
+    from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
+
+    found = find_root(
+        lambda u: multipliers @ function(u),  # type: ignore[operator]
+        (times[left], times[left + 1]),
+    )
+    return np.asarray(np.where(found.success, found.x, times[left + 1]))

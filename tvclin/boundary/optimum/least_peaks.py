@@ -1,0 +1,212 @@
+"""The least peak of appendix C for a batch: a formula for one pole, for two, and for one pair.
+
+Control begins with the wind. Only the peak is found, not the deflection that has it; other plants
+go one by one through `optimum_deflection`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, broadcast, ending, instance
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.boundary.recoverable import least_reach
+from tvclin.kernels.choice import run
+from tvclin.kernels.pieces import rows
+from tvclin.kernels.switches import from_onset
+from tvclin.linear.modes import parted, unstable_poles, wind_strength
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+_SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
+"""About what a knot takes for each pole, in plain Python and as machine code."""
+_SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
+"""Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""
+_CLOSER = tuple(float(span) for span in range(1, 31))
+"""Times that are tried where those were not enough."""
+_DIRECTIONS = 128
+"""Directions of lambda in which the dual of a pair is looked at before the best is refined."""
+
+
+def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -> FloatArray:
+    """Return the peak [rad] of `optimum_deflection` from the onset of the wind on, for each case.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    wind : History
+        One wind or a batch, of winds that end; batches broadcast.
+    enough : ndarray, optional
+        Peaks [rad], which broadcast with the batch. With three poles, where this is proved to be
+        no less than what is asked, it is returned in its place: the search takes a tenth of a
+        second.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of the batch; zero without an unstable pole, and infinite where the
+        deflection does not reach one.
+
+    Raises
+    ------
+    InputError
+        For a wind that is zero or never ends.
+
+    Notes
+    -----
+    With z_i = p_i d_i, d_i of eq (C1): one pole needs ``|z|``, two real ones the reach on whose
+    edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
+    lambda . e, over the directions of lambda.
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    shape = broadcast(plant=plant.batch, wind=wind.batch)
+    if np.any(np.isneginf(wind.end)):
+        raise InputError("wind must differ from zero; got a history that is zero throughout")
+    ending("wind", wind.end)
+    poles = parted(unstable_poles(plant))
+    count = poles.shape[-1]
+    if not count:
+        return np.zeros(shape)
+    if enough is not None and count > 2:
+        shape = np.broadcast_shapes(shape, np.shape(enough))
+    strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
+    poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
+    with np.errstate(invalid="ignore"):
+        demands = -strength * _moments(wind, poles, shape)
+    there = ~np.isnan(poles)
+    lost = np.any(there & ~np.isfinite(demands), axis=-1)
+    number = there.sum(axis=-1)
+    pair = (number == 2) & (np.imag(poles[:, 0]) != 0.0)
+    found = np.where(lost, np.inf, 0.0)
+    one = (number == 1) & ~lost
+    found[one] = np.abs(np.real(poles[one, 0] * demands[one, 0]))
+    two = (number == 2) & ~pair & ~lost
+    if np.any(two):
+        p, d = np.real(poles[two, :2]), np.real(demands[two, :2])
+        z = p * d
+        found[two] = least_reach(z[:, 0], z[:, 1], p[:, 1] / p[:, 0])
+    pair &= ~lost
+    if np.any(pair):
+        found[pair] = _of_pairs(poles[pair, 0], demands[pair, 0])
+    search = (number > 2) & ~lost
+    if enough is not None and np.any(search):
+        some = np.flatnonzero(search & (number == 3) & (np.imag(poles[:, 0]) == 0.0))
+        peaks = np.broadcast_to(enough, shape).ravel()[some]
+        proved = _is_enough(poles[some], demands[some], peaks)
+        found[some[proved]] = peaks[proved]
+        search[some[proved]] = False
+    for k in np.flatnonzero(search):
+        alone = wind.one(int(k), shape)
+        found[k] = optimum_deflection(plant.one(int(k), shape), alone, float(alone.onset)).peak
+    return found.reshape(shape)
+
+
+def _moments(wind: History, poles: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """The Laplace transforms of the winds, counted from their onset, at ``poles (n, m)``."""
+    winds, which = rows(wind.pieces, shape)
+    known = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
+    found = np.empty(known.shape, dtype=np.result_type(known, winds[1]))
+    knots = found.size * winds[0].shape[-1]
+    work = (winds, which, np.ascontiguousarray(known), found)
+    run(from_onset, work, which.size, _SECONDS * knots, _COMPILED_SECONDS * knots)
+    return found if np.iscomplexobj(known) else np.real(found)
+
+
+def _is_enough(poles: NDArray[Any], demands: NDArray[Any], peak: FloatArray) -> NDArray[np.bool_]:
+    """Whether a peak is proved to suffice for a real pole p and two others, ``(n, 3)`` of each.
+
+    Let a constant c act up to T, and what the two others still ask for from then on. That does no
+    more to the pole p than peak e^(-p T)/p. So if both ends of what c may be for that leave no more
+    to be asked for than the peak, one c between them meets all conditions.
+    """
+    proved = _proved(poles, demands, peak, _SPANS, _most_of_pairs)
+    left = np.flatnonzero(~proved)
+    proved[left] = _proved(poles[left], demands[left], peak[left], _CLOSER, _of_pairs)
+    return proved
+
+
+def _proved(
+    poles: NDArray[Any],
+    demands: NDArray[Any],
+    peak: FloatArray,
+    spans: tuple[float, ...],
+    of_pairs: Callable[[NDArray[Any], NDArray[Any]], FloatArray],
+) -> NDArray[np.bool_]:
+    """Whether one of several times T proves it; `of_pairs` is what pairs take no more than."""
+    p, others = np.real(poles[:, 0]), poles[:, 1:]
+    rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
+    proved = np.zeros(p.shape, dtype=bool)
+    for span in spans:
+        died, turned = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
+        fits = np.ones(p.shape, dtype=bool)
+        for side in (-1.0, 1.0):
+            c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
+            done = c[:, np.newaxis] * (1.0 - turned) / others
+            rest = (demands[:, 1:] - done) / turned
+            z = rate * np.real(rest)
+            later = least_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
+            later[paired] = of_pairs(others[paired, 0], rest[paired, 0])
+            fits &= np.maximum(np.abs(c), later) <= peak * (1.0 + _MARGIN)
+        proved |= fits
+    return proved
+
+
+def _most_of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+    """A bound of `_of_pairs` that is found at once: a demand over the least of all norms.
+
+    min integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
+    """
+    sigma, omega = np.real(poles), np.imag(poles)
+    return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))
+
+
+def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
+    """The least peaks of complex pairs ``(n,)``, by the dual.
+
+    For lambda of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
+
+        peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
+    """
+    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
+
+    k = np.real(poles) / np.imag(poles)
+
+    def negative(left: FloatArray, i: NDArray[np.intp]) -> FloatArray:
+        """Minus the quotient at phi = pi/2 - left, times sigma^2 + omega^2 over omega."""
+        toward = np.abs(np.real(demands[i] * np.exp(1j * (left - 0.5 * np.pi))))
+        return -toward / _norm(left, k[i])
+
+    # Pairs that are nearly real turn within about 1/k of phi = pi/2.
+    near = np.geomspace(1e-8, np.pi, _DIRECTIONS)
+    grid = np.sort(np.concatenate([np.linspace(0.0, np.pi, _DIRECTIONS), near]))
+    everyone = np.arange(k.size)
+    looked = np.stack([negative(np.full(k.size, left), everyone) for left in grid], axis=-1)
+    best = np.argmin(looked, axis=-1)
+    value = looked[everyone, best]
+    inner = np.flatnonzero((best > 0) & (best < grid.size - 1))
+    bracket = [grid[best[inner] + step] for step in (-1, 0, 1)]
+    strict = (value[inner] < looked[inner, best[inner] - 1]) & (
+        value[inner] < looked[inner, best[inner] + 1]
+    )
+    inner, bracket = inner[strict], [edge[strict] for edge in bracket]
+    if inner.size:
+        refined = find_minimum(negative, bracket, args=(inner,))
+        value[inner] = np.minimum(value[inner], refined.f_x)
+    return -value * np.imag(poles) * (1.0 + k**2)
+
+
+def _norm(left: FloatArray, k: FloatArray) -> FloatArray:
+    """The integral of e^(-k x) ``|cos(x + phi)|`` over x > 0, times 1 + k^2; phi = pi/2 - left.
+
+    Up to the first zero at x = left, and from there on a geometric series of half waves.
+    """
+    whole = (1.0 + np.exp(-k * np.pi)) / -np.expm1(-k * np.pi)
+    return np.exp(-k * left) * (1.0 + whole) - np.cos(left) + k * np.sin(left)

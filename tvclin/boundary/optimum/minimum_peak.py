@@ -1,0 +1,275 @@
+"""The deflection with the smallest peak that survives a known wind, and the proof that it is it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import card
+from tvclin.boundary.optimum import two_poles
+from tvclin.boundary.optimum.constraints import Constraints, constraints_of
+from tvclin.boundary.optimum.dual import best_multipliers
+from tvclin.boundary.optimum.exponential_sums import Window
+from tvclin.linear.deflections import BangBang, HeldDeflection
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History, Piecewise, linear_pieces
+
+FloatArray = NDArray[np.float64]
+
+OK = "ok"
+STABLE = "no unstable pole: no deflection is needed"
+UNTOUCHED = "the wind excites no unstable pole: no deflection is needed"
+NOT_CONVERGED = "not converged: the certificate says how far off it is"
+_GAP = 1e-9
+_ROUNDING = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """Why no deflection has a smaller peak: a lower bound beside the peak that is reached.
+
+    Attributes
+    ----------
+    primal : float
+        Peak [rad] of the deflection.
+    dual : float
+        lambda . d over the L1 norm of lambda . e: no deflection that meets the conditions has a
+        peak [rad] below it, whatever it looks like.
+    gap : float
+        (primal - dual)/primal.
+    residual : float
+        Largest violation of a condition (4b), relative to the sizes of its terms.
+    tail : float
+        Bound of what a truncated window leaves out of the L1 norm, relative to it; it is counted
+        in `dual`. Zero where nothing is truncated.
+    """
+
+    primal: float
+    dual: float
+    gap: float
+    residual: float
+    tail: float
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The deflection of least peak for one plant in one wind.
+
+    Attributes
+    ----------
+    peak : float
+        Its largest size [rad]; zero where no deflection is needed. Where the optimum was not
+        reached, at least the proved lower bound: look at `status`.
+    deflection : History
+        The deflection itself [rad]: held, or always at one of two limits, zero from a finite
+        horizon on.
+    switch_times : ndarray
+        Times [s] at which it changes its sign, ``(k,)``.
+    multipliers : ndarray
+        lambda [1/s], ``(n,)``, with an L1 norm of one: by how much the peak grows with d_i. The
+        functions of time e_i start at the start of the control; one for each real pole in the
+        order of `unstable_modes`, two (cosine, sine) for each pair.
+    certificate : Certificate
+        A lower bound of every peak, and the residuals.
+    status : str
+        "ok", or in words what is different.
+    """
+
+    peak: float
+    deflection: History
+    switch_times: FloatArray
+    multipliers: FloatArray
+    certificate: Certificate
+    status: str
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("peak", np.degrees(self.peak), "deg"),
+            ("proved lower bound", np.degrees(self.certificate.dual), "deg"),
+            ("switch times", self.switch_times, "s"),
+            ("status", self.status, ""),
+        ]
+        return card("Deflection of least peak", rows)
+
+
+def optimum_deflection(
+    plant: Plant, wind: History, start: float = 0.0, horizon: float | None = None
+) -> Optimum:
+    """Return the deflection of least peak that leaves no growing exponential (appendix C).
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant of any model, with any number of unstable poles.
+    wind : History
+        One wind that ends; its whole course is known beforehand.
+    start : float
+        Start of the control t1 [s]. A late start costs a factor e^(beta t1) with one pole, an
+        early one (negative) gains as much.
+    horizon : float, optional
+        Time [s] from which the deflection is zero again; by default it is never.
+
+    Returns
+    -------
+    Optimum
+        With a certificate. Compare it with `boundary_limit`, which meets the condition of the
+        fastest real pole only.
+
+    Raises
+    ------
+    InputError
+        For a batch, a wind that is zero or never ends, a horizon that is not after the start or
+        before the end of the wind, a start too late to be made up for, and unstable poles that
+        the deflection does not reach.
+
+    Notes
+    -----
+    With one pole the deflection is constant, delta = beta e^(beta t1) D; with two real ones it
+    changes its sign once, eqs (C5) and (C6); with N real ones at most N - 1 times, and without
+    end for a complex pair, which is followed until what is left is below 1e-12 of the norm (the
+    deflection is zero from there on). In general it is the peak times the sign of lambda . e.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> best = tv.optimum_deflection(plant, tv.TriangularWind(peak=-0.1, duration=37.787))
+    >>> round(best.peak / (0.1 * plant.coefficients.B), 4), best.switch_times.round(3)
+    (0.1391, array([0.284]))
+    """
+    constraints = constraints_of(plant, wind, start, horizon)
+    if not np.any(constraints.demands):
+        return _nothing(float(start), constraints.demands.size)
+    window = Window(constraints)
+    switches, multipliers = _solve(window)
+    switches, limit = _polished(window, switches)
+    deflection = _history(limit, switches + start, float(start), window.end + start)
+    certificate = certify(window, multipliers, switches, limit)
+    norm = window.signed(multipliers).norm
+    near = abs(certificate.gap) < _GAP and certificate.residual < _GAP
+    return Optimum(
+        abs(limit) if near else max(abs(limit), certificate.dual),
+        deflection,
+        switches + start,
+        multipliers / norm,
+        certificate,
+        OK if near else NOT_CONVERGED,
+    )
+
+
+def certify(
+    window: Window, multipliers: FloatArray, switches: FloatArray, limit: float
+) -> Certificate:
+    """Return what is reached by switching between two limits, and what cannot be undercut.
+
+    Parameters
+    ----------
+    window : Window
+        The conditions.
+    multipliers : ndarray
+        lambda, ``(n,)``; any of them bounds every peak from below.
+    switches : ndarray
+        Switch times [s] after the start, ``(k,)``.
+    limit : float
+        First deflection [rad].
+    """
+    constraints = window.constraints
+    summed = window.signed(multipliers)
+    beyond = window.tail(multipliers)
+    dual = float(multipliers @ constraints.demands / (summed.norm + beyond))
+    return Certificate(
+        primal=abs(limit),
+        dual=dual,
+        gap=(abs(limit) - dual) / abs(limit),
+        residual=_violation(window, switches, limit),
+        tail=beyond / summed.norm,
+    )
+
+
+def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
+    """Switch times after the start, and multipliers with lambda . d > 0, of any scale."""
+    c = window.constraints
+    if c.demands.size == 1:
+        return np.zeros(0), np.sign(c.demands)
+    if c.real and c.demands.size == 2:
+        return _two_poles(c)
+    best = best_multipliers(window)
+    return best.zeros, best.multipliers
+
+
+def _two_poles(c: Constraints) -> tuple[FloatArray, FloatArray]:
+    """The one switch of eqs (C5), and multipliers whose sum changes its sign there."""
+    poles, demands = np.real(c.poles), c.demands
+    time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
+    # Without a switch before the end one constant meets both; the faster pole alone proves it.
+    if np.isinf(time) or time >= c.horizon * (1.0 - _ROUNDING):
+        return np.zeros(0), np.where(poles == poles.max(), np.sign(demands), 0.0)
+    growth = np.exp((poles - poles.max()) * time)
+    multipliers = np.array([growth[0], -growth[1]])
+    return np.array([time]), multipliers * np.sign(multipliers @ demands)
+
+
+def _limit(window: Window, switches: FloatArray) -> float:
+    """The first deflection [rad] that meets the conditions with these switches, eq (C5a).
+
+    Of all conditions by least squares, each by its size, which evens out their rounding.
+    """
+    moments = _moments(window, switches).sum(axis=1) / window.sizes
+    demands = window.constraints.demands / window.sizes
+    return float(moments @ demands / (moments @ moments))
+
+
+def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
+    """Newton's iteration on the conditions themselves, by least moves of the switch times.
+
+    Times that come from nearly dependent conditions (a short horizon) are made exact to rounding.
+    """
+    limit = _limit(window, switches)
+    violation = _violation(window, switches, limit)
+    for _ in range(3 if switches.size else 0):
+        signs = (-1.0) ** np.arange(switches.size)
+        columns = [2.0 * limit * signs * window.constraints.basis(switches)]
+        columns.append(limit * _moments(window, switches).sum(axis=1, keepdims=True))
+        rows = np.hstack(columns) / window.sizes[:, np.newaxis]
+        missing = window.constraints.demands - columns[1][:, 0]
+        step = np.linalg.lstsq(rows, missing / window.sizes, rcond=None)[0]
+        trial, moved = switches + step[:-1], limit * (1.0 + step[-1])
+        if np.any(np.diff(trial, prepend=0.0, append=window.end) < 0.0):
+            break
+        if _violation(window, trial, moved) >= violation:
+            break
+        switches, limit, violation = trial, moved, _violation(window, trial, moved)
+    return switches, float(limit)
+
+
+def _violation(window: Window, switches: FloatArray, limit: float) -> float:
+    """The largest violation of a condition, relative to the sizes of its terms."""
+    demands = window.constraints.demands
+    pieces = limit * _moments(window, switches)
+    sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
+    return float((np.abs(pieces.sum(axis=1) - demands) / sizes).max())
+
+
+def _moments(window: Window, switches: FloatArray) -> FloatArray:
+    """Moments of the pieces of a unit deflection, +1 first."""
+    signs = (-1.0) ** np.arange(switches.size + 1)
+    knots = np.concatenate([[0.0], switches, [window.end]])
+    return window.constraints.moments(knots) * signs
+
+
+def _history(limit: float, switches: FloatArray, start: float, end: float) -> History:
+    deflection: History = (
+        BangBang(limit=limit, switch_times=switches, start=start)
+        if switches.size
+        else HeldDeflection(limit=limit, start=start)
+    )
+    return deflection if np.isinf(end) else deflection.before(end)
+
+
+def _nothing(start: float, conditions: int) -> Optimum:
+    zero = Piecewise(linear_pieces([start], [0.0], 0.0))
+    proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
+    status = UNTOUCHED if conditions else STABLE
+    return Optimum(0.0, zero, np.zeros(0), np.zeros(conditions), proof, status)

@@ -1,0 +1,211 @@
+"""The deflection of least peak when it may change only at a limited rate.
+
+A linear program over deflections that are straight between nodes, with the exact moments of
+each straight piece. The nodes are refined where the rate or the peak begins or ceases to bind.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    number,
+    positive,
+    shown,
+)
+from tvclin.boundary.optimum.constraints import Constraints, constraints_of
+from tvclin.boundary.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
+from tvclin.boundary.optimum.rate_program import RateProgram
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History, Piecewise, linear_pieces
+
+FloatArray = NDArray[np.float64]
+
+_RATES = (1e-15, 1e9)
+"""Rates that the program can tell from none, and from any [rad/s]."""
+_FEWEST, _MOST = 10, 10_000
+"""Steps of the program."""
+_REFINEMENTS = 8
+_SETTLED = 1e-8
+_ACTIVE = 1e-7
+_DECAYED = 20.0
+_MOST_SPLIT = 40
+
+
+@dataclass(frozen=True, eq=False)
+class RateLimitedOptimum:
+    """The deflection of least peak under a rate limit.
+
+    Attributes
+    ----------
+    peak : float
+        Its largest size [rad].
+    deflection : History
+        The deflection [rad], straight between nodes, zero at the start; the last value is held
+        for ever or to the horizon.
+    rate : float
+        Its largest slope [rad/s]; below the limit where that does not bind.
+    unlimited_peak : float
+        Peak [rad] without a rate limit, a lower bound.
+    residual : float
+        Largest violation of a condition (4b), relative to the sizes of its terms.
+    change : float
+        By how much the last refinement of the nodes lowered the peak, relative to it. The peak
+        is an upper bound that falls towards the least one.
+    status : str
+        "ok", or in words why no deflection is needed.
+    """
+
+    peak: float
+    deflection: History
+    rate: float
+    unlimited_peak: float
+    residual: float
+    change: float
+    status: str
+
+
+def optimum_with_rate_limit(
+    plant: Plant,
+    wind: History,
+    rate_limit: float,
+    start: float = 0.0,
+    horizon: float | None = None,
+    steps: int = 200,
+) -> RateLimitedOptimum:
+    """Return the deflection of least peak whose rate stays within a limit.
+
+    Parameters
+    ----------
+    plant, wind, start, horizon
+        As of `optimum_deflection`. The deflection is zero at the start; with a horizon the last
+        value is dropped there, whatever the rate.
+    rate_limit : float
+        Largest ``|delta'|`` [rad/s], positive.
+    steps : int
+        Number of pieces to begin with, at least 10.
+
+    Raises
+    ------
+    InputError
+        As `optimum_deflection`, and for a rate with which no deflection survives the wind; the
+        message says which rate would do.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> wind = tv.TriangularWind(peak=-0.1, duration=7.5)
+    >>> slow = tv.optimum_with_rate_limit(plant, wind, rate_limit=0.005)
+    >>> round(slow.peak / tv.optimum_deflection(plant, wind).peak, 4)
+    1.3026
+    """
+    rate = number("rate_limit", rate_limit, positive, "rad/s")
+    number("rate_limit", rate, between(*_RATES), "rad/s")
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _FEWEST:
+        raise InputError(f"steps must be a whole number of {_FEWEST} or more; got {shown(steps)}")
+    if steps > _MOST:
+        raise InputError(f"steps must be at most {_MOST}; got {shown(steps)}")
+    constraints = constraints_of(plant, wind, start, horizon)
+    unlimited = optimum_deflection(plant, wind, start, horizon)
+    if unlimited.peak == 0.0:
+        status = UNTOUCHED if constraints.demands.size else STABLE
+        return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
+    nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)
+    program, values, change = _refined(constraints, nodes, rate, unlimited.peak)
+    slopes = np.diff(values) / np.diff(program.nodes)
+    deflection: History = Piecewise(
+        linear_pieces(program.nodes + start, values, np.append(slopes, 0.0))
+    )
+    if np.isfinite(constraints.horizon):
+        deflection = deflection.before(constraints.horizon + start)
+    return RateLimitedOptimum(
+        peak=float(np.abs(values).max()),
+        deflection=deflection,
+        rate=float(np.abs(slopes).max()),
+        unlimited_peak=unlimited.peak,
+        residual=program.residual(values),
+        change=change,
+        status=OK,
+    )
+
+
+def _refined(
+    constraints: Constraints, nodes: FloatArray, rate: float, unit: float
+) -> tuple[RateProgram, FloatArray, float]:
+    """The program on nodes fine enough, its values [rad], and the last change of the peak."""
+    change, reached = np.inf, np.inf
+    best: RateProgram | None = None
+    for _ in range(_REFINEMENTS):
+        program = RateProgram(constraints, nodes, rate, unit)
+        found = program.least_peak()
+        if found is None:
+            break
+        peak = float(np.abs(found[0]).max())
+        change = reached / peak - 1.0
+        if peak < reached:
+            best, reached = program, peak
+        if change < _SETTLED:
+            break
+        nodes = _with_corners(program, *found)
+    values = None if best is None else best.calmest(reached * (1.0 + _SETTLED))
+    if best is None or values is None:
+        raise _refusal(constraints, nodes, rate, unit)
+    return best, values * unit, max(change, 0.0)
+
+
+def _refusal(constraints: Constraints, nodes: FloatArray, rate: float, unit: float) -> InputError:
+    least = RateProgram(constraints, nodes, rate, unit).least_rate()
+    return InputError(
+        f"rate_limit is too small for any deflection to survive this wind; got {rate:.6g} rad/s,"
+        f" and about {1.001 * least:.4g} rad/s would do"
+    )
+
+
+def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:
+    """Nodes as even as can be for every pole, and at the switches without a rate limit."""
+    last = min(constraints.horizon, _DECAYED / constraints.decays.min())
+    share = max(steps // constraints.poles.size, 8)
+    parts = [np.array([0.0, last]), switches[switches < last]]
+    for pole in constraints.poles:
+        decay = np.real(pole)
+        reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
+        parts.append(-4.0 / decay * np.log1p(-np.linspace(0.0, reach, share)))
+        if np.imag(pole):
+            parts.append(np.linspace(0.0, last, share))
+    return _apart(np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max())
+
+
+def _apart(nodes: FloatArray, gap: float) -> FloatArray:
+    """The nodes in order, without those that all but coincide; the last stays."""
+    nodes = np.unique(nodes)
+    far = np.diff(nodes) > gap
+    return np.append(nodes[:-1][far], nodes[-1])
+
+
+def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
+    """The nodes, and more in those pieces that are neither held at the peak nor at full rate.
+
+    But not where the prices say that nothing can be gained.
+    """
+    nodes, peak, slope = program.nodes, np.abs(values).max(), program.rate / program.unit
+    held = np.abs(values) > peak * (1.0 - _ACTIVE)
+    full = np.abs(np.diff(values)) > program.steps - _ACTIVE * np.minimum(peak, program.steps)
+    flat = held[:-1] & held[1:] & (values[:-1] * values[1:] > 0.0)
+    decays = program.constraints.decays[:, np.newaxis]
+    worth = np.abs(prices) @ np.exp(-decays * nodes[:-1]) * np.diff(nodes)
+    loose = np.flatnonzero(~(flat | full) & (worth > _SETTLED * worth.max()))
+    loose = loose[np.argsort(-worth[loose])[:_MOST_SPLIT]]
+    left, right = nodes[loose], nodes[loose + 1]
+    new = [left + (right - left) * part for part in (0.25, 0.5, 0.75)]
+    for side in (peak, -peak):  # where a line of full rate through an end meets the peak
+        new.append(left + np.abs(side - values[loose]) / slope)
+        new.append(right - np.abs(side - values[loose + 1]) / slope)
+    inside = [np.where((time > left) & (time < right), time, left) for time in new]
+    fastest = np.abs(program.constraints.poles).max()
+    return _apart(np.concatenate([nodes, *inside]), min(1e-6 / fastest, 1e-3 * peak / slope))

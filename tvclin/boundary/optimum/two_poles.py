@@ -1,0 +1,277 @@
+"""Two real unstable poles: eqs (C5) to (C9), and how far the single-pole theory reaches.
+
+    y = beta1 D1/(beta2 D2),   r = beta1/beta2,   x = e^(-beta2 t_s)
+
+with beta1 the slow pole, beta2 the fast one, and t_s the time of the one switch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, number, plain, positive, together, within
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import Coefficients
+
+FloatArray = NDArray[np.float64]
+
+_NEVER = 60.0
+"""e^(-60) is far below the rounding of any condition: a switch later than this is none."""
+
+
+def switch_time(
+    poles: tuple[float, float], demands: tuple[float, float], horizon: float = np.inf
+) -> float:
+    """Return the time of the switch [s] after the start; infinite when there is none.
+
+    Parameters
+    ----------
+    poles : tuple of float
+        Two different positive poles [1/s], in any order.
+    demands : tuple of float
+        d_i [rad s] of the poles, not both zero.
+    horizon : float
+        H [s]; infinite for a deflection that is held for ever.
+
+    Notes
+    -----
+    With c_i = p_i d_i, E_i = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) say
+
+        c1 (1 - 2 E2 + F2) = c2 (1 - 2 E1 + F1).
+
+    The difference of the two sides has opposite values at t_s = 0 and t_s = H, and one zero
+    between them whatever the signs and sizes of c_i: any direction meets the border of the convex
+    set of attainable moments once. Nothing is divided by c_i, and y = 1 is no special point:
+    the switch moves to infinity on one side of it and comes back from zero on the other.
+    """
+    c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
+
+    def excess(t: float) -> float:
+        """The difference, summed so that what cancels is exact or meant to cancel."""
+        (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
+        return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
+
+    return _bracketed_zero(excess, min(horizon, _NEVER / min(poles)))
+
+
+def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
+    """1 - 2 E + F, eq (C5), in two parts: early from what is lost since zero, late as it stands."""
+    if pole * t < 0.5:
+        return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
+    return 1.0 + math.exp(-pole * horizon), -2.0 * math.exp(-pole * t)
+
+
+def _bracketed_zero(excess: Callable[[float], float], last: float) -> float:
+    from scipy.optimize import brentq  # late: it takes 0.3 s to import
+
+    ends = excess(0.0), excess(last)
+    if ends[0] == 0.0 or ends[0] * ends[1] >= 0.0:
+        return np.inf
+    rounding = 4.0 * float(np.finfo(float).eps)
+    return float(brentq(excess, 0.0, last, xtol=1e-300, rtol=rounding, maxiter=500))
+
+
+def switch_variable(y: float, ratio: float) -> float:
+    """Return x = e^(-beta2 t_s), the solution of eq (C6), in [0, 1].
+
+    Parameters
+    ----------
+    y : float
+        beta1 D1/(beta2 D2), of any sign and size.
+    ratio : float
+        r = beta1/beta2, between 0 and 1.
+
+    Notes
+    -----
+    2 x^r - 2 x y = 1 - y. At y = 1 it is x = 0: the switch comes never.
+
+    Examples
+    --------
+    >>> round(switch_variable(10.0, 0.1), 5)
+    0.5441
+    """
+    y, ratio = number("y", y), _ratio(ratio)
+    return float(np.exp(-switch_time((ratio, 1.0), (y / ratio, 1.0))))
+
+
+def late_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
+    """Return the approximation (C7) of x, for 0 <= y <= 1 and poles far apart.
+
+        x = ((1 - y)/2)^(1/r)
+
+    Raises
+    ------
+    InputError
+        For a y outside [0, 1], or a ratio not between 0 and 1.
+    """
+    y, r = within("y", y, 0.0, 1.0), _ratios(ratio)
+    together(y=y, ratio=r)
+    return plain(np.asarray(((1.0 - y) / 2.0) ** (1.0 / r)))
+
+
+def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
+    """Return the approximation of x for a large y.
+
+        x = (y - 1 + 2^(1 - r))/(2 y)
+
+    It follows from one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too
+    small. For y -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1).
+
+    Raises
+    ------
+    InputError
+        For a y not positive, or a ratio not between 0 and 1.
+    """
+    y, r = positive("y", y), _ratios(ratio)
+    together(y=y, ratio=r)
+    return plain(np.asarray((y - 1.0 + 2.0 ** (1.0 - r)) / (2.0 * y)))
+
+
+def switching_ratio(
+    duration: ArrayLike, beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
+) -> Any:
+    """Return y of a triangular wind, eq (C8) with the ratio of the K1_i that the print leaves out.
+
+        y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
+
+    Parameters
+    ----------
+    duration : array_like
+        tau [s], positive.
+    beta1, beta2 : array_like
+        Slow and fast unstable pole [1/s], positive.
+    K1_ratio : array_like
+        K1_1/K1_2 with K1_i = (beta_i + b2)/(beta_i + b1); 1 as printed.
+
+    Notes
+    -----
+    It rises with the duration from K1_ratio beta1/beta2 to K1_ratio beta2/beta1.
+    """
+    tau, b1, b2 = (
+        positive("duration", duration, "s"),
+        positive("beta1", beta1, "1/s"),
+        positive("beta2", beta2, "1/s"),
+    )
+    K = positive("K1_ratio", K1_ratio)
+    together(duration=tau, beta1=b1, beta2=b2, K1_ratio=K)
+    part = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
+    return plain(np.asarray(K * b2 / b1 * part**2))
+
+
+def longest_single_pole_duration(
+    beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
+) -> Any:
+    """Return the duration tau [s] of a triangular wind at which y = 1, without (C9)'s neglect.
+
+    Up to there the fast pole alone decides the least peak, nearly.
+
+    Parameters
+    ----------
+    beta1, beta2, K1_ratio : array_like
+        As of `switching_ratio`.
+
+    Returns
+    -------
+    float or ndarray
+        NaN where y is never 1: K1_ratio must be between beta1/beta2 and beta2/beta1.
+
+    Examples
+    --------
+    >>> round(longest_single_pole_duration(0.01, 0.5), 3)
+    30.479
+    """
+    b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
+    shape = np.broadcast_shapes(b1.shape, b2.shape, K.shape)
+    reached = (b1 < K * b2) & (K * b1 < b2)
+    latest = np.where(reached, neglecting_the_fast_pole(b1, b2, np.where(reached, K, 1.0)), 1.0)
+    from scipy.optimize.elementwise import find_root  # late: it takes 0.3 s to import
+
+    def excess(tau: FloatArray, b1: FloatArray, b2: FloatArray, K: FloatArray) -> FloatArray:
+        part = np.expm1(-tau * b1 / 2.0) / np.expm1(-tau * b2 / 2.0)
+        return np.asarray(np.sqrt(K * b2 / b1) * part - 1.0)
+
+    args = tuple(np.broadcast_to(a, shape) for a in (b1, b2, K))
+    latest = np.broadcast_to(latest, shape)
+    found = find_root(excess, (latest * 1e-12, latest * (1.0 + 1e-9)), args=args)
+    return plain(np.where(np.broadcast_to(reached, shape), found.x, np.nan))
+
+
+def neglecting_the_fast_pole(beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0) -> Any:
+    """Return the duration tau [s] at which y = 1 by eq (C9), which neglects e^(-tau beta2/2).
+
+        1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
+
+    Parameters
+    ----------
+    beta1, beta2, K1_ratio : array_like
+        As of `switching_ratio`; NaN where y is never 1.
+
+    Examples
+    --------
+    >>> round(neglecting_the_fast_pole(0.01, 0.5), 3)
+    30.495
+    """
+    b1, b2, K = _positive_three(beta1, beta2, K1_ratio)
+    part = np.sqrt(b1 / (K * b2))
+    reached = part < 1.0
+    return plain(np.where(reached, -2.0 / b1 * np.log1p(-np.where(reached, part, 0.0)), np.nan))
+
+
+def single_pole_validity(coefficients: Coefficients) -> Any:
+    """Return the duration [s] up to which a single-pole boundary holds in triangular winds.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Of one vehicle or a batch.
+
+    Returns
+    -------
+    float or ndarray
+        tau [s] at which y = 1, with the actual poles of the third-order model and their K1_i;
+        longer winds need markedly more deflection than the fast pole alone asks for. NaN for
+        a vehicle without two real unstable poles.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> round(single_pole_validity(tv.Coefficients.from_vehicle(vehicle)), 1)
+    31.8
+    """
+    modes = unstable_modes(Plant.from_coefficients(coefficients, "drift-exact"))
+    poles = modes.poles
+    if poles.shape[-1] < 2:
+        return plain(np.full(coefficients.batch, np.nan))
+    usable = np.all((np.imag(poles) == 0.0) & ~np.isnan(poles), axis=-1)
+    slow, fast = (np.where(usable, np.real(poles[..., i]), 1.0 + i) for i in (1, 0))
+    with np.errstate(invalid="ignore"):  # complex NaN stands for a pole that is not there
+        K = np.real(modes.wind_residues / modes.deflection_residues)
+    ratio = np.where(usable, K[..., 1] / K[..., 0], 1.0)
+    usable &= ratio > 0.0
+    found = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))
+    return plain(np.where(usable, found, np.nan))
+
+
+def _positive_three(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
+    b1, b2 = positive("beta1", beta1, "1/s"), positive("beta2", beta2, "1/s")
+    K = positive("K1_ratio", K1_ratio)
+    together(beta1=b1, beta2=b2, K1_ratio=K)
+    return b1, b2, K
+
+
+def _ratio(ratio: float) -> float:
+    return number("ratio", _ratios(ratio))
+
+
+def _ratios(ratio: ArrayLike) -> FloatArray:
+    r = positive("ratio", ratio)
+    if np.any(r >= 1.0):
+        raise InputError(f"ratio must be below 1, slow pole over fast; got {r.max():.6g}")
+    return r

@@ -1,0 +1,137 @@
+"""Which states a limited deflection can still bring back: the recoverable set.
+
+Each unstable mode of a plant has a coordinate z, a sum of its states scaled such that
+
+    z' = s (z - u - k alpha_w),    u = deflection/B,    |u| <= D = limit/B,
+
+s being the pole and k the strength of the wind in it. Without wind one mode is recoverable when
+|z| < D; two real modes are recoverable together when they lie between the two paths that end at
+rest with one switch of the full deflection. Outside, nothing helps any more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, instance, single
+from tvclin.kernels.choice import run
+from tvclin.kernels.control_laws import slow_ends
+from tvclin.kernels.reaches import least_reaches
+from tvclin.linear.modes import poles_in_words, unstable_poles
+from tvclin.linear.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+_MOST = 2
+_SECONDS, _COMPILED_SECONDS = 5e-5, 5e-7
+"""About what one reach takes, in plain Python and as machine code."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnstableCoordinates:
+    """The coordinates of the unstable modes of one plant, the fastest first.
+
+    Attributes
+    ----------
+    poles : ndarray
+        s [1/s], ``(N,)``, N being one or two.
+    rows : ndarray
+        z = rows @ states [rad], ``(N, n)``.
+    wind : ndarray
+        k, ``(N,)``: the report's K1 of each pole.
+    """
+
+    poles: FloatArray
+    rows: FloatArray
+    wind: FloatArray
+
+    @cached_property
+    def ratio(self) -> float:
+        """The slow pole over the fast one; zero where there is only one."""
+        return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
+
+    def inside(self, z: FloatArray, reach: Any) -> Any:
+        """Return whether the coordinates ``(..., N)`` are recoverable with |u| < reach ``(...)``.
+
+        Strictly: on the edge the deflection holds the state and cannot bring it back.
+        """
+        first = np.abs(z[..., 0]) < reach
+        if self.poles.size == 1:
+            return first
+        low, high = self.slow_range(z[..., 0], reach)
+        return first & (low < z[..., 1]) & (z[..., 1] < high)
+
+    def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
+        """Return the ends of the slow coordinate that go with a fast one, |fast| <= reach."""
+        low, high = slow_ends(np.clip(fast / reach, -1.0, 1.0), self.ratio)
+        return reach * low, reach * high
+
+
+def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
+    """Return the coordinates of the unstable modes of a plant.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant with one or two real unstable poles.
+
+    Raises
+    ------
+    InputError
+        For a batch, a plant without an unstable pole, and one with more than two or a pair.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> from tvclin.boundary.recoverable import unstable_coordinates
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> unstable_coordinates(plant).rows  # attitude + rate/beta
+    array([[1., 2.]])
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    single("plant", plant.batch)
+    poles = unstable_poles(plant)
+    if not poles.size or np.iscomplexobj(poles) or poles.size > _MOST:
+        raise InputError(
+            "plant must have one or two real unstable poles, as the models fixed-path, drift and"
+            f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
+            f" {poles_in_words(poles)}"
+        )
+    A, inputs, _, _ = plant.matrices()
+    rows = [left_vector(A, pole) for pole in poles]
+    scaled = np.array(
+        [
+            row * (-pole / plant.coefficients.B) / (row @ inputs[:, 0])
+            for row, pole in zip(rows, poles, strict=True)
+        ]
+    )
+    return UnstableCoordinates(poles, scaled, -(scaled @ inputs[:, 1]) / poles)
+
+
+def least_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
+    """Return the reach [rad] on whose edge the coordinates of two real modes lie.
+
+    It is the least peak of u = deflection/B that brings them to rest.
+
+    Parameters
+    ----------
+    fast, slow : ndarray
+        Coordinates z of the two modes [rad], ``(n,)`` each.
+    ratio : ndarray
+        The slow pole over the fast one, in (0, 1), ``(n,)``.
+    """
+    found = np.empty(fast.size)
+    columns = [np.require(one, float, ["C", "W"]) for one in (fast, slow, ratio)]
+    count = found.size
+    run(least_reaches, (*columns, found), count, _SECONDS * count, _COMPILED_SECONDS * count)
+    return found
+
+
+def left_vector(A: FloatArray, pole: float) -> FloatArray:
+    """Return the row l with l A = pole l, of length one."""
+    return np.linalg.svd(A.T - pole * np.eye(len(A)))[2][-1]

@@ -1,0 +1,121 @@
+"""When the dead band is left on the stability boundary, for any wind of one sign.
+
+The report's control trims until the driver (B alpha_w, or the trim deflection) reaches K times
+the limit, and holds the limit from then on. Held from the time t on, the limit that meets (4b)
+is the demand, the discounted mean of the trim deflection still to come. On the boundary
+
+    driver(t) = K demand(t),    t being the first time at which the driver is so high.
+
+Only new heights of the driver count, for a lower limit was reached before. Of several solutions
+the last has the largest limit, and every larger limit is sufficient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.kernels import switches
+from tvclin.kernels.choice import run
+from tvclin.kernels.pieces import rows
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+_SECONDS, _COMPILED_SECONDS = 3e-4, 3e-7
+"""About what a knot of a case takes, in plain Python and as machine code."""
+
+
+@dataclass(frozen=True)
+class Switch:
+    """The solution: when the dead band is left, and two ways in which there is none.
+
+    Attributes
+    ----------
+    time : ndarray
+        Time [s], ``(...)``.
+    demand : ndarray
+        What (4b) asks for when the limit is held from that time on, over B alpha_w,max.
+    jumps : ndarray of bool
+        The demand jumps over the limit where the driver comes back to an earlier height.
+    never : ndarray of bool
+        The demand stays above what the driver reaches, so the dead band is never left.
+    """
+
+    time: FloatArray
+    demand: FloatArray
+    jumps: NDArray[np.bool_]
+    never: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Which wind a plant is in, and what decides about it.
+
+    Attributes
+    ----------
+    plant, wind
+        Batches; the wind ends.
+    pole : ndarray
+        The growth rate [1/s] whose condition (4b) is met, positive.
+    dead_band : ndarray
+        K. All broadcast to `shape`.
+    shape : tuple of int
+        Of the batch.
+    """
+
+    plant: Plant
+    wind: History
+    pole: FloatArray
+    dead_band: FloatArray
+    shape: tuple[int, ...]
+
+    def solve(self, *literal: bool) -> list[Switch]:
+        """Return the solution for each driver: B alpha_w, or where `literal` trim itself."""
+        winds, which, numbers = self._arrays
+        out = np.empty((which.size, len(literal), 3))
+        self._run(switches.switches, winds, which, numbers, np.array(literal), out)
+        time, demand, status = np.moveaxis(out.reshape(*self.shape, len(literal), 3), -1, 0)
+        return [
+            Switch(
+                time[..., k],
+                demand[..., k],
+                status[..., k] == switches.JUMPS,
+                status[..., k] == switches.NEVER,
+            )
+            for k in range(len(literal))
+        ]
+
+    def largest_trim(self, cases: NDArray[np.bool_]) -> FloatArray:
+        """Return the largest trim over B alpha_w,max of some cases; zero for the others."""
+        found = np.zeros(self.shape)
+        winds, which, numbers = self._arrays
+        some = np.flatnonzero(cases)
+        out = np.empty(some.size)
+        self._run(switches.largest_trims, winds, which[some], numbers[some], out)
+        found.ravel()[some] = out
+        return found
+
+    @cached_property
+    def _arrays(self) -> tuple[Any, NDArray[np.intp], FloatArray]:
+        """The winds over their peaks, the wind of each case, and the numbers of each."""
+        winds, which = rows((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
+        filtering = self.plant.trim_filter
+        every = (self.pole, self.dead_band, *filtering)
+        columns = [np.broadcast_to(one, self.shape).ravel() for one in every]
+        return winds, which, np.stack(columns, axis=-1)
+
+    def _run(self, function: Any, winds: Any, which: NDArray[np.intp], *arrays: Any) -> None:
+        knots = winds[0].shape[-1] * which.size
+        run(
+            function,
+            (winds, which, *arrays),
+            which.size,
+            _SECONDS * knots,
+            _COMPILED_SECONDS * knots,
+        )

@@ -1,0 +1,1 @@
+"""What decides of the deflection: autopilot, margins, laws, and how they compare with trim."""

@@ -1,0 +1,326 @@
+"""The autopilot: attitude and rate feedback, with actuator and delay, around one plant.
+
+    delta = a0 (theta - command) + a1 theta' + b0 alpha + aI * integral of (theta - command)
+
+Positive deflection pitches the nose down, so positive gains are negative feedback. `loop` and
+`close` wire the same blocks and give python-control's own systems with named signals.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    broadcast,
+    instance,
+    times_row,
+)
+from tvclin.control.autopilot.answer import WindAnswer, wind_answer
+from tvclin.control.autopilot.diagram import with_diagram
+from tvclin.control.autopilot.doubts import pade_misleads, warn_of_doubts
+from tvclin.control.autopilot.feedback import Feedback
+from tvclin.control.autopilot.systems import closed_loop, open_loop, wind_response
+from tvclin.control.autopilot.wiring import closed, rational_loop
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    import control
+
+FloatArray = NDArray[np.float64]
+
+_MISLED = (
+    "pade_order = {} is too low for this delay: with the exact delay the loop has another number"
+    " of unstable poles"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Autopilot(Feedback):
+    """Feedback of attitude, attitude rate, angle of attack and integrated attitude.
+
+    Gains, delay and actuator may be arrays, which broadcast with each other and with a batch of
+    plants: gains over the flight, or a thousand dispersed loops. `loop` and `close` are for one.
+
+    Parameters
+    ----------
+    attitude_gain : array_like
+        a0 [rad/rad]; positive is negative feedback, where mu_delta is positive.
+    rate_gain : array_like
+        a1 [s].
+    alpha_gain : array_like
+        b0 [rad/rad], on the angle of attack, of which the wind is a part.
+    integral_gain : array_like
+        aI [1/s], on the integral of attitude less command; in a batch zero for all or for none.
+    actuator : Actuator, optional
+        Without one the deflection follows its command at once.
+    delay : array_like
+        Delay [s] between the sum of the feedbacks and the actuator.
+    pade_order : int
+        Order of the Pade approximation that stands for the delay in `loop`, `close` and
+        `answer`, 1 to 10. `frequency_response` and `margins` have the exact delay.
+
+    Raises
+    ------
+    InputError
+        For gains that are all zero or beyond 1e-30 to 1e9 in size, a delay below zero or beyond
+        1e-9 to 1e9 s, and shapes that do not broadcast.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> c = tv.Coefficients(mu_alpha=0.228, mu_delta=1.317)
+    >>> plant = tv.Plant.from_coefficients(c)
+    >>> tv.Autopilot(attitude_gain=1.88, rate_gain=1.59).close(plant).poles().round(3)
+    array([-1.047+1.073j, -1.047-1.073j])
+    """
+
+    @with_diagram
+    def loop(self, plant: Plant) -> control.StateSpace:
+        """Return the loop L, broken at the deflection command.
+
+        LOOP_DIAGRAM
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+
+        Returns
+        -------
+        control.StateSpace
+            From deflection_command to returned_command [rad]. The sign is such that the closed
+            loop is 1 + L = 0: on eq (5), L = (a0 + a1 s) mu_delta/(s^2 - mu_alpha).
+
+        Raises
+        ------
+        InputError
+            For a batch.
+
+        Warns
+        -----
+        UserWarning
+            Where a gain that should stiffen or damp is zero or positive feedback on this plant,
+            and where the actuator is slower than its fastest unstable pole.
+        """
+        self._require_single("loop", plant)
+        warn_of_doubts(self, plant)
+        return open_loop(self, plant)
+
+    @with_diagram
+    def close(self, plant: Plant) -> control.StateSpace:
+        """Return the plant with this autopilot around it.
+
+        LOOP_DIAGRAM
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+
+        Returns
+        -------
+        control.StateSpace
+            Inputs wind, attitude_command and deflection_disturbance [rad]; outputs those of the
+            plant [rad, rad/s], and the deflection [rad] that acts on it, disturbance included.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+
+        Warns
+        -----
+        UserWarning
+            As `loop`. An unstable closed loop is returned like any other: ask for its poles.
+        """
+        self._require_single("close", plant)
+        warn_of_doubts(self, plant)
+        system = closed_loop(self, plant)
+        if pade_misleads(self, plant, system.A):
+            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
+        return system
+
+    def closed_loop_poles(self, plant: Plant) -> NDArray[np.complex128]:
+        """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+
+        Warns
+        -----
+        UserWarning
+            As `close`.
+        """
+        self._require_single("closed_loop_poles", plant)
+        warn_of_doubts(self, plant)
+        A = closed(self, plant)[1]
+        if pade_misleads(self, plant, A):
+            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
+        return np.linalg.eigvals(A).astype(complex)
+
+    def rational_loop(self, plant: Plant) -> Loop:
+        """Return the loop as polynomials and an exact delay, for one plant or a batch.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant or a batch of any model; it broadcasts with the gains.
+
+        Returns
+        -------
+        tvclin.control.margins.Loop
+            The L of `loop`, but that its delay is exact.
+        """
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        broadcast(autopilot=self.batch, plant=plant.batch)
+        return rational_loop(self, plant)
+
+    def margins(self, plant: Plant) -> Margins:
+        """Return the margins of the loop around one plant, or around each of a batch.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant or a batch of any model; it broadcasts with the gains.
+
+        Returns
+        -------
+        Margins
+            See there for the names. The closed-loop poles come first: a loop that they show to
+            be unstable has no margins, and `reason` says so.
+
+        Warns
+        -----
+        UserWarning
+            As `loop`.
+
+        Examples
+        --------
+        >>> import tvclin as tv
+        >>> plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=0.228, mu_delta=1.317))
+        >>> m = tv.Autopilot(attitude_gain=1.88, rate_gain=1.59).margins(plant)
+        >>> round(m.crossover_frequency, 3), round(m.phase_margin_deg, 1)
+        (2.262, 62.4)
+        >>> round(m.aero_margin_dB, 1)
+        20.7
+        """
+        loop = self.rational_loop(plant)
+        warn_of_doubts(self, plant)
+        return loop_margins(loop)
+
+    def frequency_response(self, plant: Plant, omega: ArrayLike) -> NDArray[np.complex128]:
+        """Return L(j omega) of `loop`, with the exact delay e^(-j omega delay).
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant or a batch of any model.
+        omega : array_like
+            Frequencies [rad/s], of any shape, which follows that of the batch; where the loop
+            has a pole the answer is infinite.
+
+        Raises
+        ------
+        InputError
+            For frequencies that are not finite.
+        """
+        return self.rational_loop(plant).response(omega)
+
+    def answer(self, plant: Plant, wind: History) -> WindAnswer:
+        """Return what the closed loop makes of a wind, without limits, at any time.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+        wind : History
+            One wind angle of attack [rad].
+
+        Returns
+        -------
+        WindAnswer
+            The outputs of `close` and their peaks, exact: nothing is sampled. A delay enters as
+            its Pade approximation.
+
+        Raises
+        ------
+        InputError
+            For a batch, and for a Pade approximation that shows another stability than the
+            exact delay.
+        """
+        return self.in_winds(plant)(wind)
+
+    def in_winds(self, plant: Plant) -> Callable[[History], WindAnswer]:
+        """Return the function that gives the `answer` to one wind after another.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+
+        Raises
+        ------
+        InputError
+            As `answer`.
+        """
+        self._require_single("answer", plant)
+        _, A, B, C, D = closed(self, plant)
+        if pade_misleads(self, plant, A):
+            raise InputError(_MISLED.format(self.pade_order))
+        labels = (*plant.outputs, "deflection")
+        return partial(wind_answer, A, B[:, 0], C, D[:, 0], labels)
+
+    def respond(self, plant: Plant, wind: History, timepts: ArrayLike) -> control.TimeResponseData:
+        """Return the exact response of the closed loop to a wind as `control.TimeResponseData`.
+
+        Parameters
+        ----------
+        plant : Plant
+            One plant of any model.
+        wind : History
+            One wind angle of attack [rad].
+        timepts : array_like
+            Times [s], ``(n,)``; knots of the wind need not be among them.
+
+        Returns
+        -------
+        control.TimeResponseData
+            Outputs those of the plant, and the deflection [rad, rad/s]; input wind [rad].
+
+        Raises
+        ------
+        InputError
+            For a batch, and for times that are not finite or not one row.
+        """
+        times = times_row("timepts", timepts)
+        self._require_single("respond", plant)
+        answer = self.answer(plant, wind)
+        name = f"{plant.model} with autopilot"
+        title = f"Response to wind, {name}"
+        return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
+
+    def _require_single(self, what: str, plant: Plant) -> None:
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        if self.batch or plant.batch:
+            raise InputError(
+                f"{what}() is for one autopilot and one plant; got batches of shape"
+                f" {self.batch} and {plant.batch} (use margins(), or take one at a time)"
+            )

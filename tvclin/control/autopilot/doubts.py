@@ -1,0 +1,67 @@
+"""What is legal in an autopilot and hardly ever meant."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.control.autopilot.feedback import Feedback
+from tvclin.control.autopilot.wiring import rational_loop
+from tvclin.kernels.stability import stability
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
+
+_OUTSIDE = 3
+"""The warning points at the caller of the method that asks."""
+
+
+def warn_of_doubts(autopilot: Feedback, plant: Plant) -> None:
+    """Warn of zero gains, positive feedback, and an actuator slower than the plant."""
+    mu_delta = np.asarray(plant.coefficients.mu_delta)
+    stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
+    name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
+    # A stable vehicle has a stiffness of its own, on the angle of attack. Feedback of that angle
+    # may give it back, but no feedback of the attitude alone is meant to.
+    own = np.maximum(-np.asarray(plant.coefficients.mu_alpha), 0.0)
+    own = np.where((stiffness != 0.0) & (np.asarray(autopilot.alpha_gain) == 0.0), 0.0, own)
+    gains: list[tuple[str, Any, Any, str]] = [
+        (name, stiffness, own, "holds"),
+        ("rate_gain", np.asarray(autopilot.rate_gain), 0.0, "damps"),
+    ]
+    if np.any(autopilot.integral_gain):
+        gains.append(("integral_gain", np.asarray(autopilot.integral_gain), 0.0, ""))
+    for name, gains_of_all, own_of_all, does in gains:
+        gain, per, has = np.broadcast_arrays(gains_of_all, mu_delta, own_of_all)
+        worst = np.unravel_index(np.argmin(gain * per + has), gain.shape)
+        if gain[worst] * per[worst] + has[worst] < 0.0:
+            warnings.warn(
+                f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
+                f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
+                stacklevel=_OUTSIDE,
+            )
+        elif gain[worst] == has[worst] == 0.0:
+            warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=_OUTSIDE)
+    if autopilot.actuator is None:
+        return
+    poles = np.real(unstable_modes(plant).poles)
+    fastest = np.nan_to_num(poles).max(axis=-1, initial=0.0)
+    slow = np.asarray(autopilot.actuator.natural_frequency) < fastest
+    if np.any(slow):
+        frequency = np.min(autopilot.actuator.natural_frequency)
+        warnings.warn(
+            f"the actuator, natural_frequency = {frequency:.6g} rad/s, is slower than the"
+            f" fastest unstable pole of the plant, {np.max(fastest):.6g} 1/s",
+            stacklevel=_OUTSIDE,
+        )
+
+
+def pade_misleads(autopilot: Feedback, plant: Plant, A: NDArray[np.float64]) -> bool:
+    """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
+    if not autopilot.delay:
+        return False
+    exact = stability(rational_loop(autopilot, plant))
+    unstable = int(np.sum(np.real(np.linalg.eigvals(A)) > 0.0))
+    return not bool(exact.marginal) and unstable != int(exact.unstable_poles)

@@ -1,0 +1,248 @@
+"""Gains from what they should do: poles, or the least drift or load.
+
+All are arrays where the coefficients are: gains for every flight condition in one call.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, broadcast, instance, nonnegative, plain
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.sizes import sized
+from tvclin.vehicle.coefficients import Coefficients
+
+FloatArray = NDArray[np.float64]
+
+
+def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
+    """Return the autopilot with a0 = 2B and a1 = B/beta.
+
+    On eq (5), without actuator and delay, the closed loop is s^2 + beta s + beta^2: natural
+    frequency beta, damping ratio 0.5.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one aerodynamically unstable vehicle or of a batch; for others see
+        `design_gains`.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For a stable vehicle, which has no beta.
+    """
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    mu_alpha = np.min(coefficients.mu_alpha, initial=np.inf)
+    if mu_alpha <= 0.0:
+        raise InputError(
+            "canonical gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
+            f" {mu_alpha:.6g} 1/s^2 (choose a natural_frequency and use design_gains instead)"
+        )
+    with np.errstate(over="ignore"):  # an Autopilot refuses what is not finite
+        B, rate = coefficients.B, coefficients.B / coefficients.beta
+    return Autopilot(attitude_gain=2.0 * B, rate_gain=rate, **options)
+
+
+def design_gains(
+    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+) -> Autopilot:
+    """Return the autopilot that gives eq (5) the poles asked for.
+
+    Without actuator and delay the closed loop is
+    s^2 + mu_delta a1 s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch, stable or not.
+    natural_frequency : array_like
+        omega_n [rad/s] of the closed loop, positive.
+    damping : array_like
+        Damping ratio of the closed loop, positive.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not positive.
+    """
+    stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
+    return Autopilot(attitude_gain=stiffness, rate_gain=rate, **options)
+
+
+def relief_gains(
+    coefficients: Coefficients,
+    *,
+    natural_frequency: ArrayLike,
+    damping: ArrayLike,
+    alpha_ratio: ArrayLike,
+    **options: Any,
+) -> Autopilot:
+    """Return the autopilot that leaves a given part of a steady wind as angle of attack.
+
+    The attitude answers as with `design_gains`, but part of the stiffness comes from the angle
+    of attack, so that the vehicle turns into the wind:
+
+        a0 = ratio omega_n^2/mu_delta,    a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch, stable or not.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive.
+    alpha_ratio : array_like
+        Size of alpha/alpha_w when the attitude has settled in a steady wind and the flight path
+        has not yet changed, zero or positive. Pure attitude hold has 1 + mu_alpha/omega_n^2 =
+        a0/(a0 - B), above one.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+
+    Notes
+    -----
+    With theta'' = theta' = 0 the autopilot asks for a0 theta + b0 alpha = B alpha, and before
+    the path has changed theta = alpha + alpha_w; so alpha = -a0/(a0 + b0 - B) alpha_w.
+    With drift the slow pole of the closed loop lies near w - ratio (b1 + w), where
+    w = C2/mu_alpha = g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
+    """
+    ratio = nonnegative("alpha_ratio", alpha_ratio)
+    stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
+    broadcast(gains=np.shape(stiffness), alpha_ratio=ratio.shape)
+    with np.errstate(over="ignore"):
+        attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
+    return Autopilot(
+        attitude_gain=attitude, rate_gain=rate, alpha_gain=stiffness - attitude, **options
+    )
+
+
+def drift_minimum_gains(
+    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+) -> Autopilot:
+    """Return the autopilot whose flight path does not turn in a steady wind.
+
+    The vehicle leans into the wind until thrust and lift across the path cancel. The size of
+    alpha/alpha_w is then (b2 + w)/(b1 + w), with w = C2/mu_alpha = g sin(Theta_n)/V_n; without
+    drag and weight it is 1/(1 + (N/T)(1 + l_a/l_c)).
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
+        of an aerodynamically stable vehicle itself.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For coefficients without drift or with b1 + w or b2 + w below zero, and numbers out of
+        range.
+
+    Notes
+    -----
+    gamma' = 0 at gamma = 0 in eq (B6) with the attitude settled: (b1 + w) alpha +
+    (b2 + w) alpha_w = 0. The principle is Hoelkner's.
+    """
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    c = coefficients
+    if np.any(np.asarray(c.mu_alpha) == 0.0) or np.any(np.asarray(c.b1) == 0.0):
+        raise InputError(
+            "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
+            " than zero; make them with Coefficients.from_vehicle"
+        )
+    along = c.C2 / np.asarray(c.mu_alpha)
+    thrust, lift = np.broadcast_arrays(c.b1 + along, c.b2 + along)
+    worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
+    if thrust[worst] <= 0.0 or lift[worst] < 0.0:
+        raise InputError(
+            "there are no drift-minimum gains: no lean into the wind keeps the path of this"
+            f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s"
+            " (w = C2/mu_alpha) would have to be positive; use design_gains instead"
+        )
+    _stiffen(c, natural_frequency)
+    return relief_gains(
+        c,
+        natural_frequency=natural_frequency,
+        damping=damping,
+        alpha_ratio=lift / thrust,
+        **options,
+    )
+
+
+def load_minimum_gains(
+    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+) -> Autopilot:
+    """Return the autopilot that turns the nose wholly into a steady wind: a0 = 0.
+
+    The angle of attack, and with it the bending moment, goes to zero. Nothing holds the attitude
+    any more: with drift and gravity the flight path runs away slowly, near e^(C2/mu_alpha t), and
+    margins on the exact models say so.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one vehicle or of a batch.
+    natural_frequency, damping : array_like
+        Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
+        of an aerodynamically stable vehicle itself.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+    """
+    _stiffen(coefficients, natural_frequency)
+    return relief_gains(
+        coefficients,
+        natural_frequency=natural_frequency,
+        damping=damping,
+        alpha_ratio=0.0,
+        **options,
+    )
+
+
+def _stiffen(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
+    """Raise `InputError` for a closed loop that is softer than the vehicle alone."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    frequency = sized("natural_frequency", natural_frequency, "rad/s")
+    broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
+    asked, own = np.broadcast_arrays(
+        frequency, np.sqrt(np.maximum(-np.asarray(coefficients.mu_alpha), 0.0))
+    )
+    if np.any(asked < own):
+        softest = np.unravel_index(np.argmin(asked - own), asked.shape)
+        raise InputError(
+            "natural_frequency must not be below that of the vehicle alone, sqrt(-mu_alpha) ="
+            f" {own[softest]:.6g} rad/s: the feedback would be positive; got {asked[softest]:.6g}"
+        )
+
+
+def _stiffness(
+    coefficients: Coefficients, natural_frequency: ArrayLike, damping: ArrayLike
+) -> tuple[Any, Any]:
+    """The gain on attitude and angle of attack together, and that on the rate."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    frequency = sized("natural_frequency", natural_frequency, "rad/s")
+    ratio, c = sized("damping", damping), coefficients
+    broadcast(
+        coefficients=coefficients.batch, natural_frequency=frequency.shape, damping=ratio.shape
+    )
+    with np.errstate(over="ignore"):
+        stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
+        return plain(stiffness), plain(np.asarray(2.0 * ratio * frequency / c.mu_delta))

@@ -1,0 +1,85 @@
+"""The deflection per wind angle in the worst sinusoidal wind, with the exact delay."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.control.autopilot.wiring import wind_numerator
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import loop_margins
+from tvclin.kernels import polynomials
+from tvclin.linear.plant import Plant
+
+if TYPE_CHECKING:
+    from tvclin.control.autopilot.autopilot import Autopilot
+
+FloatArray = NDArray[np.float64]
+
+_EVEN = 801
+"""Logarithmic frequencies from far below the smallest root to far beyond the largest."""
+_BELOW, _BEYOND, _ZERO = 1e-3, 1e2, 1e-12
+_AROUND = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
+"""Around a root, in units of its distance from the axis."""
+_BESIDE = np.geomspace(1e-8, 0.3, 24)
+"""Around a frequency at which |L| = 1, where a delay may leave little damping; relative."""
+_TURN, _MOST = np.pi / 8.0, 20_000
+"""Steps of the delay's phase [rad], and the most there may be."""
+
+
+def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
+    """Return the H-infinity norm from wind to deflection; infinite if the loop is not stable.
+
+    Parameters
+    ----------
+    plant, autopilot : Plant, Autopilot
+        One each.
+
+    Notes
+    -----
+    It is the highest peak of |G(j omega)|, the delay being exact. The peak is bracketed among
+    frequencies around all roots and gain crossovers and refined there, so that what is left is
+    rounding, about 1e-12 of the value for well separated roots.
+    """
+    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
+
+    loop = autopilot.rational_loop(plant)
+    found = loop_margins(loop)
+    if not found.stable:
+        return float(np.inf)
+    above = wind_numerator(autopilot, plant)
+
+    def lowness(omega: FloatArray) -> FloatArray:
+        returned, below = loop.parts(omega)
+        return -np.abs(polynomials.value(above, 1j * omega) / (below + returned))
+
+    omega = _samples(loop, above, found.crossings.gain_frequencies)
+    values = lowness(omega)
+    # At infinity nothing returns, and what is left is what passes through at once.
+    through = abs(above[0] / loop.denominator[0]) if above.size == loop.denominator.size else 0.0
+    k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
+    tops = find_minimum(lowness, (omega[k - 1], omega[k], omega[k + 1])).f_x if k.size else values
+    return float(max(-values.min(), -np.min(tops), through))
+
+
+def _samples(loop: Loop, above: FloatArray, crossovers: FloatArray) -> FloatArray:
+    """Frequencies from zero on, rising, that leave no resonance between two of them unseen."""
+    parts = [loop.denominator + loop.numerator, loop.denominator, np.trim_zeros(above, "f")]
+    roots = np.concatenate([polynomials.roots(part) for part in parts if part.size])
+    sizes = np.abs(roots)
+    counted = sizes[sizes > _ZERO * sizes.max()]
+    low, high = _BELOW * counted.min(), _BEYOND * counted.max()
+    widths = np.maximum(np.abs(roots.real), _BESIDE[0] * sizes)
+    offsets = np.concatenate([-_AROUND[1:], _AROUND])
+    every = [
+        np.geomspace(low, high, _EVEN),
+        (np.abs(roots.imag) + np.multiply.outer(offsets, widths)).ravel(),
+        np.multiply.outer(crossovers, np.concatenate([1.0 - _BESIDE, 1.0 + _BESIDE])).ravel(),
+    ]
+    if loop.delay:
+        turns = min(int(high * loop.delay / _TURN), _MOST)
+        every.append(np.arange(1.0, turns + 1.0) * _TURN / loop.delay)
+    omega = np.concatenate(every)
+    return np.unique(np.append(0.0, omega[(omega > 0.0) & (omega <= high)]))

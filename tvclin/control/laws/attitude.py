@@ -1,0 +1,66 @@
+"""Attitude and rate feedback under a deflection limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, instance, single
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.law import Law, Seen
+from tvclin.kernels.control_laws import LawNumbers
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SaturatedLaw(Law):
+    """The feedback of an autopilot, limited.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One, for its gains; actuator and delay are given to the flight.
+
+    Raises
+    ------
+    InputError
+        For a batch, and for an autopilot with an actuator or a delay.
+    """
+
+    autopilot: Autopilot
+
+    def __post_init__(self) -> None:
+        instance("autopilot", self.autopilot, Autopilot, "see design_gains")
+        single("autopilot", self.autopilot.batch)
+        if self.autopilot.actuator is not None or self.autopilot.delay:
+            raise InputError("a SaturatedLaw takes gains only: give actuator and delay to fly()")
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """The integral of the attitude, where it is fed back."""
+        if not self.autopilot.integral_gain:
+            return super().states
+        return np.zeros((1, 1)), np.eye(1, 5)
+
+    @property
+    def numbers(self) -> LawNumbers:
+        """The gains."""
+        gains = self.autopilot
+        return LawNumbers(
+            attitude=float(gains.attitude_gain),
+            attitude_rate=float(gains.rate_gain),
+            angle_of_attack=float(gains.alpha_gain),
+            first_state=float(gains.integral_gain),
+        )
+
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return a0 theta + a1 theta' + b0 alpha + aI * integral of theta [rad]."""
+        del limit
+        gains = self.autopilot
+        asked = gains.attitude_gain * seen.attitude + gains.rate_gain * seen.attitude_rate
+        asked = asked + gains.alpha_gain * seen.angle_of_attack
+        return asked + gains.integral_gain * states[0] if gains.integral_gain else asked

@@ -1,0 +1,98 @@
+"""What a law is: a pure function from what is seen to the deflection asked for.
+
+A law may have states of its own, which are linear in what is seen (an integral, an observer). It
+holds no memory itself: states are handed to it, so that one law flies a thousand flights at once.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError
+from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
+from tvclin.kernels.control_laws import LawNumbers
+from tvclin.linear.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+_SHOWN = 3
+"""States of the plant that a law is shown."""
+
+
+class Seen(NamedTuple):
+    """What a law is shown, each a number or an array of flights [rad, rad/s]."""
+
+    attitude: Any
+    attitude_rate: Any
+    flight_path_angle: Any
+    angle_of_attack: Any
+    deflection: Any
+
+
+class Law(ABC):
+    """A control law, to be flown with `fly`.
+
+    Attributes
+    ----------
+    engage, release : float
+        When the deflection asked for reaches `engage` times the limit, the whole limit is
+        commanded until what is asked for, on the same side, falls to `release` times the limit.
+        With one and one it is a plain limiter.
+    """
+
+    engage: float = 1.0
+    release: float = 1.0
+
+    @property
+    def states(self) -> tuple[FloatArray, FloatArray]:
+        """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G seen. None by default."""
+        return np.zeros((0, 0)), np.zeros((0, 5))
+
+    @property
+    def rate_noise(self) -> tuple[float, int]:
+        """Noise of the measured attitude rate [rad/s rms for each sample], and its seed."""
+        return 0.0, 0
+
+    @property
+    def numbers(self) -> LawNumbers | None:
+        """The law as numbers, for compiled flights; None for a law that only Python can ask."""
+        return None
+
+    @abstractmethod
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return the deflection asked for [rad], without limit.
+
+        Parameters
+        ----------
+        seen : Seen
+            What is measured.
+        states : ndarray
+            The law's own states, ``(k, ...)``.
+        limit : float or ndarray
+            The deflection limit [rad], which a law may know, ``(...)``.
+        """
+
+
+def seen_coordinates(plant: Plant) -> UnstableCoordinates:
+    """Return the coordinates of the unstable modes in what a law is shown.
+
+    `Seen` has the attitude, its rate and the flight path angle, which are the first states of
+    every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
+
+    Raises
+    ------
+    InputError
+        As `unstable_coordinates`, and for a plant whose unstable modes move its speed.
+    """
+    modes = unstable_coordinates(plant)
+    if np.any(modes.rows[:, _SHOWN:]):
+        raise InputError(
+            f'a law is not shown the speed, which model "{plant.model}" needs; design the law on'
+            ' "drift-exact"'
+        )
+    return replace(modes, rows=modes.rows[:, :_SHOWN])

@@ -1,0 +1,122 @@
+"""Ideal trim as a feedback, alone and with the report's dead band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import between, nonnegative, number
+from tvclin.control.laws.law import Law, Seen, seen_coordinates
+from tvclin.kernels.control_laws import LawNumbers
+from tvclin.linear.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+_LETTING_GO = 0.9
+
+
+@dataclass(frozen=True)
+class TrimLaw(Law):
+    """Ideal trim and attitude feedback, limited: delta = B (alpha + gain z).
+
+    z is the coordinate of the fastest unstable mode of the plant it is designed on; on a fixed
+    path it is theta + theta'/beta. Until the limit is reached the mode stays at rest, so without
+    drift the boundary of this law is the report's with K = 1, eq (12).
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant it is designed on, which need not be the one it flies. Designed on a fixed path
+        it holds the attitude, also in a drifting flight: ideal trim as the report means it.
+        Designed with drift it holds the nose to the path, which gives away what drift relieves
+        and lets the path creep away with the slow mode.
+    gain : float
+        Gain of the feedback on z, over that of trim.
+
+    Raises
+    ------
+    InputError
+        For a plant without a real unstable pole, a batch, and a gain below zero.
+    """
+
+    plant: Plant
+    gain: float = 10.0
+
+    def __post_init__(self) -> None:
+        seen_coordinates(self.plant)
+        object.__setattr__(self, "gain", number("gain", self.gain, nonnegative))
+
+    @property
+    def numbers(self) -> LawNumbers:
+        """B (alpha + gain z), and when the whole limit is commanded."""
+        B, (attitude, rate, path) = self._numbers
+        return LawNumbers(
+            attitude=B * self.gain * attitude,
+            attitude_rate=B * self.gain * rate,
+            flight_path_angle=B * self.gain * path,
+            angle_of_attack=B,
+            engage=self.engage,
+            release=self.release,
+        )
+
+    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+        """Return the trim deflection and the attitude feedback [rad]."""
+        del states, limit
+        B, (attitude, rate, path) = self._numbers
+        error = attitude * seen.attitude + rate * seen.attitude_rate
+        error = error + path * seen.flight_path_angle
+        return B * (seen.angle_of_attack + self.gain * error)
+
+    @cached_property
+    def _numbers(self) -> tuple[float, list[float]]:
+        """B, and z as parts of attitude, rate and flight path: plain, for the innermost loop."""
+        row = seen_coordinates(self.plant).rows[0]
+        return float(self.plant.coefficients.B), [*row.tolist(), 0.0][:3]
+
+
+@dataclass(frozen=True)
+class DeadBandLaw(TrimLaw):
+    """The report's control as a feedback: trim inside the dead band, then the whole limit.
+
+    When the deflection asked for reaches K times the limit, the whole limit is used until it has
+    fallen to 0.9 K of the limit: the work is done, and trim and attitude feedback have the nozzle
+    again. It switches on the deflection asked for, so with drift it meets the
+    literal dead band, not that of (18).
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant it is designed on.
+    gain : float
+        Gain of the feedback on z, over that of trim. One places the poles where the canonical
+        gains do; with more, the attitude feedback undoes the lean that the dead band is for.
+    dead_band : float
+        K, from 0.01 to one.
+
+    Raises
+    ------
+    InputError
+        As `TrimLaw`, and for a dead band outside [0.01, 1]: zero would switch on any rounding.
+    """
+
+    gain: float = 1.0
+    dead_band: float = 0.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        K = number("dead_band", self.dead_band, between(0.01, 1.0))
+        object.__setattr__(self, "dead_band", K)
+
+    @property
+    def engage(self) -> float:  # type: ignore[override]
+        """K."""
+        return self.dead_band
+
+    @property
+    def release(self) -> float:  # type: ignore[override]
+        """A little less than K, so that the nozzle does not chatter on the edge."""
+        return _LETTING_GO * self.dead_band

@@ -1,0 +1,191 @@
+"""What margins are asked for, where each number comes from, and whether a loop has them."""
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from tvclin.base.errors import (
+    InputError,
+    each,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    plain,
+    text,
+)
+from tvclin.control.margins.record import Margins
+
+_UNITS = {
+    "aero_margin_dB": "dB",
+    "gain_increase_dB": "dB",
+    "phase_margin_deg": "deg",
+    "delay_margin": "s",
+    "disk_margin": "",
+    "peak_sensitivity": "",
+    "peak_complementary_sensitivity": "",
+}
+_AT_MOST = ("peak_sensitivity", "peak_complementary_sensitivity")
+_LAUNCH_VEHICLE = (
+    "customary for the rigid-body attitude loop of launch vehicles, on both sides of the gain"
+    " when the vehicle is unstable; from course texts, no primary source checked"
+)
+_AIRCRAFT = (
+    "customary for aircraft flight control after the MIL-F-9490 family; from course texts, no"
+    " primary source checked"
+)
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """One number that is asked for.
+
+    Attributes
+    ----------
+    margin : str
+        Name of the attribute of `Margins`, with its unit.
+    limit : float
+        The least that is asked for; of a peak the most.
+    source : str
+        Where the number comes from.
+    """
+
+    margin: str
+    limit: float
+    source: str
+
+    def __post_init__(self) -> None:
+        one_of("margin", self.margin, _UNITS)
+        text("source", self.source)
+        object.__setattr__(self, "limit", number(self.margin, self.limit, nonnegative))
+
+    @property
+    def unit(self) -> str:
+        """Unit of the number."""
+        return _UNITS[self.margin]
+
+    @property
+    def at_most(self) -> bool:
+        """Whether the number is an upper limit."""
+        return self.margin in _AT_MOST
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """One margin beside what is asked for; numbers have the shape ``(...)`` of the batch.
+
+    Attributes
+    ----------
+    requirement : Requirement
+        What is asked for.
+    value : float or ndarray
+        What the loop has; NaN for an unstable one.
+    surplus : float or ndarray
+        By how much it is met, in its unit; negative where it is not met.
+    met : bool or ndarray
+        Whether it is met; never for an unstable loop.
+    """
+
+    requirement: Requirement
+    value: Any
+    surplus: Any
+    met: Any
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """A named set of requirements, such as ``CRITERIA["classic"]``, or one's own.
+
+    Attributes
+    ----------
+    name : str
+        Name of the set.
+    requirements : tuple of Requirement
+        What it asks for.
+    """
+
+    name: str
+    requirements: tuple[Requirement, ...]
+
+    def __post_init__(self) -> None:
+        text("name", self.name)
+        asked = each("requirements", self.requirements, Requirement, "see Criteria.own")
+        object.__setattr__(self, "requirements", asked)
+        if not asked:
+            raise InputError(f"criteria need a limit: one or more of {', '.join(_UNITS)}")
+
+    @classmethod
+    def own(cls, name: str = "own", source: str = "the user", **limits: float) -> Self:
+        """Return criteria of one's own.
+
+        Parameters
+        ----------
+        name : str
+            Name of the set.
+        source : str
+            Where the numbers come from.
+        **limits
+            aero_margin_dB, gain_increase_dB, phase_margin_deg, delay_margin [s] and disk_margin
+            are lower limits, peak_sensitivity and peak_complementary_sensitivity upper ones.
+
+        Raises
+        ------
+        InputError
+            For a name that is no margin, no limits, and numbers below zero.
+
+        Examples
+        --------
+        >>> import tvclin as tv
+        >>> dispersed = tv.Criteria.own("dispersed", aero_margin_dB=3, phase_margin_deg=20)
+        >>> [r.limit for r in dispersed.requirements]
+        [3.0, 20.0]
+        """
+        for key in limits:
+            one_of("a limit", key, _UNITS)
+        return cls(name, tuple(Requirement(key, value, source) for key, value in limits.items()))
+
+    def judge(self, margins: Margins) -> tuple[Judgement, ...]:
+        """Return each margin beside what is asked for.
+
+        Parameters
+        ----------
+        margins : Margins
+            Of one loop or of a batch.
+        """
+        instance("margins", margins, Margins, "see Autopilot.margins")
+        return tuple(_judged(requirement, margins) for requirement in self.requirements)
+
+    def are_met(self, margins: Margins) -> Any:
+        """Return whether every requirement is met, ``(...)``."""
+        every = [np.asarray(one.met) for one in self.judge(margins)]
+        return plain_bool(np.logical_and.reduce(every))
+
+
+def _judged(requirement: Requirement, margins: Margins) -> Judgement:
+    value = np.asarray(getattr(margins, requirement.margin), dtype=float)
+    surplus = value - requirement.limit
+    surplus = -surplus if requirement.at_most else surplus
+    return Judgement(requirement, plain(value), plain(surplus), plain_bool(surplus >= 0.0))
+
+
+def plain_bool(array: Any) -> Any:
+    """Return a Python bool for one answer, and an array for several."""
+    return bool(array) if np.ndim(array) == 0 else array
+
+
+def _both_sides(gain_dB: float, phase_deg: float, name: str, source: str) -> Criteria:
+    return Criteria.own(
+        name,
+        source,
+        aero_margin_dB=gain_dB,
+        gain_increase_dB=gain_dB,
+        phase_margin_deg=phase_deg,
+    )
+
+
+CRITERIA = {
+    "classic": _both_sides(6.0, 30.0, "classic", _LAUNCH_VEHICLE),
+    "aircraft": _both_sides(6.0, 45.0, "aircraft", _AIRCRAFT),
+}
+"""The criteria that have a name: 6 dB and 30 deg, 6 dB and 45 deg."""

@@ -1,0 +1,275 @@
+"""The margins of a loop, under names that cannot be misread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import InputError, instance, plain
+from tvclin.control.margins.loop import Loop
+from tvclin.kernels.loop_margins import classical_margins, loop_findings
+from tvclin.kernels.rational import Rational
+
+FloatArray = NDArray[np.float64]
+
+OK = "ok"
+UNSTABLE = "unstable"
+MARGINAL = "marginal"
+
+
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """Every crossing, sorted by kind; frequencies rise along the last axis, NaN fills the rest.
+
+    With a delay there are phase crossovers without end; they are listed up to where the loop gain
+    stays below 1/100 and at least one turn of the delay's phase further.
+
+    Attributes
+    ----------
+    gain_frequencies : ndarray
+        Gain crossovers, ``|L| = 1`` [rad/s], ``(..., k)``.
+    phase_margins : ndarray
+        The phase [rad] by which L may lag more there (positive) or lead more (negative) before
+        it is -1, ``(..., k)``.
+    phase_frequencies : ndarray
+        Phase crossovers, L real and negative [rad/s], ``(..., m)``.
+    gain_factors : ndarray
+        The factor on the loop gain with which L is -1 there, ``(..., m)``: above one an increase,
+        below one a reduction (the aerodynamic side).
+    """
+
+    gain_frequencies: FloatArray
+    phase_margins: FloatArray
+    phase_frequencies: FloatArray
+    gain_factors: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """How far a loop is from instability; every number has the shape ``(...)`` of the batch.
+
+    For a loop whose closed loop is not stable every margin is NaN: it has none. A margin that
+    does not exist is infinite, and so is its frequency NaN; `notes` says why.
+
+    Attributes
+    ----------
+    status : str or ndarray of str
+        "ok", "unstable" (closed-loop poles in the right half plane) or "marginal" (on the axis).
+    unstable_poles : int or ndarray of int
+        Number of closed-loop poles in the right half plane, with the exact delay.
+    aero_margin : float or ndarray
+        The factor by which the loop gain may be divided; an unstable vehicle falls over below.
+    gain_increase : float or ndarray
+        The factor by which the loop gain may be multiplied.
+    phase_margin : float or ndarray
+        The least phase [rad], lag or lead, that makes L = -1 at a gain crossover.
+    delay_margin : float or ndarray
+        The further delay [s] that the loop bears.
+    disk_margin : float or ndarray
+        alpha = ``1/max |(S - T)/2|``: gain and phase may change together by any factor in the disk
+        with the real axis cuts (2 - alpha)/(2 + alpha) and (2 + alpha)/(2 - alpha).
+    peak_sensitivity, peak_complementary_sensitivity : float or ndarray
+        Largest ``|S|`` and ``|T|``.
+    aero_frequency, gain_increase_frequency, crossover_frequency, delay_margin_frequency, \
+disk_frequency, peak_sensitivity_frequency, peak_complementary_sensitivity_frequency : \
+float or ndarray
+        Where each of them is found [rad/s]; `crossover_frequency` belongs to `phase_margin`.
+    crossings : Crossings
+        All crossings, also those that do not decide.
+    """
+
+    status: Any
+    unstable_poles: Any
+    aero_margin: Any
+    aero_frequency: Any
+    gain_increase: Any
+    gain_increase_frequency: Any
+    phase_margin: Any
+    crossover_frequency: Any
+    delay_margin: Any
+    delay_margin_frequency: Any
+    disk_margin: Any
+    disk_frequency: Any
+    peak_sensitivity: Any
+    peak_sensitivity_frequency: Any
+    peak_complementary_sensitivity: Any
+    peak_complementary_sensitivity_frequency: Any
+    crossings: Crossings
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("status", self.status, ""),
+            ("aero margin (gain may fall)", self.aero_margin_dB, "dB"),
+            ("at", self.aero_frequency, "rad/s"),
+            ("gain increase (gain may rise)", self.gain_increase_dB, "dB"),
+            ("at", self.gain_increase_frequency, "rad/s"),
+            ("phase margin", self.phase_margin_deg, "deg"),
+            ("at", self.crossover_frequency, "rad/s"),
+            ("delay margin", self.delay_margin, "s"),
+            ("disk margin", self.disk_margin, "-"),
+            ("peak sensitivity", self.peak_sensitivity, "-"),
+            ("peak complementary sensitivity", self.peak_complementary_sensitivity, "-"),
+        ]
+        return card("Margins", rows)
+
+    @property
+    def stable(self) -> Any:
+        """Whether the closed loop is stable."""
+        return self.status == OK
+
+    @property
+    def aero_margin_dB(self) -> Any:
+        """The aero margin in dB, positive: how far the gain may fall."""
+        return decibels(self.aero_margin)
+
+    @property
+    def gain_increase_dB(self) -> Any:
+        """The gain-increase margin in dB, positive: how far the gain may rise."""
+        return decibels(self.gain_increase)
+
+    @property
+    def phase_margin_deg(self) -> Any:
+        """The phase margin in degrees."""
+        return plain(np.degrees(self.phase_margin))
+
+    @property
+    def disk_margin_dB(self) -> Any:
+        """The gain in dB, up or down, that the disk allows whatever the phase within it."""
+        alpha = np.asarray(self.disk_margin)
+        with np.errstate(divide="ignore"):
+            return decibels((2.0 + alpha) / np.maximum(2.0 - alpha, 0.0))
+
+    @property
+    def disk_phase_deg(self) -> Any:
+        """The phase in degrees, lag or lead, that the disk allows: 2 arctan(alpha/2)."""
+        return plain(np.degrees(2.0 * np.arctan(self.disk_margin / 2.0)))
+
+    @property
+    def reason(self) -> str:
+        """Why there are no margins, in one sentence; empty for a stable loop. One loop only."""
+        if not isinstance(self.status, str):
+            raise InputError(
+                "reason and notes are of one loop; these are margins of a batch of shape"
+                f" {np.shape(self.status)} (use status and unstable_poles)"
+            )
+        if self.status == UNSTABLE:
+            many = (
+                f"{self.unstable_poles} closed-loop poles lie"
+                if self.unstable_poles != 1
+                else ("1 closed-loop pole lies")
+            )
+            return f"the closed loop is unstable: {many} in the right half plane"
+        if self.status == MARGINAL:
+            return "the closed loop is not asymptotically stable: a pole lies on the imaginary axis"
+        return ""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be known about margins that do not exist. One loop only."""
+        if self.reason:
+            return (self.reason,)
+        found = []
+        if np.isinf(self.aero_margin):
+            found.append("aero margin inf: the loop stays stable however far its gain falls")
+        if np.isinf(self.gain_increase):
+            found.append(
+                "gain-increase margin inf: the loop stays stable however far its gain rises, which"
+                " no loop with an actuator and a delay does"
+            )
+        if np.isinf(self.phase_margin):
+            found.append("phase and delay margin inf: the loop gain is one at no frequency")
+        return tuple(found)
+
+
+def loop_margins(loop: Loop) -> Margins:
+    """Return the margins of one loop or of thousands; the closed-loop poles come first.
+
+    Parameters
+    ----------
+    loop : Loop
+        One or a batch, of shape ``(...)``.
+
+    Returns
+    -------
+    Margins
+        Each with its status: an unstable loop in a batch does not touch the others.
+
+    Notes
+    -----
+    Stability is decided by the roots of D + N and, with a delay, by counting what crosses the
+    imaginary axis as it grows: exactly, not by an approximation of the delay. Gain crossovers are
+    roots of ``|N|^2 - |D|^2``. Phase crossovers and peaks are bracketed between frequencies laid
+    around all poles and zeros, and refined to rounding.
+
+    Examples
+    --------
+    >>> from tvclin.control.margins.loop import Loop
+    >>> from tvclin.control.margins.record import loop_margins
+    >>> m = loop_margins(Loop([1.317 * 1.59, 1.317 * 1.88], [1, 0, -0.228]))
+    >>> round(m.phase_margin_deg, 1), round(m.aero_margin_dB, 1), m.gain_increase
+    (62.4, 20.7, inf)
+    """
+    instance("loop", loop, Loop, "see Loop.from_system")
+    rows = loop.delay.size
+    above, below = (
+        p.reshape(rows, loop.denominator.shape[-1]) for p in (loop.numerator, loop.denominator)
+    )
+    return _shaped(_flat_margins(Rational(above, below, loop.delay.reshape(rows))), loop.batch)
+
+
+def decibels(factor: Any) -> Any:
+    """Return a positive factor on an amplitude in dB."""
+    with np.errstate(divide="ignore"):
+        return plain(20.0 * np.log10(np.asarray(factor)))
+
+
+def _flat_margins(loop: Rational) -> Margins:
+    """The margins of a batch of one axis."""
+    found = loop_findings(loop)
+    good = found.stable
+    status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
+    status = np.where(found.unstable_poles > 0, UNSTABLE, status)
+    tops = found.peaks.transpose(1, 2, 0)[[2, 0, 1]]
+    tops[0, 0] = 1.0 / tops[0, 0]
+    pairs = np.concatenate([classical_margins(found), tops])
+    pairs[..., ~good] = np.nan
+    names = [field.name for field in fields(Margins)][2:-1]
+    crossings = Crossings(
+        gain_frequencies=found.gain_frequencies,
+        phase_margins=found.phases,
+        phase_frequencies=found.phase_frequencies,
+        gain_factors=found.factors,
+    )
+    return Margins(
+        status=status,
+        unstable_poles=found.unstable_poles,
+        crossings=crossings,
+        **dict(zip(names, pairs.reshape(len(names), good.size), strict=True)),
+    )
+
+
+def _shaped(flat: Margins, batch: tuple[int, ...]) -> Margins:
+    """The same record in the shape of the batch."""
+    numbers = {
+        field.name: _element(getattr(flat, field.name).reshape(batch))
+        for field in fields(Margins)
+        if field.name != "crossings"
+    }
+    lists = {
+        field.name: _trimmed(getattr(flat.crossings, field.name), batch)
+        for field in fields(Crossings)
+    }
+    return Margins(**numbers, crossings=Crossings(**lists))
+
+
+def _element(array: NDArray[Any]) -> Any:
+    return array if array.ndim else array.item()
+
+
+def _trimmed(rows: FloatArray, batch: tuple[int, ...]) -> FloatArray:
+    width = int(np.sum(~np.isnan(rows), axis=-1).max(initial=0))
+    return rows[:, :width].reshape((*batch, width))

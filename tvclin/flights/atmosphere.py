@@ -1,0 +1,123 @@
+"""The U.S. Standard Atmosphere 1976 up to 86 km.
+
+Source: U.S. Standard Atmosphere, 1976 (NOAA-S/T 76-1562), table 4 (the layers, by geopotential
+height) and section 1.2 (constants); temperature is linear in each layer and the air at rest.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cache
+from math import exp, log1p
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import within
+
+FloatArray = NDArray[np.float64]
+
+HIGHEST = 86_000.0
+"""Highest altitude [m]."""
+LOWEST = -5_000.0
+"""Lowest altitude [m], to which the first layer is continued."""
+_BEYOND = 14_000.0
+"""So far [m] the ends of the range are continued; farther off the air stays what it is there."""
+_EARTH_RADIUS = 6_356_766.0
+_GRAVITY = 9.80665
+_GAS_CONSTANT = 8.31432 / 28.9644e-3
+_HEAT_RATIO = 1.4
+_BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
+_LAPSES = np.array([-6.5e-3, 0.0, 1.0e-3, 2.8e-3, 0.0, -2.8e-3, -2.0e-3])
+_SEA_TEMPERATURE, _SEA_PRESSURE = 288.15, 101_325.0
+
+
+@dataclass(frozen=True, eq=False)
+class Air:
+    """Air at some altitudes; every field has their shape.
+
+    Attributes
+    ----------
+    temperature : ndarray
+        [K].
+    pressure : ndarray
+        [Pa].
+    density : ndarray
+        [kg/m^3].
+    sound_speed : ndarray
+        [m/s].
+    """
+
+    temperature: FloatArray
+    pressure: FloatArray
+    density: FloatArray
+    sound_speed: FloatArray
+
+
+def standard_atmosphere(altitude: ArrayLike) -> Air:
+    """Return the air at geometric altitudes [m] above the sea, from -5 to 86 km.
+
+    Raises
+    ------
+    InputError
+        For altitudes outside the range.
+
+    Examples
+    --------
+    >>> from tvclin.flights.atmosphere import standard_atmosphere
+    >>> round(float(standard_atmosphere(10_000.0).density), 5)
+    0.41351
+    """
+    return air_at(within("altitude", altitude, LOWEST, HIGHEST, "m"))
+
+
+def air_at(altitude: FloatArray) -> Air:
+    """Return the air at geometric altitudes [m]; the ends of the range are continued."""
+    altitude = np.clip(altitude, LOWEST - _BEYOND, HIGHEST + _BEYOND)
+    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
+    temperatures, pressures = _bases()
+    layer = np.clip(np.searchsorted(_BASES, height, side="right") - 1, 0, _BASES.size - 1)
+    base, lapse, above = temperatures[layer], _LAPSES[layer], height - _BASES[layer]
+    temperature = base + lapse * above
+    pressure = pressures[layer] * np.exp(-_fall(base, lapse, above))
+    density = pressure / (_GAS_CONSTANT * temperature)
+    sound = np.sqrt(_HEAT_RATIO * _GAS_CONSTANT * temperature)
+    return Air(temperature, pressure, density, sound)
+
+
+def density_at(altitude: float) -> float:
+    """Return the density [kg/m^3] at one geometric altitude [m], as `air_at` gives it.
+
+    Flights ask for it at every step, so it is plain arithmetic.
+    """
+    altitude = min(max(altitude, LOWEST - _BEYOND), HIGHEST + _BEYOND)
+    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
+    bottom, base, pressure, lapse = _layers()[max(bisect_right(_BASES, height) - 1, 0)]
+    above = height - bottom
+    ratio = lapse * above / base
+    mean = log1p(ratio) / ratio if ratio else 1.0
+    pressure *= exp(-_GRAVITY * above / (_GAS_CONSTANT * base) * mean)
+    return pressure / (_GAS_CONSTANT * (base + lapse * above))
+
+
+def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
+    """The logarithm by which the pressure falls within a layer: the integral of g/(R T)."""
+    ratio = lapse * above / base
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.where(ratio == 0.0, 1.0, np.log1p(ratio) / ratio)
+    return _GRAVITY * above / (_GAS_CONSTANT * base) * mean
+
+
+@cache
+def _layers() -> list[list[float]]:
+    """Height, temperature and pressure at the bottom of each layer, and its lapse."""
+    return np.column_stack([_BASES, *_bases(), _LAPSES]).tolist()
+
+
+@cache
+def _bases() -> tuple[FloatArray, FloatArray]:
+    thickness = np.diff(_BASES)
+    temperatures = _SEA_TEMPERATURE + np.concatenate([[0.0], np.cumsum(_LAPSES[:-1] * thickness)])
+    falls = _fall(temperatures[:-1], _LAPSES[:-1], thickness)
+    return temperatures, _SEA_PRESSURE * np.exp(-np.concatenate([[0.0], np.cumsum(falls)]))

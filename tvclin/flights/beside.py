@@ -1,0 +1,224 @@
+"""A flight with the linear theory's prediction beside it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    ending,
+    instance,
+    number,
+    one_of,
+    positive,
+    shown,
+    single,
+)
+from tvclin.boundary.limit import boundary_limit
+from tvclin.control.laws.law import Law
+from tvclin.flights.answer import OUTPUTS
+from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.condition import FlightCondition
+from tvclin.flights.control import ReportControl
+from tvclin.flights.flown_boundary import ENGINES
+from tvclin.flights.planar.fly import fly_planar
+from tvclin.flights.sixdof.fly import fly_sixdof
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.extremes import let_go
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+FloatArray = NDArray[np.float64]
+
+MODEL = "drift-exact"
+"""The linear model that flights are compared with."""
+SAMPLE_RATE = 100.0
+"""Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
+_FLY: dict[str, Callable[..., TimeResponseData]] = {"planar": fly_planar, "sixdof": fly_sixdof}
+_HIGHEST = 4.0
+_HAIR = 1e-9
+"""A deflection so near the limit, over the limit, is at it."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightBeside:
+    """A flight and the linear flight with the same limit.
+
+    Attributes
+    ----------
+    times : ndarray
+        Times [s], ``(n,)``.
+    flown, linear : ndarray
+        Attitude, attitude rate, flight path angle, angle of attack and deflection [rad, rad/s],
+        ``(5, n)``; NaN after a flight has left the range of its model.
+    wind : History
+        The wind angle [rad].
+    survived, predicted : bool
+        Whether the flight survives the wind, and whether the linear theory says so.
+    let_go : tuple of float
+        When the limit of the report's control, which would be held for ever, is let go [s], flown
+        and linear: as the attitude is back at zero, if there it survives. Infinite if it is not
+        while it is watched. The rows are NaN from then on.
+    """
+
+    times: FloatArray
+    flown: FloatArray
+    linear: FloatArray
+    wind: History
+    survived: bool
+    predicted: bool
+    let_go: tuple[float, float]
+
+    def peaks(self, name: str) -> tuple[float, float]:
+        """Return the largest size of an output over the wind, flown and linear.
+
+        It is taken over the times at which there are both.
+
+        Raises
+        ------
+        InputError
+            For an unknown output, and where no time lies in the wind.
+        """
+        row = OUTPUTS.index(one_of("name", name, OUTPUTS))
+        here = self.times <= float(self.wind.end)
+        here &= np.isfinite(self.flown[row] + self.linear[row])
+        if not np.any(here):
+            raise InputError("timepts must have some time before the wind ends")
+        flown, linear = (np.abs(each[row, here]).max() for each in (self.flown, self.linear))
+        return float(flown), float(linear)
+
+
+def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -> float:
+    """Return the least deflection limit [rad] with which a control survives in linear theory.
+
+    Raises
+    ------
+    InputError
+        As `boundary_limit` and `closed_loop_boundary`, and for a law that survives with no limit
+        up to four times the largest trim deflection.
+    """
+    if isinstance(control, ReportControl):
+        found = boundary_limit(plant, wind, control.dead_band, switch="literal")
+        return abs(float(found.deflection))
+    limits = closed_loop_boundary(plant, control, wind, sample_rate=SAMPLE_RATE, highest=_HIGHEST)
+    if not np.isfinite(limits.limit):
+        raise InputError(
+            f"control must be one that {_HIGHEST:g} times the largest trim deflection lets survive"
+        )
+    return abs(limits.deflection)
+
+
+def fly_beside(
+    vehicle: Vehicle,
+    control: ReportControl | Law,
+    wind: History,
+    timepts: ArrayLike,
+    *,
+    deflection_limit: float,
+    engine: str = "planar",
+    plane: str = "pitch",
+    condition: FlightCondition | None = None,
+    boundary: float | None = None,
+) -> FlightBeside:
+    """Return a flight, whether it survives, and what the linear theory says of both.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, aerodynamically unstable.
+    control : ReportControl or Law
+        What turns the nozzle.
+    wind : History
+        One wind that ends.
+    timepts : array_like
+        Times [s], ``(n,)``.
+    deflection_limit : float
+        Largest deflection [rad].
+    engine : {"planar", "sixdof"}
+        What flies.
+    plane : {"pitch", "yaw"}
+        The plane of wind, nozzle and outputs.
+    condition : FlightCondition, optional
+        With one, parameters vary along the trajectory; the linear theory's are always frozen.
+    boundary : float, optional
+        The `linear_boundary` [rad], where it is known.
+
+    Raises
+    ------
+    InputError
+        As `fly_planar`, `fly_sixdof` and `linear_boundary`.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
+    >>> times = np.linspace(0, 10, 101)
+    >>> one = tv.fly_beside(vehicle, tv.ReportControl(), wind, times, deflection_limit=0.00126)
+    >>> one.survived, one.predicted, np.degrees(one.peaks("attitude")).round(2).tolist()
+    (True, True, [0.43, 0.43])
+    """
+    plant = Plant.from_vehicle(vehicle, MODEL, plane)
+    instance("wind", wind, History, "such as TriangularWind")
+    single("wind", wind.batch)
+    ending("wind", wind.end)
+    if not isinstance(control, ReportControl | Law):
+        raise InputError(f"control must be a ReportControl or a Law; got {shown(control)}")
+    limit = number("deflection_limit", deflection_limit, positive, "rad")
+    if boundary is None:
+        least = linear_boundary(plant, control, wind)
+    else:
+        least = number("boundary", boundary, positive, "rad")
+    options: dict[str, Any] = {"plane": plane, "condition": condition}
+    fly_there = _FLY[one_of("engine", engine, ENGINES)]
+    survives = ENGINES[engine](vehicle, wind, control, frozen=condition is None, **options)
+    survived, predicted = survives(limit), limit >= least
+    holds = isinstance(control, ReportControl)
+    with warnings.catch_warnings():
+        if survived and holds:  # over to the other side, where the limit has long been let go
+            warnings.filterwarnings("ignore", message="the flight ends")
+        flown = fly_there(vehicle, control, wind, timepts, deflection_limit=limit, **options)
+    times, rows = np.asarray(flown.time), np.array(flown.outputs)
+    linear = _linear(plant, control, wind, times, limit)
+    ends = tuple(
+        _let_go(plant, wind, times, each, limit) if holds and survivor else np.inf
+        for each, survivor in ((rows, survived), (linear, predicted))
+    )
+    return FlightBeside(times, rows, linear, wind, survived, predicted, (ends[0], ends[1]))
+
+
+def _let_go(
+    plant: Plant, wind: History, times: FloatArray, rows: FloatArray, limit: float
+) -> float:
+    """When the limit is let go; the rows become NaN from there on."""
+    flown = np.flatnonzero(np.isfinite(rows[0]))
+    if not flown.size or abs(rows[-1, flown[-1]]) < limit * (1.0 - _HAIR):
+        return np.inf
+    when = let_go(plant, wind, times, rows[0])
+    rows[:, times > when] = np.nan
+    return when
+
+
+def _linear(
+    plant: Plant, control: ReportControl | Law, wind: History, times: FloatArray, limit: float
+) -> FloatArray:
+    """The `OUTPUTS` of the linear flight, ``(5, n)``."""
+    if isinstance(control, ReportControl):
+        against = -float(np.sign(plant.coefficients.B * wind.peak))
+        held = trim_then_hold(plant, wind, against * limit, control.dead_band, "literal")
+        found = attitude_responses(plant, held, wind, times)
+        return np.stack([*(found[name] for name in OUTPUTS[:-1]), held(times)])
+    flown = fly(plant, control, wind, times, deflection_limit=limit, sample_rate=SAMPLE_RATE)
+    return np.stack([flown.outputs[name] for name in OUTPUTS])

@@ -1,0 +1,153 @@
+"""What a flight is refused for."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    ending,
+    instance,
+    nonnegative,
+    number,
+    plain,
+    positive,
+    shown,
+    single,
+    together,
+    within,
+)
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.laws.law import Law
+from tvclin.kernels import polynomials
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+LOST = 1e100
+"""A state beyond this is not flown on."""
+_RATES = (0.01, 1e6)
+"""Sample rates of a law [Hz]."""
+MOST = 1_000_000
+"""Samples of one flight; more are a rate or a time that was given in the wrong unit."""
+FASTEST = 100.0
+"""Most e-foldings of a plant in a sample of the law."""
+_LONGEST = 1e5
+"""Longest flight [s]."""
+_LATE = 10_000
+"""Samples by which a command may be late."""
+_SAMPLES = 2.0
+"""Least samples of the law in the time 1/omega_n of the actuator."""
+
+
+def check_flight(plant: Plant, law: Law, wind: History) -> None:
+    """Raise `InputError` unless these are one plant, a law, and one wind that ends."""
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("law", law, Law, "such as TrimLaw")
+    instance("wind", wind, History, "such as TriangularWind")
+    if plant.batch or wind.batch:
+        raise InputError(
+            f"a flight is of one plant in one wind; got batches of shape {plant.batch} and"
+            f" {wind.batch}"
+        )
+    ending("wind", wind.end)
+
+
+def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
+    """Return the rate [Hz]; `InputError` if it is too slow for the actuator."""
+    number("sample_rate", sample_rate, positive, "Hz")
+    rate = number("sample_rate", sample_rate, between(*_RATES), "Hz")
+    check_actuator(actuator)
+    if actuator is None:
+        return rate
+    least = _SAMPLES * float(actuator.natural_frequency)
+    if rate < least:
+        raise InputError(
+            f"sample_rate must be at least {least:.6g} Hz for an actuator of"
+            f" {actuator.natural_frequency:.6g} rad/s; got {rate:.6g} Hz"
+        )
+    return rate
+
+
+def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
+    """Return the rates [Hz], one or many; `InputError` if one is too slow for its actuator."""
+    rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_RATES, "Hz")
+    if actuator is not None:
+        instance("actuator", actuator, Actuator, "see Actuator")
+        least = _SAMPLES * np.asarray(actuator.natural_frequency)
+        together(sample_rate=rates, actuator=least)
+        if np.any(rates < least):
+            raise InputError(
+                f"sample_rate must be at least {least.max():.6g} Hz for an actuator of"
+                f" {least.max() / _SAMPLES:.6g} rad/s; got {shown(plain(rates))} Hz"
+            )
+    return rates
+
+
+def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
+    """Return the delays [s]; `InputError` if one is below zero or of too many samples [s]."""
+    delays = nonnegative("delay", delay, "s")
+    together(delay=delays, sample_rate=length)
+    if np.any(delays > _LATE * length):
+        raise InputError(
+            f"delay must be at most {_LATE} samples; got {shown(plain(delays))} s at"
+            f" {1.0 / float(length.min()):.6g} Hz"
+        )
+    return delays
+
+
+def check_samples(span: float, length: float) -> None:
+    """Raise `InputError` when a time [s] takes too many samples of a length [s]."""
+    if not span / length <= MOST:
+        raise InputError(
+            f"a flight may have at most {MOST} samples; {span:.6g} s at {1.0 / length:.6g} Hz are"
+            " more: take a lower sample_rate, or an earlier end"
+        )
+
+
+def check_pace(plant: Plant, length: float) -> None:
+    """Raise `InputError` when a plant moves by far more than a law can follow in a sample [s]."""
+    pace = float(paces(plant))
+    if not pace * length <= FASTEST:
+        raise InputError(
+            f"sample_rate must be at least {pace / FASTEST:.6g} Hz for a plant that moves with"
+            f" {pace:.6g} 1/s; got {1.0 / length:.6g} Hz"
+        )
+
+
+def paces(plant: Plant) -> NDArray[np.float64]:
+    """Return the size of the fastest pole [1/s] of each plant."""
+    return np.asarray(np.abs(polynomials.roots(plant.denominator)).max(axis=-1))
+
+
+def check_span(start: float, stop: float) -> None:
+    """Raise `InputError` when a flight from one time to another [s] is longer than any."""
+    if not stop - start <= _LONGEST:
+        raise InputError(
+            f"a flight may last at most {_LONGEST:g} s; got one from {start:.6g} to {stop:.6g} s"
+        )
+
+
+def check_rate_limit(rate_limit: float) -> float:
+    """Return the rate limit [rad/s], positive or infinite."""
+    unlimited = isinstance(rate_limit, float) and rate_limit == np.inf
+    return np.inf if unlimited else number("rate_limit", rate_limit, positive, "rad/s")
+
+
+def check_not_lost(time: float, states: FloatArray) -> None:
+    """Raise `InputError` when states at a time [s] have grown beyond all meaning."""
+    if not np.abs(states).max() <= LOST:
+        raise InputError(
+            f"the flight is lost and grows without bounds; ask for times before t = {time:.6g} s"
+        )
+
+
+def check_actuator(actuator: Actuator | None) -> None:
+    """Raise `InputError` unless there is no actuator, or one."""
+    if actuator is None:
+        return
+    instance("actuator", actuator, Actuator, "of one natural frequency")
+    single("actuator", actuator.batch)

@@ -1,0 +1,90 @@
+"""When a flight is lost or saved, for a batch of plants: the recoverable set of each."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.linear.modes import unstable_poles
+from tvclin.linear.plant import Plant
+
+FloatArray = NDArray[np.float64]
+
+CALM = 5.0
+"""Saved: settled for so long, over the fastest pole."""
+PATIENCE = 60.0
+"""A flight that is neither lost nor saved by so long after the wind, over the slowest pole."""
+_MOST = 2
+
+
+class Judging(NamedTuple):
+    """What judges the flights of plants ``(p,)`` with states ``(n,)``.
+
+    Attributes
+    ----------
+    rows : ndarray
+        Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n)``; zeros for no second.
+    reach : ndarray
+        Of the coordinates, over the deflection limit, ``(p,)``. NaN where a plant has not one or
+        two real unstable poles, so that nothing can be said of its flights.
+    ratio : ndarray
+        The slow pole over the fast one; zero where there is one, ``(p,)``.
+    calm, patience : ndarray
+        How long a flight must be settled to be saved, and may be open [s], ``(p,)``.
+    """
+
+    rows: FloatArray
+    reach: FloatArray
+    ratio: FloatArray
+    calm: FloatArray
+    patience: FloatArray
+
+
+def judging(plant: Plant) -> Judging:
+    """Return what judges the flights of a batch of plants, flattened."""
+    size = int(np.prod(plant.batch))
+    poles = unstable_poles(plant)
+    poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
+    columns = np.ascontiguousarray(poles.T)
+    real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
+    count = np.sum(~np.isnan(columns), axis=0)
+    known = real & (count > 0) & (count <= _MOST)
+    s = np.full((_MOST, len(poles)), np.nan)
+    width = min(_MOST, poles.shape[-1])
+    s[:width] = np.real(columns[:width])
+    fast, slow = np.where(known, s[0], 1.0), s[1]
+    two = known & ~np.isnan(slow)
+    slow = np.where(two, slow, fast)
+    B = np.broadcast_to(plant.coefficients.B, plant.batch).ravel()
+    second = np.where(two[:, np.newaxis], _coordinate(plant, slow, B), 0.0)
+    return Judging(
+        rows=np.stack([_coordinate(plant, fast, B), second], axis=1),
+        reach=np.where(known, 1.0 / np.abs(B), np.nan),
+        ratio=np.where(two, slow / fast, 0.0),
+        calm=CALM / fast,
+        patience=PATIENCE / slow,
+    )
+
+
+def decidable(plant: Plant) -> NDArray[np.bool_]:
+    """Return which plants of a batch have one or two real unstable poles and a moment."""
+    judges = judging(plant)
+    return (np.isfinite(judges.reach) & (judges.reach > 0.0)).reshape(plant.batch)
+
+
+def _coordinate(plant: Plant, pole: FloatArray, B: FloatArray) -> FloatArray:
+    """The rows z of `recoverable.unstable_coordinates`, ``(plants, n)``: l with l A = pole l."""
+    A, inputs, _, _ = plant.matrices()
+    n = A.shape[-1]
+    A, drive = A.reshape(-1, n, n), inputs.reshape(-1, n, 2)[..., 0]
+    row = np.zeros((len(A), n))
+    row[:, 1], row[:, 0] = 1.0, pole
+    if n > 2:
+        turning = A[:, 2, 3] * A[:, 3, 2] / pole if n > 3 else 0.0
+        row[:, 2] = A[:, 1, 2] / (pole - A[:, 2, 2] - turning)
+    if n > 3:
+        row[:, 3] = row[:, 2] * A[:, 2, 3] / pole
+    with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
+        return row * (-pole / B / np.einsum("mi,mi->m", row, drive))[:, np.newaxis]

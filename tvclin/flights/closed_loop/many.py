@@ -1,0 +1,267 @@
+"""Many flights at once, each of a plant, a law, a wind and limits of its own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import Row, card
+from tvclin.base.errors import (
+    LATEST,
+    between,
+    broadcast,
+    instance,
+    number,
+    numbers,
+    positive,
+)
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.closed_loop.checks import (
+    FASTEST,
+    MOST,
+    check_delays,
+    check_sample_rates,
+    check_samples,
+    check_span,
+    paces,
+)
+from tvclin.flights.closed_loop.fates import decidable
+from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
+from tvclin.flights.closed_loop.sampled import Batch, flown
+from tvclin.kernels.flights import Flights
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+UNDECIDED, SURVIVED, LOST, NO_FLIGHT = STATUS = ("undecided", "survived", "lost", "no flight")
+_WIDEST = 1e9
+"""A limit of so many radians, or more, is none."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FlownCases:
+    """What came of many flights, each field in the shape of the batch.
+
+    The largest values are those at samples, and rates of the nozzle are means over a step. All
+    are sizes, and NaN where there was no flight.
+
+    Attributes
+    ----------
+    peak_attitude, peak_attitude_rate : ndarray
+        Largest attitude [rad] and attitude rate [rad/s].
+    peak_deflection, peak_deflection_rate : ndarray
+        Largest deflection [rad], and rate of the nozzle [rad/s].
+    peak_angle_of_attack : ndarray
+        Largest angle of attack [rad].
+    final_attitude : ndarray
+        Attitude at the end [rad], with its sign.
+    end_time : ndarray
+        When the flight ended [s].
+    saturated_time_fraction : ndarray
+        Part of the flight in which the whole limit was asked for.
+    status : ndarray of str
+        "survived", "lost", "undecided", or "no flight" where a case cannot be flown.
+    """
+
+    peak_attitude: FloatArray
+    peak_attitude_rate: FloatArray
+    peak_deflection: FloatArray
+    peak_deflection_rate: FloatArray
+    peak_angle_of_attack: FloatArray
+    final_attitude: FloatArray
+    end_time: FloatArray
+    saturated_time_fraction: FloatArray
+    status: NDArray[np.str_]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many flights have each status that occurs, the most frequent first."""
+        return dict(Counter(self.status.ravel().tolist()).most_common())
+
+    def __repr__(self) -> str:
+        words = ", ".join(f"{count} {status}" for status, count in self.counts.items())
+        return f"<FlownCases {self.status.shape}: {words}>"
+
+    def _repr_html_(self) -> str:
+        worst = [
+            ("attitude", self.peak_attitude),
+            ("deflection", self.peak_deflection),
+            ("angle of attack", self.peak_angle_of_attack),
+        ]
+        rows: list[Row] = [(status, count, "flights") for status, count in self.counts.items()]
+        rows += [(f"largest {name}", np.degrees(values), "deg") for name, values in worst]
+        return card(f"{self.status.size} flights", rows)
+
+
+def fly_many(
+    plant: Plant,
+    law: Any,
+    wind: History,
+    *,
+    deflection_limit: ArrayLike,
+    rate_limit: ArrayLike = np.inf,
+    actuator: Actuator | None = None,
+    sample_rate: ArrayLike,
+    delay: ArrayLike = 0.0,
+    until: float | None = None,
+) -> FlownCases:
+    """Return what comes of many flights of laws with limits, each from rest.
+
+    Plants, laws, winds, limits and actuators broadcast: one law, designed on the nominal plant,
+    for a thousand dispersed plants and winds, or a thousand limits for one plant.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    law : Law, array of Law, or Autopilot
+        An `Autopilot` with a batch of gains stands for a `SaturatedLaw` of each.
+    wind : History
+        One wind or a batch; each must end.
+    deflection_limit, rate_limit : array_like
+        Largest deflection [rad] and deflection rate [rad/s], positive.
+    actuator : Actuator, optional
+        One or a batch. Without one the deflection follows its command at once.
+    sample_rate : array_like
+        Samples of the laws in a second [Hz], the first at the onset of the wind, as of `fly`.
+    delay : array_like
+        Computing delay [s], from a sample to when its command takes effect; any, not only whole
+        samples.
+    until : float, optional
+        When the flights end [s]. Without it each ends when it is lost or saved, which needs one
+        or two real unstable poles.
+
+    Returns
+    -------
+    FlownCases
+        Largest values and fates. A flight is lost when after its wind it leaves the recoverable
+        set of its unstable modes, and survives when it has settled well inside. A case whose
+        limit is not positive, or whose wind is nothing, never ends or lasts for more than a million
+        samples, is "no flight", and so is one that could never be decided; the others go on.
+
+    Raises
+    ------
+    InputError
+        For shapes that do not broadcast, a single limit that is not positive, a delay below zero,
+        and a sample rate too slow for the actuator.
+
+    Notes
+    -----
+    A step is exact, the wind with all its knots included, in which the nozzle meets no limit.
+    In one in which its rate or its stop bounds it the deflection goes evenly from where it begins
+    to where it ends, which is exact while it stays bounded. Laws of the package are compiled
+    (extra `fast`); without numba a second of flight at 100 Hz takes some milliseconds. A law
+    written in Python is asked at every sample for all its flights at once.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)
+    >>> limits = np.array([0.6, 0.68, 0.7, 0.9]) * 0.01
+    >>> flown = tv.fly_many(plant, tv.TrimLaw(plant), wind, deflection_limit=limits,
+    ...                     sample_rate=100.0)
+    >>> flown.status.tolist()
+    ['lost', 'lost', 'survived', 'survived']
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    limits = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
+    limit, most = (_limit(name, value) for name, value in limits.items())
+    rate = check_sample_rates(sample_rate, actuator)
+    late = check_delays(delay, 1.0 / rate)
+    shape = broadcast(
+        plant=plant.batch,
+        law=shape_of(law),
+        wind=wind.batch,
+        deflection_limit=limit.shape,
+        rate_limit=most.shape,
+        actuator=() if actuator is None else actuator.batch,
+        sample_rate=rate.shape,
+        delay=late.shape,
+    )
+    laws = law_batch(law, shape)
+    stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
+    if until is not None:
+        span = stop - float(np.min(wind.onset, initial=stop))
+        check_span(0.0, span)
+        check_samples(span, 1.0 / float(rate.max(initial=0.01)))
+    limit, most = (np.broadcast_to(a, shape) for a in (limit, most))
+    good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(wind.end)
+    good &= paces(plant) <= FASTEST * rate
+    good &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MOST)
+    good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
+    batch = Batch(plant, wind, laws, limit, most, actuator, 1.0 / rate, late, stop, shape)
+    if not np.any(good):
+        return _flown_cases(None, good)
+    return _flown_cases(flown(batch if np.all(good) else _only(batch, good)), good)
+
+
+def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
+    """The flights of a batch that can be flown, in a row."""
+    where = np.flatnonzero(good)
+    shape = good.shape
+    some = partial(_some, shape=shape, where=where)
+    actuator = batch.actuator
+    if actuator is not None:
+        damping = None if actuator.damping is None else some(actuator.damping)
+        actuator = Actuator(natural_frequency=some(actuator.natural_frequency), damping=damping)
+    laws = replace(batch.laws, which=batch.laws.which[where])
+    return Batch(
+        plant=batch.plant.some(where, shape),
+        wind=batch.wind.some(where, shape),
+        laws=laws,
+        limit=some(batch.limit),
+        rate_limit=some(batch.rate_limit),
+        actuator=actuator,
+        length=some(batch.length),
+        delay=some(batch.delay),
+        until=batch.until,
+        shape=where.shape,
+    )
+
+
+def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> FloatArray:
+    return np.broadcast_to(array, shape).ravel()[where]
+
+
+def _flown_cases(f: Flights | None, good: NDArray[np.bool_]) -> FlownCases:
+    """What came of the flights; None where there were none."""
+    fate = np.full(good.shape, len(STATUS) - 1)
+    if f is None:
+        nothing = np.full(good.shape, np.nan)
+        sizes = dict.fromkeys(FlownCases.__dataclass_fields__, nothing)
+        return FlownCases(**{**sizes, "status": np.array(STATUS)[fate]})
+
+    def whole(values: FloatArray) -> FloatArray:
+        found = np.full(good.shape, np.nan)
+        found[good] = values
+        return found
+
+    h = f.lengths[f.vehicle, 0]
+    fate[good] = f.fate
+    return FlownCases(
+        peak_attitude=whole(f.tops[:, 0]),
+        peak_attitude_rate=whole(f.tops[:, 1]),
+        peak_deflection=whole(f.tops[:, 2]),
+        peak_deflection_rate=whole(f.tops[:, 3]),
+        peak_angle_of_attack=whole(f.tops[:, 4]),
+        final_attitude=whole(f.y[:, 0]),
+        end_time=whole(f.start + f.ended * h),
+        saturated_time_fraction=whole(f.tops[:, 5] / np.maximum(f.ended, 1)),
+        status=np.array(STATUS)[fate],
+    )
+
+
+def _limit(name: str, value: ArrayLike) -> FloatArray:
+    """A single limit must be positive; among many a bad one is the matter of its case."""
+    array = numbers(name, value)
+    if array.ndim or (name == "rate_limit" and array == np.inf):
+        return array
+    return positive(name, value)

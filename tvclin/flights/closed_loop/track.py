@@ -1,0 +1,113 @@
+"""One sampled flight at any time: from the start of the part of a step in which the time lies."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.closed_loop.checks import LOST, check_not_lost
+from tvclin.kernels.flights import Flights
+from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+
+def check_track(f: Flights, order: int) -> None:
+    """Raise `InputError` when states of a flight have grown beyond all meaning."""
+    states = f.track[:, :order]
+    with np.errstate(invalid="ignore"):
+        beyond = ~(np.abs(states).max(axis=1) <= LOST)
+    if np.any(beyond):
+        first = int(np.argmax(beyond))
+        check_not_lost(float(_begins(f)[first]), states[first])
+
+
+def between_samples(
+    f: Flights, plant: Plant, actuator: Actuator | None, wind: History, times: FloatArray
+) -> FloatArray:
+    """Return the states of the plant and the deflection at times ``(n,)``, zero before the start.
+
+    Parameters
+    ----------
+    f : Flights
+        One flight, flown with its track.
+    plant, actuator, wind : Plant, Actuator or None, History
+        What flew.
+    times : ndarray
+        Times [s] up to its end.
+    """
+    A, inputs, _, _ = plant.matrices()
+    n, N = len(A), f.y.shape[1]
+    limit, begins = float(f.limit[0]), _begins(f)
+    row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
+    u = np.maximum(times - begins[row], 0.0)
+    y, (command, last, met) = f.track[row, :N], f.track[row, N:].T
+    bounded = met > 0.0
+    servo = (np.zeros((0, 0)), np.zeros((0, 1))) if actuator is None else actuator.matrices()[:2]
+    free = _free(A, inputs[:, 0], servo, y, command, u)
+    lengths = np.diff(begins, append=begins[-1] + f.lengths[0, 1])[row]
+    first = np.clip(y[:, n], -limit, limit)
+    slope = (last - first) / lengths
+    even = exponentials(driven(A, np.column_stack([inputs[:, 0], np.zeros(n)]), np.eye(2, k=1)), u)
+    begun = np.column_stack([y[:, :n], first, slope])
+    straight = np.einsum("mij,mj->im", even[:, :n], begun)
+    rows = np.zeros((n + 1, times.size))
+    rows[:n] = np.where(bounded, straight, free[:n]) + _blown(A, inputs[:, 1], wind, begins[row], u)
+    position = command if actuator is None else np.clip(free[n], -limit, limit)
+    rows[n] = np.where(bounded, first + slope * u, position)
+    return np.where(times < begins[0], 0.0, rows)
+
+
+def _begins(f: Flights) -> FloatArray:
+    """When the parts of the steps begin [s]."""
+    parts = f.joint.shape[1]
+    k = np.arange(len(f.track) // parts)
+    begins = f.start[0] + f.lengths[0, 0] * k[:, np.newaxis]
+    offsets = np.array([0.0, f.lengths[0, 2]])[:parts] if parts > 1 else np.zeros(1)
+    return np.asarray((begins + offsets).ravel())
+
+
+def _free(
+    A: FloatArray,
+    drive: FloatArray,
+    servo: tuple[FloatArray, FloatArray],
+    y: FloatArray,
+    command: FloatArray,
+    u: FloatArray,
+) -> FloatArray:
+    """States of plant and nozzle after times `u` without a limit, in still air, ``(N, m)``."""
+    n, q = len(A), len(servo[0])
+    whole, given = np.zeros((n + q, n + q)), np.zeros((n + q, 1))
+    whole[:n, :n] = A
+    if q:
+        whole[:n, n], whole[n:, n:], given[n:] = drive, servo[0], servo[1]
+    else:
+        given[:n, 0] = drive
+    moved = exponentials(driven(whole, given), u)[:, : n + q]
+    begun = np.column_stack([y[:, : n + q], command])
+    return np.einsum("mij,mj->im", moved, begun)
+
+
+def _blown(
+    A: FloatArray, gust: FloatArray, wind: History, begins: FloatArray, u: FloatArray
+) -> FloatArray:
+    """What the wind adds to the states from `begins` to `u` later, ``(n, m)``."""
+    n, pieces = len(A), wind.pieces
+    matrix = answering(A, gust, pieces)
+    whole = exponentials(matrix, u)[:, :n, n:]
+    added = np.real(np.einsum("mij,mj->im", whole, inputs_at(pieces, begins)))
+    knots = pieces.knots[:, np.newaxis]
+    ends = begins + u
+    for k in np.flatnonzero(np.any((begins < knots) & (knots < ends), axis=0)):
+        inside = pieces.knots[(begins[k] < pieces.knots) & (pieces.knots < ends[k])]
+        edges = np.concatenate([begins[k : k + 1], inside, ends[k : k + 1]])
+        state = np.zeros(n, dtype=complex)
+        for part, begun in zip(
+            exponentials(matrix, np.diff(edges)), inputs_at(pieces, edges[:-1]), strict=True
+        ):
+            state = part[:n, :n] @ state + part[:n, n:] @ begun
+        added[:, k] = np.real(state)
+    return np.asarray(added)

@@ -1,0 +1,107 @@
+"""What a flight needs beyond a vehicle, most of it assumed where the report is silent."""
+
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+
+from tvclin.base.errors import InputError, number, positive
+from tvclin.base.files import called
+from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.vehicle.file import quantities, table_of, vehicle_text
+from tvclin.vehicle.vehicle import Vehicle
+
+_KEYS = {
+    "altitude": "length",
+    "specific_impulse": "time",
+    "reference_area": "area",
+    "table_scale": "number",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlightCondition:
+    """Where a vehicle's numbers hold, and how they change with time.
+
+    Parameters
+    ----------
+    altitude : float
+        Altitude [m] at the vehicle's time, from -5 to 86 km.
+    specific_impulse : float
+        Of the thrust [s], positive: it says how fast the mass falls.
+    reference_area : float, optional
+        S [m^2] of the aerodynamic coefficients, which no flight needs.
+    table_scale : float
+        A common factor on W, I, N, T and F_A. No flight depends on it; coefficients and forces do.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+    """
+
+    altitude: float
+    specific_impulse: float
+    reference_area: float | None = None
+    table_scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        altitude = number("altitude", self.altitude, unit="m")
+        if not LOWEST <= altitude <= HIGHEST:
+            raise InputError(
+                f"altitude must be between {LOWEST:g} and {HIGHEST:g} m; got {altitude:.6g} m"
+            )
+        number("specific_impulse", self.specific_impulse, positive, "s")
+        number("table_scale", self.table_scale, positive)
+        if self.reference_area is not None:
+            number("reference_area", self.reference_area, positive, "m^2")
+
+    @property
+    def density(self) -> float:
+        """Density of the air [kg/m^3]."""
+        return float(standard_atmosphere(self.altitude).density)
+
+    def dynamic_pressure(self, vehicle: Vehicle) -> float:
+        """Return rho V_n^2/2 [Pa]."""
+        return 0.5 * self.density * float(np.asarray(vehicle.velocity)) ** 2
+
+    def scaled(self, vehicle: Vehicle) -> Vehicle:
+        """Return the vehicle with W, I, N, T and F_A times the common factor."""
+        names = ("weight", "moment_of_inertia", "normal_force_slope", "thrust", "axial_force")
+        changes = {name: self.table_scale * getattr(vehicle, name) for name in names}
+        if vehicle.control_force_slope is not None:
+            changes["control_force_slope"] = self.table_scale * vehicle.control_force_slope
+        return vehicle.replace(**changes)
+
+
+def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
+    """Return the flight condition of a vehicle by name, or of a vehicle file.
+
+    It stands in the file under its own heading, [flight]: altitude_m, specific_impulse_s, and
+    perhaps reference_area_m2 and table_scale.
+
+    Raises
+    ------
+    InputError
+        As `load_vehicle`, and where the heading or a key is missing.
+
+    Examples
+    --------
+    >>> from tvclin.flights.condition import load_flight_condition
+    >>> load_flight_condition("configuration-i").altitude
+    11950.0
+    """
+    text, place = vehicle_text(source)
+    table, name = table_of(text, place, "flight"), called(place)
+    if not table:
+        raise InputError(
+            f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"
+        )
+    try:
+        given = quantities(table, _KEYS, "flight")
+        for key in ("altitude", "specific_impulse"):
+            if key not in given:
+                raise InputError(f"{key} is missing in [flight]")
+        return FlightCondition(**given)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None

@@ -1,0 +1,106 @@
+"""What turns the nozzle of a flight: a history, a law, an autopilot, or the report's control."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tvclin.base.errors import InputError, between, instance, number, positive
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.checks import check_actuator, check_rate_limit
+from tvclin.flights.door import check_one
+from tvclin.winds.histories import History
+
+
+@dataclass(frozen=True)
+class ReportControl:
+    """Trim until K times the deflection limit is asked for, then the whole limit for ever.
+
+    The dead band is left by the trim deflection itself, which is the literal switch of
+    `trim_then_hold`, but trim is what the measured angle of attack asks for, and the feedback of
+    `TrimLaw` holds the attitude where that is not quite enough.
+
+    Parameters
+    ----------
+    dead_band : float
+        K, from 0 to 1; zero applies the limit when the wind sets in.
+
+    Raises
+    ------
+    InputError
+        For a dead band outside [0, 1].
+    """
+
+    dead_band: float = 1.0
+
+    def __post_init__(self) -> None:
+        K = number("dead_band", self.dead_band, between(0.0, 1.0))
+        object.__setattr__(self, "dead_band", K)
+
+
+ONSET = 1e-9
+"""Part of the limit at which a control with no dead band takes a wind to have begun."""
+Control = History | Law | Autopilot | ReportControl
+"""What can fly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Command:
+    """What turns the nozzle, and through what, checked; make it with `command_of`.
+
+    Attributes
+    ----------
+    control : History, ReportControl or Law
+        What asks for a deflection.
+    actuator : Actuator or None
+        What lies between a law and the nozzle.
+    rate_limit : float
+        Largest deflection rate [rad/s] of a law.
+    """
+
+    control: History | ReportControl | Law
+    actuator: Actuator | None = None
+    rate_limit: float = np.inf
+
+
+def command_of(
+    control: object, start: float, actuator: Actuator | None = None, rate_limit: float = np.inf
+) -> Command:
+    """Return what turns the nozzle of a flight that begins at a time [s].
+
+    Raises
+    ------
+    InputError
+        For what is no control, histories in a batch or from before the flight, an autopilot with
+        a delay, two actuators, and hardware without a law.
+    """
+    most = check_rate_limit(rate_limit)
+    if isinstance(control, History | ReportControl):
+        if actuator is not None or most < np.inf:
+            raise InputError("actuator and rate_limit belong to a law or an autopilot")
+        if isinstance(control, History):
+            check_one("control", control, start)
+        return Command(control)
+    if isinstance(control, Autopilot):
+        if control.delay != 0.0:
+            raise InputError("an autopilot with a delay is not flown; leave the delay out")
+        if actuator is not None and control.actuator is not None:
+            raise InputError("actuator must be left out: the autopilot has one")
+        actuator = control.actuator or actuator
+        control = SaturatedLaw(replace(control, actuator=None))
+    check_actuator(actuator)
+    instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
+    assert isinstance(control, Law)
+    return Command(control, actuator, most)
+
+
+def limit_of(control: object, deflection_limit: float) -> float:
+    """Return the deflection limit [rad]; `InputError` unless it is positive.
+
+    Only a history may do without one.
+    """
+    if isinstance(control, History) and deflection_limit == np.inf:
+        return np.inf
+    return number("deflection_limit", deflection_limit, positive, "rad")

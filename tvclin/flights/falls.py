@@ -1,0 +1,34 @@
+"""How a flight is judged: by the side to which it falls in the end.
+
+With a limit that is too low the vehicle falls to the side to which the wind turns it. With one
+that is high enough a law brings it back; the limit held for ever turns it to the other side.
+"""
+
+from tvclin.control.laws.law import Law
+from tvclin.winds.histories import History
+
+_PATIENCE = 12.0
+"""A flight is watched for so long after the wind, over beta: what is off has grown by e^12."""
+_STILL = 0.1
+"""A late rate below this part of beta times the wind's peak is no fall."""
+
+
+def watched_until(wind: History, beta: float) -> float:
+    """Return the time [s] at which a flight is judged, if it has not left its model before."""
+    return float(wind.end) + _PATIENCE / beta
+
+
+def lets_go(control: object) -> bool:
+    """Return whether a control lets go of the limit when the work is done."""
+    return isinstance(control, Law)
+
+
+def has_survived(rate: float, wind: History, beta: float, let_go: bool) -> bool:
+    """Return whether the late attitude rate [rad/s] is no fall.
+
+    Where the limit is let go of, there is no falling to either side; otherwise only to the side
+    to which the wind turns a vehicle.
+    """
+    peak = float(wind.peak)
+    with_the_wind = -rate if peak > 0.0 else rate
+    return (abs(rate) if let_go else with_the_wind) <= _STILL * beta * abs(peak)

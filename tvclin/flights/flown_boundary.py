@@ -1,0 +1,148 @@
+"""The least deflection limit that survives, found by flying: any engine, no linear theory."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    ending,
+    instance,
+    number,
+    one_of,
+    positive,
+    single,
+)
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.law import Law
+from tvclin.flights.control import ReportControl
+from tvclin.flights.planar.verdict import planar_verdict
+from tvclin.flights.sixdof.verdict import sixdof_verdict
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+
+Verdict = Callable[[float], bool]
+"""Takes a deflection limit [rad] and says whether its flight survives."""
+
+ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType(
+    {"planar": planar_verdict, "sixdof": sixdof_verdict}
+)
+"""Engines by name. Each takes a vehicle, a wind and a control, and by name the plane, whether
+parameters are frozen, and options of its own, and it gives the verdict on a limit."""
+
+_FINEST, _WIDEST = 1e-7, 1e3
+"""Least tolerance and largest limit, over the largest trim deflection."""
+
+
+@dataclass(frozen=True)
+class FlownBoundary:
+    """A boundary that was flown.
+
+    Attributes
+    ----------
+    limit : float
+        y, the least deflection limit that survives over ``|B alpha_w,max|``.
+    deflection : float
+        The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
+    error : float
+        Half of the last bracket of y.
+    flights : int
+        How many flights it took.
+    """
+
+    limit: float
+    deflection: float
+    error: float
+    flights: int
+
+
+def flown_boundary(
+    vehicle: Vehicle,
+    wind: History,
+    dead_band: float = 1.0,
+    *,
+    law: Law | Autopilot | None = None,
+    engine: str | Callable[..., Verdict] = "planar",
+    plane: str = "pitch",
+    frozen: bool = True,
+    tolerance: float = 1e-4,
+    highest: float = 1.5,
+    **options: Any,
+) -> FlownBoundary:
+    """Return the least deflection limit with which a control survives a wind, found by flying.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, aerodynamically unstable.
+    wind : History
+        One wind that ends, from t = 0 on or later.
+    dead_band : float
+        K of the report's control, in [0, 1]; see `ReportControl`.
+    law : Law or Autopilot, optional
+        Flies in place of the report's control. Where its survival does not grow with the limit,
+        what is found is one of the limits between survival and loss.
+    engine : str or callable
+        One of `ENGINES`, or a function like these.
+    plane : {"pitch", "yaw"}
+        The plane of wind and nozzle.
+    frozen : bool
+        Whether mass, forces and speed stay what they are; an engine may know no other way.
+    tolerance : float
+        The limit is known to this part of ``|B alpha_w,max|``.
+    highest : float
+        Largest limit that is tried, over ``|B alpha_w,max|``.
+    **options
+        What else the engine takes: "planar" drift, condition, actuator and rate_limit, as of
+        `fly_planar`; "sixdof" these, step and earth, as of `fly_sixdof`.
+
+    Returns
+    -------
+    FlownBoundary
+        By bisection on the limit, each flight judged by the side to which it falls.
+
+    Raises
+    ------
+    InputError
+        For a vehicle without an unstable pole, batches, a wind that never ends, numbers out of
+        range, a dead band and a law together, and a wind in which the highest limit is not
+        enough.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
+    >>> flown = tv.flown_boundary(vehicle, wind, dead_band=1.0)
+    >>> linear = tv.boundary_limit(tv.Plant.from_vehicle(vehicle, model="drift-exact"), wind)
+    >>> round(flown.limit, 3), round(linear.limit, 3)
+    (0.654, 0.654)
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    single("wind", wind.batch)
+    ending("wind", wind.end)
+    control = ReportControl(dead_band) if law is None else law
+    if law is not None and ReportControl(dead_band) != ReportControl():
+        raise InputError("dead_band belongs to the report's control; leave it out with a law")
+    top = number("highest", highest, positive)
+    number("highest", top, between(0.0, _WIDEST))
+    narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
+    make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
+    survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
+    trim = -float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak)
+    scale = abs(trim)
+    if not survives(top * scale):
+        raise InputError(
+            f"wind must be one that {top:g} times the largest trim deflection survives"
+        )
+    lost, saved, flights = 0.0, top, 1
+    while saved - lost > 2.0 * narrow:
+        middle = 0.5 * (lost + saved)
+        lost, saved = (lost, middle) if survives(middle * scale) else (middle, saved)
+        flights += 1
+    limit = 0.5 * (lost + saved)
+    return FlownBoundary(limit, limit * trim, 0.5 * (saved - lost), flights)

@@ -1,0 +1,249 @@
+"""One vehicle in the engine: stepped, steered, and measured against its nominal flight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import repeat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError
+from tvclin.base.units import FOOT
+from tvclin.control.laws.law import Seen
+from tvclin.flights.answer import FARTHEST, OUTPUTS
+from tvclin.flights.sixdof.departure import Departure
+from tvclin.flights.sixdof.earth import Earth
+from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
+from tvclin.flights.sixdof.senses import senses, wind_setter
+from tvclin.flights.sixdof.steering import Steering
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+Row = tuple[float, ...]
+Place = Earth | Departure | None
+
+_STIFF = 4.0
+"""Natural frequency of the hold of the nominal flight, over that of the airframe."""
+_LEAST = 1.0
+"""The same [rad/s] for an airframe with hardly any moment."""
+
+
+class Airframe:
+    """A vehicle in JSBSim.
+
+    With frozen parameters over a flat planet its nominal flight is straight and needs no control.
+    Over the Earth, and from a departure on, it is flown first: the nose is held to the flight
+    path, in the other plane in every flight.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    plane : {"pitch", "yaw"}
+        Plane of the wind, the deflection and all that is measured; in yaw to the right.
+    drift : bool
+        Whether the flight path may turn.
+    step : float
+        Step [s].
+    place : Earth or Departure, optional
+        Without either the planet is flat and at rest, and all parameters are frozen.
+
+    Attributes
+    ----------
+    engine : Engine
+        What flies it.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, plane: str, drift: bool, step: float, place: Place
+    ) -> None:
+        earth = place if isinstance(place, Earth) else None
+        departure = place if isinstance(place, Departure) else None
+        heading = earth.heading if earth else 0.0
+        initial = {
+            "lat-geod-rad": earth.latitude if earth else 0.0,
+            "h-sl-ft": (place.altitude if place else 0.0) / FOOT,
+            "psi-true-rad": heading,
+            "theta-rad": float(vehicle.attitude),
+            "u-fps": float(vehicle.velocity) / FOOT,
+            "q-rad_sec": departure.turn if departure else 0.0,
+        }
+        planet = None if earth else planet_xml()
+        model = model_xml(vehicle, heading, departure)
+        engine = Engine(model, initial, step, planet=planet, drift=drift)
+        self.engine, self._step = engine, step
+        self._bend = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
+        self._senses = {name: senses(engine, name, heading) for name in DEFLECTIONS}
+        self._blow, self._plane = wind_setter(engine, plane, heading), plane
+        self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if place else None
+        self._nominal: list[Row] = []
+
+    def fly(
+        self,
+        steering: Steering,
+        speeds: FloatArray,
+        angles: FloatArray,
+        course: FloatArray | None = None,
+    ) -> FloatArray:
+        """Return a flight from the nominal state, up to where its attitude is beyond 25 deg.
+
+        Parameters
+        ----------
+        steering : callable
+            Gives the deflection.
+        speeds : ndarray
+            Wind speed [m/s] at each step, along the flight or to its right, ``(n,)``; the first
+            is zero.
+        angles : ndarray
+            The same as wind angle [rad].
+        course : ndarray, optional
+            The `OUTPUTS` in pitch that the nominal flight is held to, ``(n, 5)``; without it the
+            nominal flight goes straight on.
+
+        Returns
+        -------
+        ndarray
+            The `OUTPUTS` [rad, rad/s] as deviations from the nominal flight, ``(m, 5)``, m <= n.
+            If m is below n, the last row is the one that is beyond, or not finite.
+        """
+        nominal = self._nominal_rows(len(speeds), course)
+        return self._flown(steering, speeds, angles, nominal, course)
+
+    def _nominal_rows(self, count: int, course: FloatArray | None) -> Iterator[Row]:
+        """Return the outputs of the nominal flight, step by step."""
+        attitude, path = self._begin()
+        start = (attitude, 0.0, path, 0.0, 0.0)
+        if self._gains is None:
+            return repeat(start)
+        if len(self._nominal) < count:
+            hold, still = _held(*self._gains), np.zeros(count)
+            ahead = np.tile(start, (count, 1))
+            if course is not None and self._plane == "pitch":
+                ahead = course
+            flown = self._flown(hold, still, still, _each(ahead), course)
+            self._nominal = list(_each(flown + ahead[: len(flown)]))
+        if len(self._nominal) < count:
+            raise InputError(
+                "timepts must end before the nominal flight has turned by 25 deg, after"
+                f" {len(self._nominal) * self._step:.3g} s"
+            )
+        return iter(self._nominal)
+
+    def _begin(self) -> tuple[float, float]:
+        """Go back to the start, and return attitude and flight path angle there [rad]."""
+        self.engine.reset()
+        return self._senses[self._plane].angles()
+
+    def _flown(
+        self,
+        steering: Steering,
+        speeds: FloatArray,
+        angles: FloatArray,
+        nominal: Iterator[Row],
+        course: FloatArray | None,
+    ) -> FloatArray:
+        attitude, path = self._begin()
+        attitude_and_path, rates, measured_alpha = self._senses[self._plane]
+        h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
+        hold_other = self._other_hold(course)
+        rate, push = rates()
+        path_before, push_before = path - h * next(nominal)[1], push
+        alpha = blown = deflection = 0.0
+        rows: list[Row] = [(0.0,) * len(OUTPUTS)]
+        gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
+        for k, (speed, angle, (attitude_n, rate_n, path_n, alpha_n, deflection_n)) in enumerate(
+            gusts, start=1
+        ):
+            # What acts at the end of a step is set before the step, so the state at its end is
+            # foreseen: the rate by the engine's own rule, the angles to second order.
+            rate_ahead = rate + h * (1.5 * push - 0.5 * push_before)
+            turn = 0.5 * h * (rate + rate_ahead)
+            path_turn = path - path_before
+            deflection = steering(
+                k,
+                Seen(
+                    attitude + turn - attitude_n,
+                    rate_ahead - rate_n,
+                    path + path_turn - path_n,
+                    alpha + turn - path_turn - (angle - blown) - alpha_n,
+                    deflection,
+                ),
+            )
+            hold_other()
+            bend(deflection_n + deflection)
+            blow(speed)
+            run()
+            push_before, path_before, blown = push, path, angle
+            attitude, path = attitude_and_path()
+            (rate, push), alpha = rates(), measured_alpha()
+            off = attitude - attitude_n
+            rows.append((off, rate - rate_n, path - path_n, alpha - alpha_n, deflection))
+            if not abs(off) <= FARTHEST:
+                break
+        return np.array(rows)
+
+    def _other_hold(self, course: FloatArray | None) -> Callable[[], None]:
+        """Return what holds the nose to the path in the other plane, before each step."""
+        if self._gains is None:
+            return _nothing
+        (other,) = set(DEFLECTIONS) - {self._plane}
+        (angles, rates, _), bend = self._senses[other], self._bend[other]
+        on_lean, on_rate = self._gains
+        ahead: Iterator[Row] = repeat((0.0, 0.0))
+        if course is not None and other == "pitch":
+            ahead = _each(course[1:, [1, 4]])
+
+        def hold() -> None:
+            turn, deflection = next(ahead)
+            attitude, path = angles()
+            bend(deflection + on_lean * (attitude - path) + on_rate * (rates()[0] - turn))
+
+        return hold
+
+
+def _each(rows: FloatArray) -> Iterator[Row]:
+    """Return plain rows, for the innermost loop."""
+    return map(tuple, rows.tolist())
+
+
+def _nothing() -> None:
+    """Do nothing."""
+
+
+def _hold(c: Coefficients) -> tuple[float, float]:
+    """Return gains on the lean of the nose off the path, and on its rate, with damping one."""
+    frequency = max(_STIFF * abs(float(c.mu_alpha)) ** 0.5, _LEAST)
+    return (frequency**2 + float(c.mu_alpha)) / float(c.mu_delta), 2.0 * frequency / float(
+        c.mu_delta
+    )
+
+
+def _held(on_lean: float, on_rate: float) -> Steering:
+    return lambda k, seen: (
+        on_lean * (seen.attitude - seen.flight_path_angle) + on_rate * seen.attitude_rate
+    )
+
+
+_Case = tuple[Vehicle, str, bool, float, Place]
+_IDLE: dict[_Case, list[Airframe]] = {}
+_KEPT = 8
+
+
+@contextmanager
+def borrowed(*case: *_Case) -> Iterator[Airframe]:
+    """Lend an airframe, for it takes a third of a flight to make one; a flight begins it anew.
+
+    While one is out another is made, so that threads, and laws that fly ahead, have their own.
+    """
+    try:
+        airframe = _IDLE[case].pop()
+    except (KeyError, IndexError):
+        airframe = Airframe(*case)
+    yield airframe
+    if case not in _IDLE and len(_IDLE) >= _KEPT:
+        _IDLE.pop(next(iter(_IDLE)), None)
+    _IDLE.setdefault(case, []).append(airframe)

@@ -1,0 +1,203 @@
+"""What JSBSim is told of a vehicle: its XML, written anew for each vehicle and plane.
+
+Structural axes point aft, right and up with the centre of gravity at their origin; body axes
+point forward, right and down. The engine counts in feet, slugs and pounds.
+"""
+
+from math import cos, sin
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from tvclin.base.units import FOOT, POUND_FORCE
+from tvclin.flights.sixdof.departure import Departure
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+
+DEFLECTIONS = {
+    "pitch": "tvclin/pitch-deflection-rad",
+    "yaw": "tvclin/yaw-deflection-rad",
+}
+"""The properties that turn the nozzle. Positive ones push the tail up, and to the right."""
+
+_SLUG = POUND_FORCE / FOOT
+_POUNDS_PER_SLUG = 32.174049
+"""What JSBSim itself divides a weight in pounds by."""
+_SLENDER = 20.0
+"""Transverse moment of inertia over that of the roll, in which nothing moves."""
+_FLAT = 1e13
+"""Radius [m] at which a planet is flat, and positions still have digits for it."""
+_ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+Direction = tuple[float, float, float]
+Tree = str | float | tuple[Any, ...]
+"""A formula: a property, a number, or the name of an operation with its parts."""
+
+
+def planet_xml() -> str:
+    """Return a planet without rotation that is flat, with standard gravity at its surface."""
+    planet = Element("planet", name="flat")
+    for axis in ("semimajor_axis", "semiminor_axis"):
+        _text(planet, axis, _FLAT, unit="M")
+    _text(planet, "rotation_rate", 0.0, unit="RAD/SEC")
+    _text(planet, "GM", STANDARD_GRAVITY * _FLAT**2, unit="M3/SEC2")
+    _text(planet, "J2", 0.0)
+    return tostring(planet, encoding="unicode")
+
+
+def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: Departure | None = None) -> str:
+    """Return the model of one vehicle, frozen or as it changes from a departure on.
+
+    Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
+    normal force N alpha and the axial force act l_a ahead of it, and alpha is that of the body
+    axes. Two more forces freeze the flight: one holds the nominal flight straight against its
+    weight, the other cancels what would change the speed. From a departure on nothing is frozen:
+    aerodynamic forces go with the dynamic pressure, and the mass falls.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    heading : float
+        Nominal direction of flight [rad], from north over east.
+    departure : Departure, optional
+        Where the vehicle is what it is; without one it always is.
+    """
+    root = Element("fdm_config", name="tvclin", version="2.0")
+    _metrics(root, vehicle)
+    balance = mass_balance(root, float(vehicle.mass), _inertias(vehicle))
+    SubElement(root, "ground_reactions")
+    load: Tree = 1.0
+    if departure is not None:
+        _burning(root, balance, departure)
+        load = ("quotient", "aero/qbar-psf", departure.dynamic_pressure * FOOT**2 / POUND_FORCE)
+    _aerodynamics(root, vehicle, load)
+    reactions = SubElement(root, "external_reactions")
+    for name in DEFLECTIONS.values():
+        _text(reactions, "property", name)
+    _nozzle(reactions, vehicle)
+    if departure is None:
+        _frozen(reactions, vehicle, heading)
+    return tostring(root, encoding="unicode")
+
+
+def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float]) -> Element:
+    """Add a mass [kg] and the moments of inertia [kg m^2] about x, y and z; return where."""
+    balance = SubElement(root, "mass_balance")
+    for name, inertia in zip(("ixx", "iyy", "izz"), inertias, strict=True):
+        _text(balance, name, inertia / (_SLUG * FOOT**2), unit="SLUG*FT2")
+    _text(balance, "emptywt", mass / _SLUG * _POUNDS_PER_SLUG, unit="LBS")
+    _place(balance, 0.0, name="CG")
+    return balance
+
+
+def _burning(root: Element, balance: Element, departure: Departure) -> None:
+    """Let the mass fall: what is burnt is a negative one at the centre of gravity."""
+    burnt = SubElement(balance, "pointmass", name="burnt")
+    _text(burnt, "weight", 0.0, unit="LBS")
+    _place(burnt, 0.0)
+    channel = SubElement(SubElement(root, "system", name="burning"), "channel", name="burning")
+    flow = -departure.mass_flow / _SLUG * _POUNDS_PER_SLUG
+    function = SubElement(channel, "fcs_function", name="tvclin/burnt-lbs")
+    _function(function, ("product", flow, "simulation/sim-time-sec"))
+    _text(function, "output", "inertia/pointmass-weight-lbs")
+
+
+def _inertias(vehicle: Vehicle) -> tuple[float, float, float]:
+    across = float(vehicle.moment_of_inertia)
+    return across / _SLENDER, across, across
+
+
+def _metrics(root: Element, vehicle: Vehicle) -> None:
+    metrics = SubElement(root, "metrics")
+    for name in ("wingarea", "wingspan", "chord"):
+        _text(metrics, name, 1.0)
+    _place(metrics, -float(vehicle.aerodynamic_arm), name="AERORP")
+
+
+def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
+    """Let the forces act that belong to a load, the dynamic pressure over that of the vehicle."""
+    aerodynamics = SubElement(root, "aerodynamics")
+    slope = -float(vehicle.normal_force_slope) / POUND_FORCE
+    forces: dict[str, Tree] = {
+        "X": ("product", -float(vehicle.axial_force) / POUND_FORCE, load),
+        "Y": ("product", slope, load, ("atan2", "velocities/v-aero-fps", "velocities/u-aero-fps")),
+        "Z": ("product", slope, load, ("atan2", "velocities/w-aero-fps", "velocities/u-aero-fps")),
+    }
+    for name, force in forces.items():
+        axis = SubElement(aerodynamics, "axis", name=name)
+        _function(axis, force, name=f"tvclin/aerodynamic-{name.lower()}-lbs")
+    SubElement(aerodynamics, "axis", name="ROLL")  # or JSBSim remarks that there is no moment
+
+
+def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
+    """Turn as much of the thrust as makes the control force; the rest stays along the body."""
+    thrust, turned = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
+    pitch, yaw = DEFLECTIONS["pitch"], DEFLECTIONS["yaw"]
+    forces: dict[str, Tree] = {
+        "x": ("sum", thrust - turned, ("product", turned, ("cos", pitch), ("cos", yaw))),
+        "y": ("product", turned, ("sin", yaw)),
+        "z": ("product", -turned, ("sin", pitch)),
+    }
+    for axis, force in forces.items():
+        name = f"tvclin/nozzle-{axis}-lbs"
+        both: Tree = ("sum", f"tvclin/aerodynamic-{axis}-lbs", name)
+        _function(reactions, force, name=name)
+        _function(reactions, both, name=f"tvclin/without-weight-{axis}-lbs")
+        _force(reactions, f"nozzle-{axis}", "BODY", name, _ALONG[axis], float(vehicle.control_arm))
+
+
+def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
+    """Hold the nominal flight straight, and the speed of every flight."""
+    weight = float(vehicle.weight) / POUND_FORCE
+    sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
+    north, east = cos(heading), sin(heading)
+    upright = (-sine * north, -sine * east, -cosine)
+    _force(reactions, "straight", "LOCAL", weight * cosine, upright, 0.0)
+    # With that force the weight acts as W sin(Theta_n) against the nominal direction of flight.
+    forward: Tree = (
+        "sum",
+        ("product", cosine * north, "velocities/v-north-fps"),
+        ("product", cosine * east, "velocities/v-east-fps"),
+        ("product", -sine, "velocities/v-down-fps"),
+    )
+    speeds = {"x": "velocities/u-fps", "y": "velocities/v-fps", "z": "velocities/w-fps"}
+    work = [("product", f"tvclin/without-weight-{axis}-lbs", v) for axis, v in speeds.items()]
+    power: Tree = ("sum", *work, ("product", -weight * sine, forward))
+    square: Tree = ("sum", *(("product", v, v) for v in speeds.values()))
+    _function(reactions, ("quotient", power, square), name="tvclin/push-per-speed")
+    for axis, speed in speeds.items():
+        held: Tree = ("product", -1.0, "tvclin/push-per-speed", speed)
+        _force(reactions, f"speed-{axis}", "BODY", held, _ALONG[axis], 0.0)
+
+
+def _force(
+    parent: Element, name: str, frame: str, size: Tree, direction: Direction, aft: float
+) -> None:
+    force = SubElement(parent, "force", name=name, frame=frame)
+    _function(force, size)
+    _place(force, aft)
+    towards = SubElement(force, "direction")
+    for axis, part in zip("xyz", direction, strict=True):
+        _text(towards, axis, part)
+
+
+def _place(parent: Element, aft: float, **names: str) -> None:
+    location = SubElement(parent, "location", {"unit": "M", **names})
+    for axis, value in zip("xyz", (aft, 0.0, 0.0), strict=True):
+        _text(location, axis, value)
+
+
+def _function(parent: Element, tree: Tree, **names: str) -> None:
+    _add(SubElement(parent, "function", names), tree)
+
+
+def _add(parent: Element, tree: Tree) -> None:
+    if isinstance(tree, tuple):
+        inner = SubElement(parent, str(tree[0]))
+        for part in tree[1:]:
+            _add(inner, part)
+    else:
+        _text(parent, "property" if isinstance(tree, str) else "value", tree)
+
+
+def _text(parent: Element, tag: str, value: str | float, **attributes: str) -> None:
+    SubElement(parent, tag, attributes).text = value if isinstance(value, str) else repr(value)

@@ -1,0 +1,294 @@
+"""The nominal flight: a gravity turn at zero angle of attack through a vehicle's state.
+
+    V' = (T - F_A)/m - g sin gamma,   gamma' = -g cos(gamma)/V,   h' = V sin gamma
+
+Thrust and inertia stay, the mass falls with the specific impulse, and F_A and N go with the
+dynamic pressure. The report gives none of these histories (nor tables against Mach, nor an
+altitude): flights on this trajectory are reconstructed, not those of 1968.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    LATEST,
+    InputError,
+    between,
+    finite,
+    instance,
+    number,
+    positive,
+    single,
+)
+from tvclin.flights.atmosphere import HIGHEST, LOWEST, air_at, density_at
+from tvclin.flights.condition import FlightCondition
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+from tvclin.winds.histories import History, Piecewise
+from tvclin.winds.sampled import straight_lines
+
+FloatArray = NDArray[np.float64]
+
+_RTOL = 1e-11
+_STEEP = np.radians(89.9)
+
+
+@dataclass(frozen=True, eq=False)
+class NominalFlight:
+    """The nominal flight over a span of time; make it with `nominal_flight`.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        The vehicle at its own time.
+    condition : FlightCondition
+        What was assumed.
+    start, stop : float
+        The span [s].
+    """
+
+    vehicle: Vehicle
+    condition: FlightCondition
+    start: float
+    stop: float
+
+    def states(self, t: ArrayLike) -> FloatArray:
+        """Return velocity [m/s], flight path angle [rad] and altitude [m], ``(3,) + t.shape``.
+
+        Raises
+        ------
+        InputError
+            For times outside the span.
+        """
+        times = finite("t", t, "s")
+        slack = 1e-9 * (self.stop - self.start)
+        if np.any((times < self.start - slack) | (times > self.stop + slack)):
+            raise InputError(
+                f"t must be between {self.start:.6g} and {self.stop:.6g} s, the span of the"
+                f" nominal flight; got {float(times.min()):.6g} to {float(times.max()):.6g} s"
+            )
+        flat = np.clip(times.ravel(), self.start, self.stop)
+        return self.states_within(flat).reshape(3, *times.shape)
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """Times [s] over the span, at most a tenth of a second apart, shape ``(n,)``."""
+        return np.linspace(self.start, self.stop, int(10.0 * (self.stop - self.start)) + 2)
+
+    @cached_property
+    def speed(self) -> FloatArray:
+        """Velocity [m/s] at `time`."""
+        return self.states(self.time)[0]
+
+    @cached_property
+    def flight_path_angle(self) -> FloatArray:
+        """Flight path angle [rad] at `time`."""
+        return self.states(self.time)[1]
+
+    @cached_property
+    def height(self) -> FloatArray:
+        """Altitude [m] at `time`."""
+        return self.states(self.time)[2]
+
+    def states_within(self, t: Any) -> FloatArray:
+        """Return the states at a time, or times ``(n,)``, that lie in the span, unchecked."""
+        early, late = self._solutions
+        if np.ndim(t) == 0:
+            return np.asarray(early(t) if t < self._time else late(t))
+        return np.where(t < self._time, early(t), late(t))
+
+    def mass(self, t: ArrayLike) -> Any:
+        """Return the mass [kg]."""
+        flow = self.vehicle.thrust / (STANDARD_GRAVITY * self.condition.specific_impulse)
+        return self.vehicle.mass - flow * (np.asarray(t, dtype=float) - self._time)
+
+    def pressure_ratio(self, speed: Any, altitude: Any) -> Any:
+        """Return the dynamic pressure at an air speed and altitude over that of the vehicle."""
+        density = density_at(altitude) if np.ndim(altitude) == 0 else air_at(altitude).density
+        return density / self._density * (speed / self.vehicle.velocity) ** 2
+
+    def dynamic_pressure(self, t: ArrayLike) -> FloatArray:
+        """Return the dynamic pressure [Pa]."""
+        speed, _, altitude = self.states(t)
+        ratio = self.pressure_ratio(speed, altitude)
+        return np.asarray(ratio * self.condition.dynamic_pressure(self.vehicle))
+
+    def deflection(self, t: ArrayLike) -> FloatArray:
+        """Return the nominal deflection [rad], -I Theta_n''/(T l_c), eq (B2c)."""
+        speed, path, altitude = self.states(t)
+        rates = self.rates(np.asarray(t, dtype=float), np.stack([speed, path, altitude]))
+        bend = STANDARD_GRAVITY * (
+            np.sin(path) * rates[1] / speed + np.cos(path) * rates[0] / speed**2
+        )
+        v = self.vehicle
+        return np.asarray(-v.moment_of_inertia * bend / (v.control_force * v.control_arm))
+
+    def histories(self, step: float = 0.05) -> dict[str, History]:
+        """Return Theta_n, gamma_n, V_n and delta_n as histories, from `start` to `stop`.
+
+        Parameters
+        ----------
+        step : float
+            Straight lines lead from one value to the next after this time [s].
+
+        Returns
+        -------
+        dict of str to History
+            "attitude", "flight_path_angle" [rad], "velocity" [m/s] and "deflection" [rad]. The
+            first two are one: without lift the nose is on the path. No force asks for a
+            deflection, the thrust going through the centre of gravity; what there is turns the
+            nose with the path.
+
+        Raises
+        ------
+        InputError
+            For a step that is not positive.
+        """
+        length = number("step", step, positive, "s")
+        count = int(np.ceil((self.stop - self.start) / length)) + 1
+        times: FloatArray = np.linspace(self.start, self.stop, max(count, 2))
+        speed, path, _ = self.states(times)
+        turned = Piecewise(straight_lines(times, path))
+        return {
+            "attitude": turned,
+            "flight_path_angle": turned,
+            "velocity": Piecewise(straight_lines(times, speed)),
+            "deflection": Piecewise(straight_lines(times, self.deflection(times))),
+        }
+
+    def vehicle_at(self, t: ArrayLike) -> Vehicle:
+        """Return the vehicle at other times: a batch of the shape of `t`."""
+        speed, path, altitude = self.states(t)
+        ratio = self.pressure_ratio(speed, altitude)
+        return self.vehicle.replace(
+            weight=self.mass(t) * STANDARD_GRAVITY,
+            normal_force_slope=self.vehicle.normal_force_slope * ratio,
+            axial_force=self.vehicle.axial_force * ratio,
+            velocity=speed,
+            attitude=path,
+            time=np.asarray(t, dtype=float),
+        )
+
+    def rates(self, t: Any, states: FloatArray) -> FloatArray:
+        """Return the derivatives of velocity, flight path angle and altitude."""
+        speed, path, altitude = states
+        drag = self.vehicle.axial_force * self.pressure_ratio(speed, altitude)
+        push = (self.vehicle.thrust - drag) / self.mass(t)
+        return np.stack(
+            [
+                push - STANDARD_GRAVITY * np.sin(path),
+                -STANDARD_GRAVITY * np.cos(path) / speed,
+                speed * np.sin(path),
+            ]
+        )
+
+    @property
+    def _time(self) -> float:
+        return _time_of(self.vehicle)
+
+    @cached_property
+    def _density(self) -> float:
+        return self.condition.density
+
+    @cached_property
+    def _solutions(self) -> tuple[Any, Any]:
+        """Dense solutions before and after the vehicle's own time."""
+        v = self.vehicle
+        begin = np.array([v.velocity, v.attitude, self.condition.altitude], dtype=float)
+        return self._integrated(begin, self.start), self._integrated(begin, self.stop)
+
+    def _integrated(self, begin: FloatArray, end: float) -> Any:
+        from scipy.integrate import solve_ivp
+
+        def leaves(t: float, states: FloatArray) -> float:
+            inside = min(states[2] - LOWEST, HIGHEST - states[2]) / HIGHEST
+            return float(min(states[0] - 1.0, _STEEP - abs(states[1]), inside))
+
+        leaves.terminal = True  # type: ignore[attr-defined]
+        if end == self._time:
+            return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))
+        found = solve_ivp(
+            self.rates,
+            (self._time, end),
+            begin,
+            method="DOP853",
+            rtol=_RTOL,
+            atol=1e-9,
+            dense_output=True,
+            events=leaves,
+        )
+        if found.status:
+            raise InputError(
+                f"the nominal flight does not reach t = {end:.6g} s: at {found.t[-1]:.6g} s it is"
+                f" at {found.y[2, -1]:.6g} m with {found.y[0, -1]:.6g} m/s; ask for a shorter span"
+            )
+        return found.sol
+
+
+def nominal_flight(
+    vehicle: Vehicle, condition: FlightCondition, *, start: float, stop: float
+) -> NominalFlight:
+    """Return the nominal flight through a vehicle's state, from `start` to `stop` [s].
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, with the time to which its numbers belong (zero where it has none).
+    condition : FlightCondition
+        Altitude and specific impulse.
+    start, stop : float
+        The span [s], around the vehicle's time.
+
+    Raises
+    ------
+    InputError
+        For a batch, a span that does not hold the vehicle's time, and one in which the mass is
+        used up or the flight leaves the atmosphere.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> from tvclin.flights.condition import load_flight_condition
+    >>> from tvclin.flights.trajectory import nominal_flight
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> flight = nominal_flight(
+    ...     vehicle, load_flight_condition("configuration-i"), start=62.0, stop=72.0
+    ... )
+    >>> bool(flight.states(66.0)[0] == vehicle.velocity)
+    True
+    """
+    instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+    instance("condition", condition, FlightCondition, "see load_flight_condition")
+    single("vehicle", vehicle.batch)
+    begin, end = (
+        number(name, value, between(-LATEST, LATEST), "s")
+        for name, value in (("start", start), ("stop", stop))
+    )
+    own = _time_of(vehicle)
+    if not begin <= own <= end or begin == end:
+        raise InputError(
+            f"start and stop must lie around the vehicle's time, {own:.6g} s; got {begin:.6g} and"
+            f" {end:.6g} s"
+        )
+    return _integrated_once(vehicle, condition, begin, end)
+
+
+@lru_cache(maxsize=8)
+def _integrated_once(
+    vehicle: Vehicle, condition: FlightCondition, begin: float, end: float
+) -> NominalFlight:
+    """Return the flight, kept for the next that goes the same way: it takes half of a flight."""
+    flight = NominalFlight(vehicle, condition, begin, end)
+    if flight.mass(end) <= 0.0:
+        raise InputError(f"the mass is used up before t = {end:.6g} s; ask for a shorter span")
+    _ = flight._solutions
+    return flight
+
+
+def _time_of(vehicle: Vehicle) -> float:
+    return 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))

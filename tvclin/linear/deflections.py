@@ -1,0 +1,222 @@
+"""Deflections: histories of the control, delta - delta_n [rad].
+
+A deflection that is held, one that switches between two limits, and the report's control: trim
+until the dead band is left, then the limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    finite,
+    instance,
+    nonzero,
+    one_of,
+    plain,
+    shown,
+    together,
+    within,
+)
+from tvclin.kernels import pieces as kernel
+from tvclin.kernels.crossings import first_crossing
+from tvclin.kernels.pieces import Pieces
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History, Piecewise, linear_pieces
+
+FloatArray = NDArray[np.float64]
+
+SWITCHES = ("report", "literal")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HeldDeflection(History):
+    """A deflection that is constant from its start on, for ever.
+
+    Parameters
+    ----------
+    limit : array_like
+        Deflection [rad]. A positive one pitches the nose down; it opposes a negative wind.
+    start : array_like
+        Start time [s]; negative for a start before t = 0.
+
+    Raises
+    ------
+    InputError
+        For a limit of zero, or numbers that are not finite.
+    """
+
+    limit: float | FloatArray
+    start: float | FloatArray = 0.0
+
+    def __post_init__(self) -> None:
+        limit, start = nonzero("limit", self.limit, "rad"), finite("start", self.start, "s")
+        together(limit=limit, start=start)
+        object.__setattr__(self, "limit", plain(limit))
+        object.__setattr__(self, "start", plain(start))
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        limit, start = np.broadcast_arrays(self.limit, self.start)
+        return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BangBang(History):
+    """A deflection that is always at one of its two limits, +limit first (appendix C).
+
+    Parameters
+    ----------
+    limit : array_like
+        First deflection [rad], ``(...)``; negative to start the other way.
+    switch_times : array_like
+        Times [s] at which the sign changes, ``(..., n)``, not decreasing and not before `start`.
+        The sign after the last one is kept for ever.
+    start : array_like
+        Start time [s].
+
+    Raises
+    ------
+    InputError
+        For a limit of zero, or switch times that decrease or precede the start.
+    """
+
+    limit: float | FloatArray
+    switch_times: FloatArray
+    start: float | FloatArray = 0.0
+
+    def __post_init__(self) -> None:
+        limit, start = nonzero("limit", self.limit, "rad"), finite("start", self.start, "s")
+        times = np.atleast_1d(finite("switch_times", self.switch_times, "s"))
+        together(limit=limit, start=start, switch_times=times[..., 0] if times.size else limit)
+        if times.size and (np.any(np.diff(times) < 0.0) or np.any(times[..., 0] < start)):
+            raise InputError(
+                f"switch_times must not decrease, nor come before start ({shown(start.tolist())}"
+                f" s); got {shown(times.tolist())}"
+            )
+        object.__setattr__(self, "limit", plain(limit))
+        object.__setattr__(self, "start", plain(start))
+        object.__setattr__(self, "switch_times", times)
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The pieces as arrays."""
+        limit, start = np.asarray(self.limit), np.asarray(self.start)
+        count = self.switch_times.shape[-1]
+        shape = np.broadcast_shapes(limit.shape, start.shape, self.switch_times.shape[:-1])
+        first = np.broadcast_to(start[..., np.newaxis], (*shape, 1))
+        later = np.broadcast_to(self.switch_times, (*shape, count))
+        signs = (-1.0) ** np.arange(count + 1)
+        return linear_pieces(
+            np.concatenate([first, later], axis=-1), limit[..., np.newaxis] * signs, 0.0
+        )
+
+
+def trim_deflection(plant: Plant, wind: History) -> History:
+    """Return the deflection that keeps the attitude nominal in a wind, exactly.
+
+    On eq (5) it is -B alpha_w; on the models with drift the wind passes the filter
+    -B (s + b2)/(s + b1), because the vehicle drifts with the wind; eq before (17).
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    wind : History
+        Wind angle of attack; batches broadcast.
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("wind", wind, History, "such as TriangularWind")
+    from_wind = plant.numerator("attitude", "wind")
+    return wind.filter(-from_wind, plant.numerator("attitude", "deflection"))
+
+
+def trim_then_hold(
+    plant: Plant,
+    wind: History,
+    limit: ArrayLike,
+    dead_band: ArrayLike = 1.0,
+    switch: str = "report",
+) -> History:
+    """Return the report's control: trim until the dead band is left, then the limit for ever.
+
+    Parameters
+    ----------
+    plant : Plant
+        The plant that is trimmed, one or a batch.
+    wind : History
+        Wind angle of attack. Where it changes sign, only the part that the limit opposes can
+        leave the dead band.
+    limit : array_like
+        Deflection limit delta_max [rad] with its sign: it opposes the wind,
+        delta_max = -y B alpha_w,max.
+    dead_band : array_like
+        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+    switch : {"report", "literal"}
+        What leaves the dead band at K times the limit: ``|B alpha_w|`` (eqs (10), (11)), or the
+        trim deflection itself. They differ on the models with drift, where the report switches a
+        little early.
+
+    Returns
+    -------
+    History
+        Where the dead band is never left, trim throughout.
+
+    Raises
+    ------
+    InputError
+        When the limit has the sign of the wind moment instead of opposing it, and for a dead band
+        outside [0, 1].
+    """
+    limit = nonzero("limit", limit, "rad")
+    dead_band = within("dead_band", dead_band, 0.0, 1.0)
+    trim = trim_deflection(plant, wind)
+    opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)
+    if np.any(opposing * limit < 0.0):
+        raise InputError(
+            "limit must oppose the wind, with the sign of -B alpha_w,max; got"
+            f" {limit.ravel()[0]:.6g} rad against a wind of {np.ravel(wind.peak)[0]:.6g} rad"
+        )
+    time = leaving_time(dead_band_driver(plant, wind, trim, switch), limit, dead_band)
+    leaves = np.isfinite(time)
+    held = linear_pieces(
+        np.where(leaves, time, wind.knots[..., -1])[..., np.newaxis],
+        np.where(leaves, limit, 0.0)[..., np.newaxis],
+        0.0,
+    )
+    return trim.before(time) + Piecewise(held)
+
+
+def dead_band_driver(plant: Plant, wind: History, trim: History, switch: str) -> History:
+    """Return the deflection whose size leaves the dead band: -B alpha_w, or the trim itself."""
+    if one_of("switch", switch, SWITCHES) == "literal":
+        return trim
+    return wind * -np.asarray(plant.coefficients.B)
+
+
+def leaving_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:
+    """Return the first time [s] at which `driver` is at `dead_band` times `limit` or beyond.
+
+    With a dead band of zero it is the time at which the driver sets in. Shape
+    ``broadcast(driver.batch, limit.shape, dead_band.shape)``; inf where it never is.
+    """
+    limit, dead_band = np.asarray(limit, dtype=float), np.asarray(dead_band, dtype=float)
+    relative = driver * (1.0 / limit)
+    shape = np.broadcast_shapes(relative.batch, dead_band.shape)
+    level = np.broadcast_to(dead_band, shape).ravel()
+    start = np.broadcast_to(relative.onset, shape)
+    times = relative.probe_times()
+    pieces = kernel.spread(relative.pieces, shape)
+
+    def excess(t: FloatArray, index: NDArray[np.intp]) -> FloatArray:
+        values = kernel.value(kernel.take(pieces, index), t[:, np.newaxis])[:, 0]
+        return np.real(values) - level[index]
+
+    values = np.real(kernel.value(pieces, times)) - level.reshape(shape)[..., np.newaxis]
+    return np.where(level.reshape(shape) > 0.0, first_crossing(times, values, excess), start)

@@ -1,0 +1,160 @@
+"""The modes of a plant: its poles, and the residues of its attitude there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import instance
+from tvclin.kernels import polynomials
+from tvclin.kernels.responses import growing
+from tvclin.linear.plant import INPUTS, Plant
+
+_TOGETHER = 2e-6
+"""Poles nearer to each other than this part of their size count as repeated ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Poles, and the residues of the attitude transfer functions there.
+
+    All have shape ``(..., N)``, sorted from the fastest growing pole down; real when every pole
+    is. Where the plants of a batch have different numbers of poles of the kind asked for, N is
+    the largest and the rest is filled with NaN.
+
+    Attributes
+    ----------
+    poles : ndarray
+        Poles [1/s]; the unstable ones are the report's beta_i.
+    deflection_residues, wind_residues : ndarray
+        Residues [1/s] of the attitude per unit impulse of deflection and of wind, N(p)/D'(p);
+        NaN at a repeated pole.
+    """
+
+    poles: NDArray[Any]
+    deflection_residues: NDArray[Any]
+    wind_residues: NDArray[Any]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("poles", self.poles, "1/s"),
+            ("residues from the deflection", self.deflection_residues, "1/s"),
+            ("residues from the wind", self.wind_residues, "1/s"),
+        ]
+        return card("Modes", rows)
+
+
+def all_modes(plant: Plant) -> Modes:
+    """Return every pole of a plant and the residues of its attitude there.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    return _with_residues(plant, plant.poles)
+
+
+def unstable_modes(plant: Plant) -> Modes:
+    """Return the unstable poles of a plant and the residues of its attitude there.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+
+    Notes
+    -----
+    Eq (4b) asks about these. There is one for eqs (5) and (B8); there are two for the exact
+    third-order model of an unstable vehicle, three for the fourth-order model, two of them a
+    complex pair, and none for a stable vehicle on a fixed path. Poles on the imaginary axis do
+    not count.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    >>> tv.unstable_modes(plant).poles.round(5)
+    array([0.5102 , 0.01285])
+    """
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    return _with_residues(plant, unstable_poles(plant))
+
+
+def unstable_poles(plant: Plant) -> NDArray[Any]:
+    """Return the poles of `unstable_modes` alone, which take a third of the time.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+
+    Returns
+    -------
+    ndarray
+        The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real
+        where all are.
+    """
+    every = plant.poles
+    unstable = growing(every)
+    most = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
+    poles = np.where(unstable[..., :most], every[..., :most], np.nan)
+    if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):
+        poles = np.real(poles)
+    return poles
+
+
+def parted(poles: NDArray[Any]) -> NDArray[Any]:
+    """Return unstable poles ``(..., N)``, of which two that are together are set apart a little.
+
+    What two poles ask for together depends on their mean and on the square of their distance, so a
+    distance of 2e-6 of their size changes it by some 1e-12, and keeps it from 0/0.
+
+    Parameters
+    ----------
+    poles : ndarray
+        The fastest first, as `unstable_poles` gives them; NaN where there is none.
+    """
+    apart = np.array(poles)
+    for i in range(poles.shape[-1] - 1):
+        first, second = apart[..., i], apart[..., i + 1]
+        middle = np.real(0.5 * (first + second))
+        together = np.abs(first - second) < _TOGETHER * np.abs(middle)
+        for k, side in ((i, 1.0), (i + 1, -1.0)):
+            apart[..., k] = np.where(
+                together, middle * (1.0 + side * _TOGETHER / 2.0), apart[..., k]
+            )
+    return np.real(apart) if np.all((np.imag(apart) == 0.0) | np.isnan(apart)) else apart
+
+
+def wind_strength(plant: Plant, poles: NDArray[Any]) -> NDArray[Any]:
+    """Return N_wind(p)/N_deflection(p) of the attitude at poles ``(..., N)``.
+
+    It is B times the K1 of each pole; infinite where the deflection does not reach the pole.
+    """
+    turned, blown = (polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS)
+    with np.errstate(divide="ignore", invalid="ignore"):  # NaN stands for a pole that is not there
+        return np.asarray(np.where(turned == 0.0, np.inf, blown / turned))
+
+
+def poles_in_words(poles: NDArray[Any]) -> str:
+    """Return which unstable poles one plant has: how many real ones, and each pair by name."""
+    upper = poles[np.imag(poles) > 0.0]
+    real = int(np.sum(np.imag(poles) == 0.0))
+    pairs = [f"the complex pair {p.real:.4g} +- {p.imag:.4g}j 1/s" for p in upper]
+    return " and ".join([f"{real} real" if real else "", *pairs]).removeprefix(" and ") or "none"
+
+
+def _with_residues(plant: Plant, poles: NDArray[Any]) -> Modes:
+    slope = polynomials.value(polynomials.derivative(plant.denominator), poles)
+    simple = slope != 0.0
+    divisor = np.where(simple, slope, 1.0)
+    values = [polynomials.value(plant.numerator("attitude", i), poles) for i in INPUTS]
+    with np.errstate(invalid="ignore"):  # complex NaN stands for a pole that is not there
+        at_poles = [np.where(simple, value / divisor, np.nan) for value in values]
+    return Modes(poles, *at_poles)

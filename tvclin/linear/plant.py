@@ -1,0 +1,355 @@
+"""The plant: four linear models of the attitude, as transfer functions and in state space.
+
+    model               denominator                                     report
+    fixed-path          s^2 - beta^2                                    eq (5)
+    drift               s (s^2 - beta^2)                                eqs (14), (B8)
+    drift-exact         s^3 + C1 s^2 - beta^2 s + C2                    eq (B7)
+    drift-and-speed     s^4 + C1 s^3 + (q - beta^2) s^2 + C2 s - q beta^2    from (B5)
+
+Inputs are the deflection and the wind angle of attack; outputs are the attitude, its rate, the
+flight path angle (where the model has one) and the angle of attack. Everything is a deviation
+from the nominal flight. `Plant.tf` and `Plant.ss` are the doors to python-control.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, instance, one_of
+from tvclin.kernels import polynomials
+from tvclin.kernels.responses import System
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    import control
+
+FloatArray = NDArray[np.float64]
+
+MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
+INPUTS = ("deflection", "wind")
+_OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
+
+
+@dataclass(frozen=True)
+class Plant:
+    """One linear model of one vehicle, or of a batch of them.
+
+    Make it with `from_coefficients` or `from_vehicle`.
+
+    Attributes
+    ----------
+    coefficients : Coefficients
+        The numbers of the model.
+    model : str
+        "fixed-path", "drift", "drift-exact" or "drift-and-speed".
+    """
+
+    coefficients: Coefficients
+    model: str = "fixed-path"
+
+    def __post_init__(self) -> None:
+        instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_vehicle")
+        one_of("model", self.model, MODELS)
+        if self.model == "drift" and np.any(np.asarray(self.coefficients.mu_alpha) == 0.0):
+            raise InputError(
+                'model "drift" needs an aerodynamic moment, mu_alpha other than zero; use'
+                ' "fixed-path", which is then exact'
+            )
+
+    @classmethod
+    def from_coefficients(cls, coefficients: Coefficients, model: str = "fixed-path") -> Self:
+        """Return the plant of a model, eq (5), (B8), (B7) or its fourth-order parent."""
+        return cls(coefficients, model)
+
+    @classmethod
+    def from_vehicle(
+        cls, vehicle: Vehicle, model: str = "fixed-path", plane: str = "pitch"
+    ) -> Self:
+        """Return the plant of a vehicle in the pitch or the yaw plane."""
+        return cls(Coefficients.from_vehicle(vehicle, plane), model)
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one vehicle."""
+        return self.coefficients.batch
+
+    def one(self, case: int, shape: tuple[int, ...]) -> Plant:
+        """Return one plant of the batch spread to `shape`, by its flat position there."""
+        few = self.some(np.array([case]), shape).coefficients
+        held = {name: float(getattr(few, name)[0]) for name in Coefficients.__dataclass_fields__}
+        return Plant(Coefficients(**held), self.model)
+
+    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Plant:
+        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
+        held = {
+            name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[cases]
+            for name in Coefficients.__dataclass_fields__
+        }
+        return Plant(Coefficients(**held), self.model)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs; the fixed-path model has no flight path angle."""
+        path = () if self.model == "fixed-path" else ("flight_path_angle",)
+        return ("attitude", "attitude_rate", *path, "angle_of_attack")
+
+    @cached_property
+    def denominator(self) -> FloatArray:
+        """The characteristic polynomial, ``(..., order + 1)``, highest power first."""
+        c = self.coefficients
+        last = {
+            "fixed-path": (1.0, 0.0, -c.mu_alpha),
+            "drift": (1.0, 0.0, -c.mu_alpha, 0.0),
+            "drift-exact": (1.0, c.C1, -c.mu_alpha, c.C2),
+            "drift-and-speed": (1.0, c.C1, c.q - c.mu_alpha, c.C2, -c.q * c.mu_alpha),
+        }
+        return self._stack(last[self.model])
+
+    def numerator(self, output: str, input: str) -> FloatArray:
+        """Return the numerator from `input` to `output`, over the one denominator.
+
+        Shape ``(..., k)``, highest power first.
+
+        Raises
+        ------
+        InputError
+            For an output or an input that the model does not have.
+        """
+        one_of("output", output, _OUTPUTS)
+        if output not in self.outputs:
+            raise InputError(
+                f'model "{self.model}" has no flight_path_angle; {", ".join(MODELS[1:])} have it'
+            )
+        one_of("input", input, INPUTS)
+        if output == "attitude":
+            return self._attitude(input)
+        if output == "attitude_rate":
+            return polynomials.times_variable(self._attitude(input))
+        if output == "flight_path_angle":
+            return self._flight_path(input)
+        angle = self._attitude(input)
+        if self.model != "fixed-path":
+            angle = polynomials.add(angle, -self._flight_path(input))
+        return polynomials.add(angle, -self.denominator) if input == "wind" else angle
+
+    @cached_property
+    def poles(self) -> NDArray[Any]:
+        """All poles [1/s], the fastest growing first, ``(..., order)``; real where all are."""
+        poles = polynomials.roots(self.denominator)
+        order = np.lexsort((-np.imag(poles), -np.real(poles)), axis=-1)
+        return np.take_along_axis(poles, order, axis=-1)
+
+    @cached_property
+    def modal(self) -> System:
+        """The plant as a sum of modes; without meaning where poles are repeated."""
+        poles = polynomials.roots(self.denominator)
+        slope = polynomials.value(polynomials.derivative(self.denominator), poles)
+        slope = np.where(slope == 0.0, np.nan, slope)
+        numerators = [self.numerator("attitude", name) for name in INPUTS]
+        gains = [polynomials.value(numerator, poles) / slope for numerator in numerators]
+        rows = [np.ones_like(poles), poles]
+        if "flight_path_angle" in self.outputs:
+            share = self.path_per_attitude(poles)
+            rows += [share, 1.0 - share]
+        else:
+            rows.append(rows[0])
+        return System(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
+
+    @property
+    def trim_filter(self) -> tuple[Any, Any, Any]:
+        """b1, b2 and q of the filter that makes trim of a wind, eq before (17).
+
+        -B (s^2 + b2 s + q)/(s^2 + b1 s + q); without drift -B alone.
+        """
+        c = self.coefficients
+        if self.model == "fixed-path":
+            return 0.0, 0.0, 0.0
+        return c.b1, c.b2, c.q if self.model == "drift-and-speed" else 0.0
+
+    def tf(self, output: str = "attitude", input: str = "deflection") -> control.TransferFunction:
+        """Return one transfer function as `control.TransferFunction`.
+
+        Raises
+        ------
+        InputError
+            For a batch, and for signals that the model does not have.
+
+        Notes
+        -----
+        From the deflection to the attitude it is -(beta^2/B)/(s^2 - beta^2) for eq (5) and
+        -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8). Ask for one pair of signals at a
+        time: sums of transfer functions of one plant repeat its poles, `ss` does not.
+        """
+        import control
+
+        self._require_single("tf")
+        numerator = np.trim_zeros(self.numerator(output, input), "f")
+        return control.TransferFunction(
+            numerator if numerator.size else [0.0],
+            self.denominator,
+            0,
+            name=f"{self.model}: {input} to {output}",
+            inputs=[input],
+            outputs=[output],
+        )
+
+    def ss(self) -> control.StateSpace:
+        """Return the whole plant as `control.StateSpace` with named signals.
+
+        Inputs deflection and wind [rad]; outputs as `outputs` [rad, rad/s]. The states are the
+        attitude, its rate, the flight path angle, and in "drift-and-speed" the change of speed
+        over the nominal speed, V/V_n.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+        """
+        import control
+
+        self._require_single("ss")
+        A, B, C, D = self.matrices()
+        return control.StateSpace(
+            A,
+            B,
+            C,
+            D,
+            0,
+            name=self.model,
+            inputs=list(INPUTS),
+            outputs=list(self.outputs),
+            states=list(self.states),
+        )
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        names = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed")
+        return names[: self.denominator.shape[-1] - 1]
+
+    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return A, B, C, D with the leading axes of the batch.
+
+        Notes
+        -----
+        theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta, and
+        gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
+        w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B and
+        n = N/(m V_n) = C1 - b2; in the drift model gamma' = (b1/B) delta + b2 alpha_w instead.
+        """
+        c, order = self.coefficients, self.denominator.shape[-1] - 1
+        A, B = np.zeros((*self.batch, order, order)), np.zeros((*self.batch, order, 2))
+        A[..., 0, 1] = 1.0
+        A[..., 1, 0] = c.mu_alpha
+        B[..., 1, 0], B[..., 1, 1] = -c.mu_delta, -c.mu_alpha
+        if order > 2:
+            A[..., 1, 2] = -c.mu_alpha
+            path = self._path
+            A[..., 2, 0], A[..., 2, 2] = path.attitude, -path.damping
+            B[..., 2, 0], B[..., 2, 1] = path.deflection, -path.wind
+        if order > 3:
+            A[..., 2, 3] = np.sqrt(c.q)
+            A[..., 3, 2] = -np.sqrt(c.q)
+        C = np.zeros((*self.batch, len(self.outputs), order))
+        C[..., :-1, : len(self.outputs) - 1] = np.eye(len(self.outputs) - 1)
+        C[..., -1, 0] = 1.0
+        if order > 2:
+            C[..., -1, 2] = -1.0
+        D = np.zeros((*self.batch, len(self.outputs), 2))
+        D[..., -1, 1] = -1.0
+        return A, B, C, D
+
+    def path_per_attitude(self, poles: NDArray[Any]) -> NDArray[Any]:
+        """Return how much flight path angle goes with the attitude in a free mode e^(p t).
+
+        From the flight path equation, (p + damping + q/p) gamma = attitude theta; the angle of
+        attack of the mode is what is left of its attitude.
+
+        Parameters
+        ----------
+        poles : ndarray
+            Poles of the plant [1/s], ``(..., N)``.
+        """
+        c, path = self.coefficients, self._path
+        turning = c.q if self.model == "drift-and-speed" else 0.0
+        pull, damping, turning = (
+            np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, turning)
+        )
+        resistance = poles * (poles + damping) + turning
+        free = resistance == 0.0  # in the drift model the path keeps whatever attitude is left
+        return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
+
+    def _attitude(self, input: str) -> FloatArray:
+        c = self.coefficients
+        gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
+        factors: dict[str, tuple[Any, ...]] = {
+            "fixed-path": (1.0,),
+            "drift": (1.0, zero),
+            "drift-exact": (1.0, zero),
+            "drift-and-speed": (1.0, zero, c.q),
+        }
+        return self._stack(factors[self.model]) * -np.asarray(gain)[..., np.newaxis]
+
+    def _flight_path(self, input: str) -> FloatArray:
+        # (s + damping) gamma = attitude theta + deflection delta - wind alpha_w, put into the
+        # moment equation and solved for gamma.
+        c, path = self.coefficients, self._path
+        if input == "deflection":
+            terms = (
+                path.deflection,
+                0.0,
+                -c.mu_alpha * path.deflection - path.attitude * c.mu_delta,
+            )
+        else:
+            terms = (-path.wind, 0.0, c.mu_alpha * (path.wind - path.attitude))
+        numerator = self._stack(terms)
+        return (
+            polynomials.times_variable(numerator) if self.model == "drift-and-speed" else numerator
+        )
+
+    @property
+    def _path(self) -> _PathCoefficients:
+        c = self.coefficients
+        if self.model == "drift":
+            return _PathCoefficients(0.0, 0.0, c.b1 / c.B, -c.b2)
+        if np.any(np.asarray(c.mu_alpha) == 0.0):
+            raise InputError(
+                "the flight path does not follow from the coefficients of a vehicle with mu_alpha"
+                ' = 0; use model "fixed-path" or an aerodynamic_arm other than zero'
+            )
+        gravity = c.C2 / c.mu_alpha
+        return _PathCoefficients(c.C1 + gravity, c.C1, (c.b1 - c.C1) / c.B, c.C1 - c.b2)
+
+    def _stack(self, polynomial: tuple[Any, ...]) -> FloatArray:
+        rows = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
+        return np.stack(rows, axis=-1)
+
+    def _require_single(self, what: str) -> None:
+        if self.batch:
+            raise InputError(
+                f"{what}() is for one vehicle; this plant is a batch of shape {self.batch}"
+                " (use denominator, numerator() or matrices())"
+            )
+
+
+def available_models(coefficients: Coefficients) -> list[str]:
+    """Return the models that exist for these coefficients: (B8) needs an aerodynamic moment."""
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
+    return [name for name in MODELS if name != "drift" or not without_moment]
+
+
+@dataclass(frozen=True)
+class _PathCoefficients:
+    """gamma' + damping gamma = attitude theta + deflection delta - wind alpha_w, all [1/s]."""
+
+    attitude: Any
+    damping: Any
+    deflection: Any
+    wind: Any

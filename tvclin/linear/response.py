@@ -1,0 +1,208 @@
+"""The forced response of a plant, exact at any time and on the stability boundary.
+
+The response is taken apart into the modes of the plant. A mode that does not grow is the
+discounted past of its inputs, carried from knot to knot. A mode that grows is written as
+
+    z(t) = R e^(p t) - (discounted future of its inputs),
+
+R being its residue, eq (4b). On the boundary R is zero and what remains decays, so nothing is
+lost; integrated forward, the same mode would be the difference of two numbers that grow with
+e^(p t). A residue that is zero within the rounding of its own sum counts as zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    broadcast,
+    instance,
+    one_of,
+    shown,
+    times_row,
+)
+from tvclin.kernels import responses
+from tvclin.linear.plant import INPUTS, Plant
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from control import TimeResponseData
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """The responses of a batch.
+
+    Attributes
+    ----------
+    time : ndarray
+        Times [s], ``(n,)``.
+    outputs : ndarray
+        Responses, ``(..., output, n)`` in the order of `labels` [rad, rad/s].
+    labels : tuple of str
+        Names of the outputs.
+    """
+
+    time: FloatArray
+    outputs: FloatArray
+    labels: tuple[str, ...]
+
+    def __getitem__(self, label: str) -> FloatArray:
+        """Return one output by its name, ``(..., n)``."""
+        one_of("output", label, self.labels)
+        return self.outputs[..., self.labels.index(label), :]
+
+
+def attitude_response(
+    plant: Plant, deflection: History, wind: History, timepts: ArrayLike
+) -> TimeResponseData:
+    """Return the exact response of one plant as `control.TimeResponseData`.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant of any model.
+    deflection, wind : History
+        Any two histories, not batches.
+    timepts : array_like
+        Times [s], ``(n,)``, in any order and spacing; knots need not be among them.
+
+    Returns
+    -------
+    control.TimeResponseData
+        Outputs attitude, attitude_rate, flight_path_angle (where the model has it) and
+        angle_of_attack [rad, rad/s]; inputs deflection and wind [rad], all by name.
+
+    Raises
+    ------
+    InputError
+        For a batch (use `attitude_responses`), and for times that are not finite or none at all.
+
+    Notes
+    -----
+    Eqs (5), (B7) and (B8) answered mode by mode. On the stability boundary all digits are kept
+    at any time, where forward integration has lost them all beyond tau beta of about 12. Off the
+    boundary the attitude grows without end, to infinity where floating point ends.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.53, B=0.107))
+    >>> wind = tv.TriangularWind(peak=0.09, duration=7.5)
+    >>> limit = tv.boundary_limit(plant, wind).deflection
+    >>> held = tv.trim_then_hold(plant, wind, limit)
+    >>> response = tv.attitude_response(plant, held, wind, np.linspace(0, 100, 5))
+    >>> bool(np.isclose(response.outputs["attitude"][-1], limit / 0.107, rtol=1e-13))
+    True
+    """
+    from control import TimeResponseData
+
+    found = attitude_responses(plant, deflection, wind, timepts)
+    if found.outputs.ndim > 2:
+        raise InputError(
+            f"attitude_response is for one case; got a batch of shape {found.outputs.shape[:-2]}"
+            " (use attitude_responses)"
+        )
+    return TimeResponseData(
+        found.time,
+        found.outputs,
+        None,
+        np.stack([deflection(found.time), wind(found.time)]),
+        issiso=False,
+        output_labels=list(found.labels),
+        input_labels=list(INPUTS),
+        sysname=plant.model,
+        plot_inputs=True,
+        title=f"Exact response, {plant.model} model [rad, rad/s]",
+        trace_types=["forced"],
+    )
+
+
+def attitude_responses(
+    plant: Plant,
+    deflection: History,
+    wind: History,
+    timepts: ArrayLike,
+    outputs: Sequence[str] | None = None,
+) -> Responses:
+    """Return the exact responses of a batch: many winds, many plants, or both, in one call.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch.
+    deflection, wind : History
+        Any two histories; their batches broadcast with the plant's.
+    timepts : array_like
+        Times [s], ``(n,)``, the same for all.
+    outputs : sequence of str, optional
+        Which outputs, where not all are wanted; the others are not computed. They come in the
+        order of the plant.
+
+    Raises
+    ------
+    InputError
+        For times that are not finite, not one row, or none at all, for batches that do not
+        broadcast, and for outputs that the model does not have.
+    """
+    times = times_row("timepts", timepts)
+    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("deflection", deflection, History, "such as HeldDeflection")
+    instance("wind", wind, History, "such as TriangularWind")
+    shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
+    system, labels = plant.modal, plant.outputs
+    if outputs is not None:
+        labels = _asked(outputs, labels)
+        system = system.only([plant.outputs.index(label) for label in labels])
+    found, near = responses.responses(system, (deflection.pieces, wind.pieces), times, shape)
+    if near is not None:
+        cases = np.flatnonzero(near)
+        if shape:
+            plant = plant.some(cases, shape)
+            deflection, wind = (h.some(cases, shape) for h in (deflection, wind))
+        found[near] = _by_lags(plant, labels, deflection, wind, times, cases.shape if shape else ())
+    return Responses(times, found, labels)
+
+
+def _asked(outputs: Sequence[str], known: tuple[str, ...]) -> tuple[str, ...]:
+    if not isinstance(outputs, tuple | list) or not outputs:
+        raise InputError(f"outputs must be some of {', '.join(known)}; got {shown(outputs)}")
+    asked = {one_of("outputs", label, known) for label in outputs}
+    return tuple(label for label in known if label in asked)
+
+
+def _by_lags(
+    plant: Plant,
+    outputs: Sequence[str],
+    deflection: History,
+    wind: History,
+    times: FloatArray,
+    shape: tuple[int, ...],
+) -> FloatArray:
+    """The response by a chain of lags, which needs no distinct poles (a vehicle without moment)."""
+    rows, lagged = [], _lagged if shape else _latest
+    for output in outputs:
+        parts = [
+            lagged(plant, output, name, history)(times)
+            for name, history in zip(INPUTS, (deflection, wind), strict=True)
+        ]
+        rows.append(np.broadcast_to(parts[0] + parts[1], (*shape, times.size)))
+    return np.stack(rows, axis=-2)
+
+
+def _lagged(plant: Plant, output: str, name: str, history: History) -> History:
+    """The history of an output that answers one input alone."""
+    return history.filter(plant.numerator(output, name), plant.denominator)
+
+
+_latest = lru_cache(maxsize=8)(_lagged)
+"""The same, kept: where one response is looked at again and again, it takes nearly all the time."""

@@ -1,0 +1,51 @@
+"""What is asked: one value for everything that can be moved."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tvclin.vehicle.vehicle import Vehicle
+
+REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"
+GAINS, RECOVERABLE = "attitude and rate", "recoverable attitude"
+LAWS = (REPORT, TRIM, DEAD_BAND, GAINS, RECOVERABLE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choices:
+    """A vehicle, a wind, a limit, a law and gains.
+
+    Attributes
+    ----------
+    vehicle : Vehicle
+        One vehicle.
+    plane, model, shape : str
+        As of `Study.from_vehicle`.
+    duration : float
+        Duration of the wind [s].
+    peak : float
+        Its peak wind angle of attack [rad].
+    dead_band : float
+        K.
+    limit : float
+        Deflection limit [rad].
+    law : str
+        One of `LAWS`: what turns the nozzle.
+    attitude_gain, rate_gain : float
+        a0 [rad/rad] and a1 [s], of the margins and of the law of attitude and rate.
+    delay : float
+        Delay of the loop [s], of the margins only.
+    """
+
+    vehicle: Vehicle
+    plane: str = "pitch"
+    model: str = "drift"
+    shape: str = "triangular"
+    duration: float = 7.5
+    peak: float = float(np.radians(5.0))
+    dead_band: float = 1.0
+    limit: float = float(np.radians(0.4))
+    law: str = TRIM
+    attitude_gain: float = 0.5
+    rate_gain: float = 0.55
+    delay: float = 0.02

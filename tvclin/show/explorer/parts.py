@@ -1,0 +1,229 @@
+"""The parts of an answer, each kept by the numbers that it depends on and by no others.
+
+Margins do not depend on the wind, nor the curve of the boundary on the duration: what did not
+change is not computed again.
+"""
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache, wraps
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.requirement import required_deflection
+from tvclin.answers.study import SHAPES
+from tvclin.base.errors import InputError, one_of
+from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.law import Law, seen_coordinates
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
+from tvclin.control.margins.record import Margins
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.kernels.choice import pinned
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.show.explorer.choices import DEAD_BAND, GAINS, LAWS, RECOVERABLE, REPORT, TRIM
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+LONGEST = 30.0
+"""Longest wind [s] of the curve."""
+DURATIONS = LONGEST * np.linspace(0.05, 1.0, 30) ** 1.5
+ACTUATOR = {"natural_frequency": 25.1, "damping": 0.7}
+"""Of the margins [rad/s, -]."""
+SAMPLE_RATE = 20.0
+"""Samples of a flown law [Hz], where the vehicle is no faster than 1/s."""
+_AFTER, _LONGEST_AFTER = 6.0, 20.0
+"""A response is followed so long after the wind, times beta, and at most so many seconds."""
+_KEPT = 32
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What was found, None where there is no answer, and what is to be said of it."""
+
+    value: Any
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A response or a flight over time.
+
+    Attributes
+    ----------
+    time, wind, attitude, deflection : ndarray
+        Times [s] and angles [rad], ``(n,)``.
+    survived : bool or None
+        Whether what is left at the end can still be brought back; None where nothing can be said,
+        and for the report's control, which is judged by its boundary.
+    """
+
+    time: FloatArray
+    wind: FloatArray
+    attitude: FloatArray
+    deflection: FloatArray
+    survived: bool | None
+
+
+def _part(compute: Callable[..., Any]) -> Callable[..., Part]:
+    """Keep what is found, with warnings and refusals as sentences beside it.
+
+    Without compiled kernels: a slider must not wait until they are compiled.
+    """
+
+    @lru_cache(maxsize=_KEPT)
+    @wraps(compute)
+    def found(*plain: Any) -> Part:
+        with pinned(False), warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always", UserWarning)
+            try:
+                value = compute(*plain)
+            except InputError as error:
+                return Part(None, (str(error),))
+        return Part(value, tuple(dict.fromkeys(str(one.message) for one in said)))
+
+    return found
+
+
+@lru_cache(maxsize=_KEPT)
+def plant_of(vehicle: Vehicle, plane: str, model: str) -> Plant:
+    """Return the plant, with what it has computed of itself.
+
+    Raises
+    ------
+    InputError
+        As `Plant.from_vehicle`.
+    """
+    return Plant(Coefficients.from_vehicle(vehicle, plane), model)
+
+
+@_part
+def boundary_curve(
+    vehicle: Vehicle, plane: str, model: str, shape: str, dead_band: float
+) -> FloatArray:
+    """Return the deflection that is needed per wind angle [rad/rad] at each of `DURATIONS`."""
+    return _needed(plant_of(vehicle, plane, model), shape, dead_band, DURATIONS)
+
+
+@_part
+def boundary_point(
+    vehicle: Vehicle, plane: str, model: str, shape: str, dead_band: float, duration: float
+) -> float:
+    """Return the deflection that is needed per wind angle [rad/rad] at one duration [s]."""
+    return float(_needed(plant_of(vehicle, plane, model), shape, dead_band, duration))
+
+
+def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
+    """Linear in the peak, which is why the peak is not asked for."""
+    limit = _closed_form(plant, one_of("shape", shape, SHAPES), dead_band, duration)
+    if np.all(np.isfinite(limit)):
+        return np.abs(plant.coefficients.B * limit)
+    peak = 0.1
+    wind = SHAPES[shape](peak=peak, duration=duration)
+    return np.abs(required_deflection(plant, wind, dead_band).deflection) / peak
+
+
+def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
+    """y_BR by eq (7), (12) or (16), at once; NaN for other plants than those on a fixed path."""
+    c = plant.coefficients
+    if float(c.mu_alpha) <= 0.0 or plant.model != "fixed-path":
+        return np.nan
+    x = c.beta * np.asarray(duration)
+    return rectangular_limit(x) if shape == "rectangular" else triangular_limit(x, dead_band)
+
+
+@_part
+def loop_margins(
+    vehicle: Vehicle,
+    plane: str,
+    model: str,
+    attitude_gain: float,
+    rate_gain: float,
+    delay: float,
+) -> Margins:
+    """Return the margins of the gains, with `ACTUATOR` and a delay [s]."""
+    autopilot = Autopilot(
+        attitude_gain=attitude_gain,
+        rate_gain=rate_gain,
+        actuator=Actuator(**ACTUATOR),
+        delay=delay,
+    )
+    return autopilot.margins(plant_of(vehicle, plane, model))
+
+
+@_part
+def motion(
+    vehicle: Vehicle,
+    plane: str,
+    model: str,
+    wind: tuple[str, float, float],
+    limit: float,
+    law: tuple[str, tuple[float, ...]],
+) -> Motion:
+    """Return what the vehicle does in a wind, of a shape, a duration [s] and a peak [rad].
+
+    The law is its name and its own numbers, as of `law_of`. The report's control is a history and
+    its response exact; a law is flown without an actuator, sampled.
+    """
+    plant = plant_of(vehicle, plane, model)
+    shape, duration, peak = wind
+    gust = SHAPES[one_of("shape", shape, SHAPES)](peak=peak, duration=duration)
+    name, numbers = law
+    times, rate = _samples(plant, duration)
+    if one_of("law", name, LAWS) == REPORT:
+        against = -float(np.sign(plant.coefficients.B)) * float(np.sign(peak))
+        deflection = trim_then_hold(plant, gust, against * limit, numbers[0])
+        found = attitude_responses(plant, deflection, gust, times)
+        return Motion(times, gust(times), found["attitude"], deflection(times), None)
+    chosen = law_of(plant, name, numbers, peak)
+    flown = fly(plant, chosen, gust, times, deflection_limit=limit, sample_rate=rate)
+    survived = _recoverable(plant, flown.outputs[:3, -1], limit)
+    return Motion(times, gust(times), flown.outputs[0], flown.outputs[-1], survived)
+
+
+def _samples(plant: Plant, duration: float) -> tuple[FloatArray, float]:
+    """Times [s] until some time after the wind, and the samples of a law in a second [Hz].
+
+    A flight that is asked for at its very samples is quick.
+    """
+    beta = float(np.sqrt(np.abs(np.asarray(plant.coefficients.mu_alpha))))
+    rate = SAMPLE_RATE * max(1.0, beta)
+    after = min(_AFTER / beta, _LONGEST_AFTER) if beta else _LONGEST_AFTER
+    return np.arange(np.ceil((duration + after) * rate) + 1.0) * (1.0 / rate), rate
+
+
+def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> Law:
+    """Return a law by its name, with its dead band or its gains, as `standard_laws` designs it.
+
+    Raises
+    ------
+    InputError
+        For a name that is no law, and as the law itself.
+    """
+    if name == GAINS:
+        return SaturatedLaw(Autopilot(attitude_gain=numbers[0], rate_gain=numbers[1]))
+    if name == RECOVERABLE:
+        return RecoverableAttitudeLaw(plant, design_peak=peak)
+    fixed = Plant.from_coefficients(plant.coefficients)
+    one_of("law", name, (TRIM, DEAD_BAND))
+    return TrimLaw(fixed) if name == TRIM else DeadBandLaw(fixed, dead_band=numbers[0])
+
+
+def _recoverable(plant: Plant, seen: FloatArray, limit: float) -> bool | None:
+    """Whether a limited deflection can still bring the last state back; None if nobody can say."""
+    try:
+        modes = seen_coordinates(plant)
+    except InputError:
+        return None
+    z = modes.rows @ seen[: modes.rows.shape[1]]
+    return bool(modes.inside(z, limit / abs(float(plant.coefficients.B))))

@@ -1,0 +1,269 @@
+"""The sections of closed loops and dispersed cases."""
+
+import numpy as np
+
+from tvclin.answers.trials import LawTrial, standard_winds
+from tvclin.base.errors import InputError
+from tvclin.boundary.forecast_free import forecast_free_limit
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.control.comparison.trim import TrimComparison
+from tvclin.flights.closed_loop.boundary import OK
+from tvclin.linear.plant import Plant
+from tvclin.plots import comparison_chart, nichols_chart
+from tvclin.show.report.blocks import (
+    Block,
+    Figure,
+    Line,
+    Paragraph,
+    Section,
+    Table,
+    degrees,
+    number,
+    significant,
+)
+from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.findings import Findings
+
+_MARGINS = (
+    ("aero: gain may fall", "aero_margin_dB", "aero_frequency", 1.0, "dB"),
+    ("gain may rise", "gain_increase_dB", "gain_increase_frequency", 1.0, "dB"),
+    ("phase", "phase_margin_deg", "crossover_frequency", 1.0, "deg"),
+    ("delay", "delay_margin", "delay_margin_frequency", 1000.0, "ms"),
+    ("disk", "disk_margin", "disk_frequency", 1.0, ""),
+    ("peak of S", "peak_sensitivity", "peak_sensitivity_frequency", 1.0, ""),
+    (
+        "peak of T",
+        "peak_complementary_sensitivity",
+        "peak_complementary_sensitivity_frequency",
+        1.0,
+        "",
+    ),
+)
+
+
+def laws(found: Findings) -> Section | None:
+    """Return what each law needs in each wind, beside trim and the minimum."""
+    if "trials" in found.reasons:
+        return _without("laws", "Control laws", found.reasons["trials"])
+    if not found.trials or found.plan.laws is None:
+        return None
+    asked, s = found.plan.laws, found.study
+    plant = Plant(s.coefficients, asked.model)
+    every = standard_winds(s.wind.peak, s.wind.duration)
+    trials = {(one.law, one.wind): one for one in found.trials}
+    trim = s.trim_deflection
+    rows: list[tuple[Line, ...]] = [
+        (("ideal trim",), *_both("laws.trim", [1.0] * len(asked.winds), trim))
+    ]
+    for i, law in enumerate(asked.names):
+        cells: list[Line] = []
+        for j, wind in enumerate(asked.winds):
+            cells += _trial(f"laws.{i}.{j}", trials[law, wind], trim)
+        rows.append(((law,), *cells))
+    free, least = [], []
+    for wind in asked.winds:
+        free.append(_no_forecast(plant, every[wind]))
+        least.append(optimum_deflection(plant, every[wind]).peak / trim if trim else np.nan)
+    rows.append((("no forecast, any law",), *_both("laws.no_forecast", free, trim)))
+    rows.append((("minimum, wind known",), *_both("laws.minimum", least, trim)))
+    head = ("law", *(h for wind in asked.winds for h in (f"{wind}: over trim", f"{wind} [deg]")))
+    said = [f"{one.law}, {one.wind}: {one.status}." for one in found.trials if one.status != OK]
+    said += [
+        f"{one.law}, {one.wind}: some lower limits survive as well."
+        for one in found.trials
+        if not one.monotone
+    ]
+    words = (
+        f"Each law is flown with limits on the {asked.model} model, sampled at"
+        f" {asked.sample_rate:g} Hz, in winds with the peak and duration of this study. The number"
+        " is the least deflection limit above which every limit that was tried survives. Trim and"
+        " dead band hold the attitude and are designed on a fixed path."
+        + (" The gust is left out here." if s.gust is not None else "")
+    )
+    table = Table("Deflection limit that each law needs", head, tuple(rows))
+    blocks: tuple[Block, ...] = (table, Paragraph((" ".join([words, *said]),)))
+    return Section("laws", "Control laws", blocks)
+
+
+def autopilot(found: Findings) -> Section | None:
+    """Return gains, margins beside their criteria, and what the autopilot asks of the nozzle."""
+    if "comparison" in found.reasons:
+        return _without("margins", "Autopilot and margins", found.reasons["comparison"])
+    c = found.comparison
+    if c is None:
+        return None
+    met = found.criteria.are_met(c.margins)
+    verdict = "met" if met else "not met"
+    words = (
+        f"Criteria {found.criteria.name}: {verdict}. The loop is that of the {c.plant.model} model."
+    )
+    blocks: list[Block] = [
+        Paragraph((words,)),
+        Table("Autopilot", ("quantity", "value"), _gains(c)),
+        _margins(found, c),
+    ]
+    if c.margins.stable:
+        label = f"Nichols chart of the loop; criteria {found.criteria.name} {verdict}"
+        blocks.append(
+            Figure(
+                label,
+                "Nichols chart of the loop with its margins and the box of the criteria.",
+                inline_svg(nichols_chart(c.autopilot, c.plant, found.criteria), "nichols", label),
+            )
+        )
+    blocks.append(_in_the_wind(c))
+    if c.margins.stable:
+        label = "Deflection of the autopilot over time beside trim, boundaries and minimum"
+        blocks.append(
+            Figure(
+                label,
+                "What the autopilot, which has no limits here, asks of the nozzle in this wind.",
+                inline_svg(comparison_chart(c), "comparison", label),
+            )
+        )
+    return Section("margins", "Autopilot and margins", tuple(blocks))
+
+
+def dispersed(found: Findings) -> Section | None:
+    """Return what covers a dispersed vehicle in a dispersed wind."""
+    title = "Dispersed vehicle and wind"
+    if "dispersed" in found.reasons:
+        return _without("dispersed", title, found.reasons["dispersed"])
+    d = found.dispersed
+    if d is None:
+        return None
+    r = d.required
+    sure = f"{100 * r.confidence:g} % sure"
+    rows: list[tuple[Line, ...]] = [
+        (("cases",), significant("dispersed.cases", r.cases, 9)),
+        (("seed",), significant("dispersed.seed", d.seed, 9)),
+        (("median",), degrees("dispersed.median", float(np.nanmedian(d.deflection)), unit="deg")),
+        (
+            (f"{100 * r.probability:g} % of the cases",),
+            degrees("dispersed.estimate", r.estimate, unit="deg"),
+        ),
+        (
+            (f"{100 * r.probability:g} % of flights, {sure}",),
+            ("too few cases to say",)
+            if np.isinf(r.upper)
+            else degrees("dispersed.upper", r.upper, unit="deg"),
+        ),
+    ]
+    if d.success is not None:
+        rows += [
+            ((label,), number(f"dispersed.{key}", 100.0 * part, 2, "%"))
+            for label, key, part in (
+                ("the limit is enough in", "success", d.success.estimate),
+                ("at least in", "success_lower", d.success.lower),
+                ("at most in", "success_upper", d.success.upper),
+            )
+        ]
+    drivers = tuple(
+        ((name.replace("_", " "),), number(f"dispersed.driver.{name}", rank, 2))
+        for name, rank in d.drivers.items()
+    )
+    spreads = "; ".join(
+        f"{one.parameter.replace('_', ' ')}: {one.shape},"
+        f" {f'{100 * one.spread:g} %' if one.relative else f'{one.spread:g} in its SI unit'}"
+        for one in d.dispersions.each
+    )
+    blocks = (
+        Table("Deflection that covers the dispersions", ("quantity", "value"), tuple(rows)),
+        Table("What drives it", ("parameter", "rank correlation"), drivers),
+        Paragraph(
+            (
+                f"Dispersed: {spreads}. The spread is one standard deviation, of a uniform"
+                " distribution half its width.",
+            )
+        ),
+    )
+    return Section("dispersed", title, blocks)
+
+
+def _without(name: str, title: str, reason: str) -> Section:
+    return Section(name, title, (Paragraph((f"There is no answer: {reason}.",)),))
+
+
+def _both(key: str, parts: list[float], trim: float) -> list[Line]:
+    """Cells of a deflection in each wind: over trim, and in degrees."""
+    cells: list[Line] = []
+    for j, part in enumerate(parts):
+        cells += [number(f"{key}.{j}.part", part), degrees(f"{key}.{j}", part * trim)]
+    return cells
+
+
+def _trial(key: str, one: LawTrial, trim: float) -> list[Line]:
+    if one.limit > one.highest:
+        return [(f"above {one.highest:g}",), ("-",)]
+    if one.limit <= one.lowest:
+        return [(f"below {one.lowest:g}",), ("-",)]
+    return [number(f"{key}.part", one.limit), degrees(key, one.limit * trim)]
+
+
+def _no_forecast(plant: Plant, wind: object) -> float:
+    try:
+        return float(forecast_free_limit(plant, wind).limit)  # type: ignore[arg-type]
+    except InputError:
+        return float(np.nan)
+
+
+def _gains(c: TrimComparison) -> tuple[tuple[Line, ...], ...]:
+    a = c.autopilot
+    rows: list[tuple[Line, ...]] = [
+        (("attitude gain a0",), significant("gains.attitude", float(a.attitude_gain), 5)),
+        (("rate gain a1",), significant("gains.rate", float(a.rate_gain), 5, "s")),
+    ]
+    if a.alpha_gain:
+        rows.append((("alpha gain b0",), significant("gains.alpha", float(a.alpha_gain), 5)))
+    if a.integral_gain:
+        integral = significant("gains.integral", a.integral_gain, 5, "1/s")
+        rows.append((("integral gain aI",), integral))
+    if a.actuator is not None:
+        motor = a.actuator
+        engine = (
+            *significant("gains.actuator_frequency", motor.natural_frequency, 4, "rad/s, damping "),
+            *significant("gains.actuator_damping", motor.damping, 3),
+        )
+        rows.append((("actuator",), engine))
+    rows.append((("delay",), significant("gains.delay_ms", 1000.0 * float(a.delay), 4, "ms")))
+    return tuple(rows)
+
+
+def _margins(found: Findings, c: TrimComparison) -> Block:
+    if not c.margins.stable:
+        return Paragraph((f"There are no margins: {c.margins.reason}.",))
+    judged = {one.requirement.margin: one for one in found.criteria.judge(c.margins)}
+    rows: list[tuple[Line, ...]] = []
+    for label, name, frequency, factor, unit in _MARGINS:
+        row = [
+            (label,),
+            number(f"margin.{name}", factor * float(getattr(c.margins, name)), 3, unit),
+            number(f"margin.{name}.rad_per_s", float(getattr(c.margins, frequency)), 3),
+        ]
+        one = judged.get(name)
+        if one is None:
+            rows.append((*row, ("",), ("",)))
+            continue
+        limit = significant(f"criteria.{name}", factor * one.requirement.limit, 4, unit)
+        most = ("at most ",) if one.requirement.at_most else ()
+        rows.append((*row, (*most, *limit), ("met" if one.met else "not met",)))
+    return Table("Margins", ("margin", "value", "at [rad/s]", "asked", "criterion"), tuple(rows))
+
+
+def _in_the_wind(c: TrimComparison) -> Block:
+    rows: list[tuple[Line, ...]] = [
+        (("largest deflection",), degrees("wind.deflection", c.peak_deflection, unit="deg")),
+        (("over ideal trim",), number("wind.relative", c.relative)),
+        (
+            ("largest rate of deflection",),
+            degrees("wind.deflection_rate", c.peak_deflection_rate, unit="deg/s"),
+        ),
+        (
+            ("largest angle of attack",),
+            degrees("wind.angle_of_attack", c.peak_angle_of_attack, unit="deg"),
+        ),
+        (("largest attitude error",), degrees("wind.attitude", c.peak_attitude, unit="deg")),
+        (("ideal trim",), degrees("wind.trim", c.trim_deflection, unit="deg")),
+        (("minimum, wind known",), degrees("wind.minimum", c.minimum, unit="deg")),
+    ]
+    return Table("The autopilot in this wind", ("quantity", "value"), tuple(rows))

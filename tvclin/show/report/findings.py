@@ -1,0 +1,158 @@
+"""Everything that a page shows, computed before anything is written."""
+
+import json
+import warnings
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.campaign.quick import DispersedStudy, disperse_study
+from tvclin.answers.sizing.record import Sizing
+from tvclin.answers.sizing.total import DeflectionTotal
+from tvclin.answers.study import Study
+from tvclin.answers.study_file.plan import GainsAsked, StudyPlan
+from tvclin.answers.trials import LawTrial, law_trials, standard_laws, standard_winds
+from tvclin.base.errors import InputError
+from tvclin.control.comparison.trim import TrimComparison, compare_with_trim
+from tvclin.control.margins.criteria import CRITERIA, Criteria
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+
+MOST_CASES = 20_000
+"""Dispersed cases of a page; more are for a campaign."""
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """A plan and all that was found for it.
+
+    Attributes
+    ----------
+    plan : StudyPlan
+        What was asked.
+    study : Study
+        The boundaries and the verdict.
+    trials : tuple of LawTrial
+        The laws, each in each wind; none where none were asked for.
+    comparison : TrimComparison or None
+        The autopilot in the wind, with its margins.
+    criteria : Criteria
+        What the margins are held to.
+    dispersed : DispersedStudy or None
+        The study with vehicle and wind dispersed.
+    flight : tuple of Sizing and DeflectionTotal, or None
+        The whole flight, and the worst of all that its nozzle has to do.
+    reasons : dict of str to str
+        Why something that was asked for has no answer, by the name of its field.
+    warnings : tuple of str
+        What was said on the way.
+    """
+
+    plan: StudyPlan
+    study: Study
+    trials: tuple[LawTrial, ...]
+    comparison: TrimComparison | None
+    criteria: Criteria
+    dispersed: DispersedStudy | None
+    flight: tuple[Sizing, DeflectionTotal] | None
+    reasons: dict[str, str]
+    warnings: tuple[str, ...]
+
+    @property
+    def seal(self) -> str:
+        """SHA-256 of the inputs, in SI units and in one order."""
+        return sha256(
+            json.dumps(asdict(self.plan), sort_keys=True, default=_plain).encode()
+        ).hexdigest()
+
+
+def blown(study: Study) -> History:
+    """Return the wind of a study with its gust."""
+    wind: History = study.wind if study.gust is None else study.wind + study.gust
+    return wind
+
+
+def _plain(value: Any) -> Any:
+    """What arrays and histories are in JSON: lists, complex numbers as pairs."""
+    array = np.asarray(value)
+    if np.iscomplexobj(array):
+        return [array.real.tolist(), array.imag.tolist()]
+    return array.tolist()
+
+
+def find(plan: StudyPlan) -> Findings:
+    """Return everything that a plan asks for.
+
+    A part that cannot be answered for this vehicle, such as margins of laws for one that is
+    stable, has its reason in place of an answer.
+
+    Raises
+    ------
+    InputError
+        As `StudyPlan.study`.
+    """
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", UserWarning)
+        study = plan.study()
+        reasons: dict[str, str] = {}
+
+        def part(name: str, wanted: Any, compute: Callable[[StudyPlan, Study], Any]) -> Any:
+            try:
+                return compute(plan, study) if wanted is not None else None
+            except InputError as error:
+                reasons[name] = str(error)
+                return None
+
+        return Findings(
+            plan=plan,
+            study=study,
+            trials=part("trials", plan.laws, _trials) or (),
+            comparison=part("comparison", plan.gains or plan.criteria, _comparison),
+            criteria=plan.criteria or CRITERIA["classic"],
+            dispersed=part("dispersed", plan.dispersions, _dispersed),
+            flight=part("flight", plan.sizing, _flight),
+            reasons=reasons,
+            warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
+        )
+
+
+def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
+    asked, peak = plan.laws, study.wind.peak
+    assert asked is not None
+    plant = Plant(study.coefficients, asked.model)
+    laws, winds = standard_laws(plant, peak), standard_winds(peak, study.wind.duration)
+    return law_trials(
+        plant,
+        {name: laws[name] for name in asked.names},
+        {name: winds[name] for name in asked.winds},
+        sample_rate=asked.sample_rate,
+        loads=False,
+    )
+
+
+def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+    asked = plan.gains or GainsAsked()
+    plant = Plant(study.coefficients, asked.model)
+    return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+
+
+def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
+    del study
+    assert plan.sizing is not None
+    found = plan.sizing.sizing()
+    return found, plan.sizing.total(found)
+
+
+def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
+    assert plan.dispersions is not None
+    return disperse_study(
+        study,
+        plan.dispersions,
+        cases=min(plan.cases, MOST_CASES),
+        seed=plan.seed,
+        probability=plan.probability,
+        confidence=plan.confidence,
+    )

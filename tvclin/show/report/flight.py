@@ -1,0 +1,141 @@
+"""The section of the whole flight: required deflections by time, and all the nozzle has to do."""
+
+from tvclin.answers.sizing.record import STEADY, VARYING, Sizing
+from tvclin.answers.sizing.total import DeflectionTotal
+from tvclin.plots import sizing_chart
+from tvclin.show.report.blocks import (
+    Block,
+    Check,
+    Checks,
+    Figure,
+    Line,
+    Paragraph,
+    Section,
+    Table,
+    degrees,
+    number,
+    significant,
+)
+from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.findings import Findings
+
+_TITLE = "The whole flight"
+
+
+def over_flight(found: Findings) -> Section | None:
+    """Return required deflections by flight time and wind, and the worst total."""
+    if "flight" in found.reasons:
+        words = f"There is no answer: {found.reasons['flight']}."
+        return Section("flight", _TITLE, (Paragraph((words,)),))
+    if found.flight is None or found.plan.sizing is None:
+        return None
+    sizing, total = found.flight
+    blocks: list[Block] = [Paragraph((_words(sizing, whose(found)),))]
+    if sizing.times.size > 1:
+        label = "Required deflection over flight time, in the worst wind of each"
+        blocks.append(
+            Figure(
+                label,
+                "Required deflection over the flight, parameters frozen at each time, in the worst"
+                " wind of each. Rings, where there are any: parameters vary while the wind blows.",
+                inline_svg(sizing_chart(sizing, total.limit), "flight", label),
+            )
+        )
+    frozen = [name for name in sizing.required if not name.endswith(VARYING)]
+    varying = [name for name in sizing.required if name.endswith(VARYING)]
+    for j, wind in enumerate(sizing.winds):
+        blocks.append(_required(sizing, j, wind, frozen))
+        if varying:
+            blocks.append(_varying(sizing, j, wind, varying))
+    blocks += [_total(total, found.plan.sizing.counted), *_verdict(total)]
+    notes = [Check("doubt", (f"{note}.",)) for note in (*found.plan.sizing.doubts, *sizing.notes)]
+    notes += [Check("reader", (f"{note}.",)) for note in found.plan.sizing.notes]
+    return Section("flight", _TITLE, (*blocks, *([Checks(tuple(notes))] if notes else [])))
+
+
+def whose(found: Findings) -> str:
+    """Return of what the flight is; nothing where it has no name."""
+    asked = found.plan.sizing
+    return f" of {asked.source}" if asked is not None and asked.source else ""
+
+
+def _words(s: Sizing, of: str) -> str:
+    law = "the bound of all such laws" if s.law == "bound" else "the recoverable-attitude law"
+    return (
+        f"The flight{of}: the vehicle at each of its times, on the {s.model} model in the"
+        f" {s.plane} plane. The peak of a pulse meets each flight time. No forecast:"
+        f" {law}; minimum: the wind known; K below 1 trusts a forecast. One pole says"
+        " whether the single-pole theory holds for the wind; change, by how much beta or"
+        f" B changes while it blows: above {100 * STEADY:g} % frozen parameters are doubtful."
+    )
+
+
+def _required(s: Sizing, j: int, wind: str, names: list[str]) -> Table:
+    """What a wind asks for by flight time, parameters frozen, and where that is doubtful."""
+    rows = []
+    for i in range(s.times.size):
+        covered = "covers it" if s.covered[i, j] else "ends before"
+        cells = [
+            *_at(s, i, j, names),
+            number(f"flight.{j}.{i}.change_percent", 100.0 * s.change[i, j], 1),
+            ("beyond",) if s.beyond_one_pole[i, j] else ("holds",),
+            (covered,),
+        ]
+        rows.append(tuple(cells))
+    head = ("time [s]", *names, "change [%]", "one pole", "schedule")
+    return Table(f"Required deflection [deg]: {wind}", head, tuple(rows))
+
+
+def _varying(s: Sizing, j: int, wind: str, names: list[str]) -> Table:
+    rows = []
+    for i in range(s.times.size):
+        rows.append(((f"{s.times[i]:.6g}",), *_at(s, i, j, names)[1:]))
+    head = ("time [s]", *(name.removesuffix(VARYING) for name in names))
+    return Table(f"The same, parameters varying [deg]: {wind}", head, tuple(rows))
+
+
+def _at(s: Sizing, i: int, j: int, names: list[str]) -> list[Line]:
+    """The cells of a flight time and wind."""
+    key = f"flight.{j}.{i}"
+    time = significant(f"{key}.time", s.times[i], 6)
+    return [time, *(degrees(f"{key}.{name}", s.required[name][i, j]) for name in names)]
+
+
+def _total(total: DeflectionTotal, counted: str) -> Table:
+    rows: list[tuple[Line, ...]] = [
+        (
+            (f"{one.name}, {counted}" if one.name == "wind" else one.name,),
+            (one.kind,),
+            degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
+        )
+        for one in total.lines
+    ]
+    rows.append((("total",), ("",), degrees("total.total", total.total)))
+    if total.reserve:
+        kept = ("limit that keeps ", *number("total.reserve_percent", 100 * total.reserve, 1, "%"))
+        rows.append(((*kept, " in reserve"), ("",), degrees("total.required", total.required)))
+    known = " of those that are known" if total.not_sized else ""
+    at = f"All that the nozzle has to do at the worst flight time{known}, {total.time:g} s"
+    return Table(at, ("what", "kind", "[deg]"), tuple(rows))
+
+
+def _verdict(total: DeflectionTotal) -> list[Paragraph]:
+    unknown = f" The flight is not sized {', '.join(total.not_sized)}." if total.not_sized else ""
+    if total.left is None or total.limit is None:
+        return [Paragraph((unknown.strip(),))] if unknown else []
+    line: Line
+    if total.sufficient:
+        beside = " beside the reserve" if total.reserve else ""
+        left = degrees("total.left", abs(total.left), unit="deg")
+        line = (f" is enough: it leaves{beside} ", *left)
+    elif total.sufficient is None:
+        beside = " beside the reserve" if total.reserve else ""
+        left = degrees("total.left", abs(total.left), unit="deg")
+        line = (f" is not known to be enough: where the winds are known it leaves{beside} ", *left)
+    else:
+        of = " of the limit that keeps the reserve" if total.reserve else ""
+        short = degrees("total.short", total.required - total.limit, unit="deg")
+        line = (" is not enough: it is ", *short, f" short{of}")
+    limit = degrees("total.limit", total.limit, unit="deg")
+    rest = f". Systematic lines add, random ones in squares.{unknown}"
+    return [Paragraph(("Over the whole flight the limit of ", *limit, *line, rest))]

@@ -1,0 +1,114 @@
+"""The page: sections into the template."""
+
+from collections.abc import Callable
+from importlib.resources import files
+from os import PathLike
+from typing import TYPE_CHECKING
+
+from tvclin.answers.study import Study
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read import load_study
+from tvclin.base.errors import missing
+from tvclin.show.report import basis, control, flight, sections, verdict
+from tvclin.show.report.blocks import Number, Section
+from tvclin.show.report.findings import Findings, find
+from tvclin.show.report.questions import sufficient
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
+    verdict.asked,
+    sections.boundaries,
+    sections.response,
+    flight.over_flight,
+    control.laws,
+    control.autopilot,
+    control.dispersed,
+    sections.inputs,
+    basis.assumptions,
+    basis.equations,
+    basis.origin,
+)
+"""The sections in their order; one that was not asked for is None and left out."""
+
+
+def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
+    """Return the whole answer as one self-contained HTML page.
+
+    Parameters
+    ----------
+    source : Study, StudyPlan, str or path
+        A study, a plan, or what `load_study` makes a plan of.
+
+    Returns
+    -------
+    str
+        The page: no script, nothing from the network, the same text for the same inputs and
+        versions.
+
+    Raises
+    ------
+    InputError
+        Where jinja2 is missing, and as `load_study` and `StudyPlan.study`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> page = tv.report_html("configuration-i")
+    >>> page.count("<h1"), page.count("<script")
+    (1, 0)
+    """
+    if isinstance(source, Study):
+        plan = StudyPlan.of_study(source)
+    else:
+        plan = source if isinstance(source, StudyPlan) else load_study(source)
+    return page_of(plan)[0]
+
+
+def page_of(plan: StudyPlan) -> tuple[str, Findings]:
+    """Return the page of a plan, and the findings it tells of; raises as `report_html`."""
+    template = _template()
+    found = find(plan)
+    return _render(found, template), found
+
+
+def _render(found: Findings, template: "Template") -> str:
+    made = [section for make in SECTIONS if (section := make(found)) is not None]
+    return template.render(
+        name=found.study.vehicle.name or "unnamed vehicle",
+        state={True: "yes", False: "no", None: "open"}[sufficient(found)],
+        verdict=verdict.sentence(found),
+        basis=verdict.basis(found),
+        facts=verdict.facts(found),
+        sections=made,
+        seal=found.seal,
+    )
+
+
+def _template() -> "Template":
+    try:
+        from jinja2 import Environment, PackageLoader, StrictUndefined
+    except ImportError:
+        raise missing("the page needs jinja2", "report") from None
+    environment = Environment(
+        loader=PackageLoader("tvclin.show.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=_printable,
+    )
+    environment.globals["style"] = (
+        files("tvclin.show.report").joinpath("style.css").read_text("utf-8")
+    )
+    environment.tests["number"] = lambda value: isinstance(value, Number)
+    return environment.get_template("page.html")
+
+
+def _printable(value: object) -> object:
+    """Replace what HTML cannot hold, such as control characters, in a text."""
+    if not isinstance(value, str) or all(line.isprintable() for line in value.split("\n")):
+        return value
+    kept = "".join(one if one.isprintable() or one in "\n\t" else "\ufffd" for one in value)
+    return type(value)(kept)

@@ -1,0 +1,130 @@
+"""What is asked of a limit and an autopilot, each question with its answer."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tvclin.answers.requirement import covers
+from tvclin.show.report.blocks import Line, degrees, number
+from tvclin.show.report.findings import Findings
+
+
+@dataclass(frozen=True)
+class Question:
+    """One question of a study file.
+
+    Attributes
+    ----------
+    name : str
+        "wind", "whole flight", "probability", "autopilot" or "margins".
+    yes : bool or None
+        The answer; None where it is not known.
+    line : Line
+        Why.
+    """
+
+    name: str
+    yes: bool | None
+    line: Line
+
+    @property
+    def answer(self) -> str:
+        """Return the answer as a word."""
+        return {True: "yes", False: "no", None: "not known"}[self.yes]
+
+    @property
+    def text(self) -> str:
+        """Return why, as plain text."""
+        return "".join(part if isinstance(part, str) else part.text for part in self.line)
+
+
+def questions(found: Findings) -> tuple[Question, ...]:
+    """Return all that the plan of these findings asks, in its order, with the answers."""
+    return tuple(_asked(found))
+
+
+def sufficient(found: Findings) -> bool | None:
+    """Return whether every answer is yes; None where one is not known, or no limit was given."""
+    answers = [one.yes for one in questions(found)]
+    if False in answers:
+        return False
+    return None if found.study.limit is None or None in answers else True
+
+
+def all_yes(found: Findings) -> bool:
+    """Return whether no question has another answer than yes."""
+    return all(one.yes is True for one in questions(found))
+
+
+def _asked(found: Findings) -> Iterator[Question]:
+    limit = found.study.limit
+    if limit is not None:
+        yield _wind(found)
+        if found.plan.sizing is not None:
+            yield _flight(found)
+        if found.plan.dispersions is not None:
+            yield _probability(found, limit)
+    if found.plan.gains is not None or found.plan.criteria is not None:
+        if limit is not None:
+            yield _autopilot(found, limit)
+        yield _margins(found)
+
+
+def _wind(found: Findings) -> Question:
+    need, by = found.study.required_deflection, found.study.requirement.governs
+    needed = degrees("asked.required", need, unit="deg")
+    line: Line = ("this wind needs ", *needed, f", by {by}")
+    if not need:
+        line = ("no deflection is needed",)
+    elif np.isinf(need):
+        line = ("with this dead band no limit is enough",)
+    return Question("wind", found.study.sufficient, line)
+
+
+def _flight(found: Findings) -> Question:
+    if found.flight is None:
+        return Question("whole flight", None, (_reason(found, "flight"),))
+    total = found.flight[1]
+    needed = degrees("asked.flight", total.required, unit="deg")
+    return Question("whole flight", total.sufficient, ("the whole flight needs ", *needed))
+
+
+def _probability(found: Findings, limit: float) -> Question:
+    d = found.dispersed
+    if d is None:
+        return Question("probability", None, (_reason(found, "dispersed"),))
+    r = d.required
+    percent = number("asked.probability", 100.0 * r.probability, 3, "% of flights")
+    if np.isinf(r.estimate):
+        return Question("probability", False, (*percent, " need more than any limit"))
+    if np.isinf(r.upper):
+        return Question("probability", None, ("too few cases to speak of ", *percent))
+    needed = degrees("asked.covers", r.upper, unit="deg")
+    covered = bool(covers(limit, r.upper))
+    sure = f" need, {100.0 * r.confidence:g} % sure, "
+    return Question("probability", covered, (*percent, sure, *needed))
+
+
+def _autopilot(found: Findings, limit: float) -> Question:
+    c = found.comparison
+    if c is None:
+        return Question("autopilot", None, (_reason(found, "comparison"),))
+    if not c.margins.stable:
+        return Question("autopilot", False, (f"the loop is not stable: {c.margins.reason}",))
+    asks = degrees("asked.autopilot", c.peak_deflection, unit="deg")
+    line: Line = ("the autopilot, which has no limits here, asks for ", *asks)
+    return Question("autopilot", bool(covers(limit, c.peak_deflection)), line)
+
+
+def _margins(found: Findings) -> Question:
+    c = found.comparison
+    if c is None:
+        return Question("margins", None, (_reason(found, "comparison"),))
+    met = bool(found.criteria.are_met(c.margins))
+    words = "meets" if met else "does not meet"
+    return Question("margins", met, (f"the loop {words} the criteria {found.criteria.name}",))
+
+
+def _reason(found: Findings, part: str) -> str:
+    return found.reasons.get(part, "there is no answer")

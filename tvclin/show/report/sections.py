@@ -1,0 +1,248 @@
+"""The sections of the study itself: inputs, boundaries and the response."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tvclin.answers.study import Study
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
+from tvclin.linear.loads import wind_loads
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
+from tvclin.plots import response_chart, response_curves, study_chart
+from tvclin.show.report.blocks import (
+    Figure,
+    Line,
+    Paragraph,
+    Section,
+    Table,
+    degrees,
+    least,
+    number,
+    significant,
+)
+from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.findings import Findings, blown
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+_TO_SHOW, _POINTS = 2.0, 401
+"""A response is shown for so many durations of the wind, at so many points."""
+_ABOVE = 1.1
+"""Without a limit in question, the response is that to so many times what is needed."""
+
+
+def inputs(found: Findings) -> Section:
+    """Return what went in, each number with its unit."""
+    s, plan = found.study, found.plan
+    v = s.vehicle
+    vehicle = [
+        ("gross weight W", significant("vehicle.weight", v.weight, 6, "N")),
+        ("thrust T", significant("vehicle.thrust", v.thrust, 6, "N")),
+        ("moment of inertia I", significant("vehicle.inertia", v.moment_of_inertia, 6, "kg m²")),
+        ("normal force slope N", significant("vehicle.slope", v.normal_force_slope, 6, "N/rad")),
+        ("axial force F_A", significant("vehicle.axial_force", v.axial_force, 6, "N")),
+        ("aerodynamic arm l_a", significant("vehicle.l_a", v.aerodynamic_arm, 6, "m")),
+        ("control arm l_c", significant("vehicle.l_c", v.control_arm, 6, "m")),
+        ("velocity V_n", significant("vehicle.velocity", v.velocity, 6, "m/s")),
+        ("attitude Theta_n", degrees("vehicle.attitude", v.attitude, unit="deg")),
+    ]
+    if v.time is not None:
+        vehicle.append(("time of flight", significant("vehicle.time", v.time, 6, "s")))
+    if v.control_force_slope is not None:
+        slope = significant("vehicle.control_slope", v.control_force_slope, 6, "N/rad")
+        vehicle.append(("control force slope", slope))
+    case: list[tuple[str, Line]] = [
+        ("plane", (plan.plane,)),
+        ("model of the verdict", (plan.model,)),
+        ("wind shape", (plan.wind.shape,)),
+        ("peak wind angle", degrees("wind.peak", plan.wind.peak, unit="deg")),
+        ("wind duration", significant("wind.duration", plan.wind.duration, 6, "s")),
+        ("dead band K of the verdict", significant("question.dead_band", plan.dead_band)),
+        ("dead band is left by", ("the wind" if plan.switch == "report" else "the trim",)),
+    ]
+    if s.gust is not None:
+        case += [
+            ("gust on top: peak", degrees("gust.peak", s.gust.peak, unit="deg")),
+            ("it begins", significant("gust.begins", s.gust.onset, 6, "s")),
+            ("it ends", significant("gust.ends", s.gust.end, 6, "s")),
+        ]
+    if plan.limit is not None:
+        case.append(("deflection limit", degrees("question.limit", plan.limit, unit="deg")))
+    name = v.name or "unnamed"
+    blocks = (
+        Table(f"Vehicle: {name}", ("quantity", "value"), _pairs(vehicle)),
+        Table("Wind and question", ("quantity", "value"), _pairs(case)),
+        Table("Linear coefficients", ("quantity", "value"), _pairs(_coefficients(found))),
+    )
+    return Section("inputs", "Inputs", blocks)
+
+
+def boundaries(found: Findings) -> Section:
+    """Return the boundary at every dead band, and what stands above and below it."""
+    s = found.study
+    names = tuple(s.boundaries)
+    rows: list[tuple[Line, ...]] = []
+    for i, K in enumerate(s.dead_bands):
+        row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), *_marked(K == s.dead_band))]
+        for name in names:
+            one, key = s.boundaries[name], f"boundary.{name}.{i}"
+            row.append(least(number(f"{key}.limit", one.limit[i])))
+            row.append(least(degrees(key, abs(one.deflection[i]))))
+        rows.append(tuple(row))
+    free = {name: abs(one.deflection) for name, one in s.forecast_free.items()}
+    for label, key, needs in (
+        ("no forecast, any law", "forecast_free", free),
+        ("minimum, wind known", "minimum", s.minima),
+    ):
+        rows.append(((label,), *_parts(found, key, needs)))
+    trim = dict.fromkeys(names, s.trim_deflection)
+    rows.insert(0, (("ideal trim",), *_parts(found, "trim", trim)))
+    head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
+    peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
+    caption = (
+        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg, {tau:g} s"
+        f"{gust_words(s)}"
+    )
+    label = f"Required deflection over the duration of the wind, for {' and '.join(names)}"
+    figure = Figure(
+        label,
+        "Required deflection over the duration of the wind, by dead band K and model. The dot is"
+        " this study.",
+        inline_svg(study_chart(s), "boundaries", label),
+    )
+    words = (
+        "K is the dead band: the vehicle is trimmed up to K times the limit, then the whole limit"
+        ' is used. K = 1 needs no forecast of the wind, K = 0 a certain one. "No forecast" is what'
+        " no law can do without that does not know when the wind will stop (with drift a lower"
+        ' bound), "minimum" what no control whatever can. The row of the verdict is marked.'
+    )
+    return Section(
+        "boundaries", "Boundaries", (Table(caption, head, tuple(rows)), figure, Paragraph((words,)))
+    )
+
+
+def response(found: Findings) -> Section | None:
+    """Return the exact response to the limit in question; None where nothing is, or can be."""
+    s = found.study
+    limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
+    if not limit or np.isinf(limit):
+        return None
+    plant, wind = Plant(s.coefficients, s.model), blown(s)
+    against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
+    deflection = trim_then_hold(plant, wind, against * limit, s.dead_band, s.switch)
+    end, ends = _end(found, plant, deflection)
+    whose = "the limit in question" if s.limit is not None else f"{_ABOVE:g} times what is needed"
+    label = f"Attitude, deflection and wind over time with {whose}"
+    caption = (
+        f"Exact response with {whose}, {np.degrees(limit):.4f} deg: trim until the dead band is"
+        f" left, then the limit. {ends}"
+    )
+    svg = inline_svg(_over_time(found, plant, deflection, end), "response", label)
+    head = ("exact response", "[deg]", "at [s]")
+    table = Table("What stands out", head, _outstanding(found, plant, deflection, end))
+    return Section("response", "Response", (Figure(label, caption, svg), table))
+
+
+def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
+    """When a response has said all, and why."""
+    wind = blown(found.study)
+    longest = _TO_SHOW * float(wind.end)
+    shown = shown_until(plant, deflection, wind, longest)
+    words = {
+        LET_GO: "It is shown until the attitude is back at zero, where an autopilot lets go.",
+        FALLEN: "It is shown until the attitude error exceeds 90 degrees.",
+        WHOLE: "The attitude does not come back to zero in this time.",
+    }
+    said = words[shown.why]
+    if shown.why == FALLEN and (found.study.limit is None or found.study.sufficient):
+        said += f" {TURNED_OVER}"
+    stands = extremes(plant, deflection, wind, shown.time)
+    if stands.with_wind is None and stands.against_wind is None:
+        said = "Trim is never limited, and the attitude stays at zero."
+    return shown.time, said
+
+
+def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
+    """The figure of a response: angles, deflection and wind."""
+    wind = blown(found.study)
+    times = np.linspace(0.0, end, _POINTS)
+    answer = attitude_responses(plant, deflection, wind, times)
+    curves = response_curves(answer, deflection, wind, "response", "")
+    kept = tuple(column for column in curves.columns if column.panel != "rate")
+    return response_chart(replace(curves, columns=kept), "", float(wind.end), across=1)
+
+
+def _outstanding(
+    found: Findings, plant: Plant, deflection: History, end: float
+) -> tuple[tuple[Line, ...], ...]:
+    wind = blown(found.study)
+    stands, loads = extremes(plant, deflection, wind, end), wind_loads(plant, deflection, wind)
+    points = (
+        ("largest attitude error, with the wind", "with_wind", stands.with_wind),
+        ("largest attitude error, against it", "against_wind", stands.against_wind),
+        ("attitude when the wind ends", "at_wind_end", stands.at_wind_end),
+        ("attitude at the end of the figure", "at_end", stands.at_end),
+        (
+            "largest angle of attack in the wind",
+            "angle_of_attack",
+            Point(loads.peak_angle_of_attack, loads.peak_time) if end >= wind.end else None,
+        ),
+    )
+    return tuple(
+        (
+            (label,),
+            degrees(f"response.{key}", point.value),
+            number(f"response.{key}_s", point.time, 3),
+        )
+        for label, key, point in points
+        if point is not None
+    )
+
+
+def gust_words(study: Study) -> str:
+    """Return what to say of a gust on top of a wind; nothing where there is none."""
+    gust = study.gust
+    if gust is None:
+        return ""
+    return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
+
+
+def _coefficients(found: Findings) -> list[tuple[str, Line]]:
+    c = found.study.coefficients
+    rows: list[tuple[str, Line]] = []
+    if c.mu_alpha > 0.0:
+        rows.append(("beta", significant("coefficients.beta", c.beta, 6, "1/s")))
+        rows.append(("K1", significant("coefficients.K1", c.K1, 6)))
+    rows += [
+        ("B", significant("coefficients.B", c.B, 6, "deg/deg")),
+        ("C1", significant("coefficients.C1", c.C1, 6, "1/s")),
+        ("C2", significant("coefficients.C2", c.C2, 6, "1/s³")),
+        ("b1", significant("coefficients.b1", c.b1, 6, "1/s")),
+        ("b2", significant("coefficients.b2", c.b2, 6, "1/s")),
+    ]
+    return rows
+
+
+def _parts(found: Findings, key: str, needs: dict[str, float]) -> list[Line]:
+    """Cells of a deflection for each model: over trim, and in degrees."""
+    cells: list[Line] = []
+    for name in found.study.boundaries:
+        if name in needs and found.study.trim_deflection:
+            part = needs[name] / found.study.trim_deflection
+            cells += [number(f"{key}.{name}.part", part), degrees(f"{key}.{name}", needs[name])]
+        else:
+            cells += [("-",), ("-",)]
+    return cells
+
+
+def _marked(here: bool) -> Line:
+    return (" (verdict)",) if here else ()
+
+
+def _pairs(rows: list[tuple[str, Line]]) -> tuple[tuple[Line, ...], ...]:
+    return tuple(((label,), line) for label, line in rows)

@@ -1,0 +1,43 @@
+"""The report's equations and claims as records, and the computation behind each claim."""
+
+import tomllib
+from collections.abc import Callable
+from importlib.resources import files
+
+from tvclin.show.reproduce import claims_appendices, claims_boundary, claims_flown, claims_response
+from tvclin.show.reproduce.computed import Computed
+
+COMPUTATIONS: dict[str, Callable[[], Computed]] = {
+    function.__name__: function
+    for room in (claims_boundary, claims_response, claims_flown, claims_appendices)
+    for function in room.FUNCTIONS
+}
+"""The function of every `compute` identifier of claims.toml; each computes from Table I."""
+
+
+def equations() -> list[dict[str, str]]:
+    """Return the report's equations: id, page_section, printed, corrected, why and proof."""
+    return records("equation")
+
+
+def claims() -> list[dict[str, str]]:
+    """Return the report's claims: id, where, text, printed, compute and perhaps verdict_note."""
+    return records("claim")
+
+
+def compute(claim: dict[str, str]) -> Computed:
+    """Return a claim computed with the package."""
+    return COMPUTATIONS[claim["compute"]]()
+
+
+def records(kind: str) -> list[dict[str, str]]:
+    """Return the records of one of the files of this folder, in the order in which they stand.
+
+    Parameters
+    ----------
+    kind : {"equation", "claim", "deviation"}
+        What the file lists; it has the same name in the plural.
+    """
+    text = (files("tvclin.show.reproduce") / f"{kind}s.toml").read_text(encoding="utf-8")
+    found: list[dict[str, str]] = tomllib.loads(text)[kind]
+    return found

@@ -1,0 +1,101 @@
+"""The report's words on figures 6 to 11: the theory against flights, frozen and along a trajectory.
+
+The report's flights are not printed as numbers. Those here are flown with its equations of motion,
+frozen at the time of Table I or along a trajectory that is reconstructed from it: `flown`.
+"""
+
+from collections.abc import Callable
+from functools import partial
+
+from tvclin.show.reproduce.cases import FULL, HALF, band, both, on_model, with_drift
+from tvclin.show.reproduce.computed import Computed, Value
+from tvclin.show.reproduce.flown import Attitudes, Boundaries, attitudes, boundaries
+from tvclin.vehicle.coefficients import Coefficients
+
+EXCESS = "percent, (18) above the flown boundary"
+SHARE = "cases in which the theory is the worse"
+
+
+def agreement_frozen() -> Computed:
+    """Eq (18) is within 5 percent of every boundary that is flown with frozen parameters, K = 1."""
+    return _limits(False, lambda one: one.agree)
+
+
+def agreement_along_the_trajectory() -> Computed:
+    """Eq (18) is within 5 percent of every boundary that is flown along the trajectory, K = 1."""
+    return _limits(True, lambda one: one.agree)
+
+
+def conservative_boundary_frozen() -> Computed:
+    """Eq (18) is nowhere below the boundary that is flown with frozen parameters, K = 1."""
+    return _limits(False, lambda one: one.conservative)
+
+
+def conservative_boundary_along_the_trajectory() -> Computed:
+    """Eq (18) is nowhere below the boundary that is flown along the trajectory, K = 1."""
+    return _limits(True, lambda one: one.conservative)
+
+
+def divergence_frozen() -> Computed:
+    """At 0.9 times eq (18) the attitude of (B9) is the larger at t = tau, parameters frozen."""
+    return _errors(False, lambda one: one.diverges_faster)
+
+
+def divergence_along_the_trajectory() -> Computed:
+    """At 0.9 times eq (18) the attitude of (B9) is the larger at t = tau, along the trajectory."""
+    return _errors(True, lambda one: one.diverges_faster)
+
+
+def convergence_frozen() -> Computed:
+    """At 1.1 times eq (18) the attitude of (B9) is the larger at t = tau, parameters frozen."""
+    return _errors(False, lambda one: one.converges_slower)
+
+
+def convergence_along_the_trajectory() -> Computed:
+    """At 1.1 times eq (18) the attitude of (B9) is the larger at t = tau, along the trajectory."""
+    return _errors(True, lambda one: one.converges_slower)
+
+
+def _limits(along: bool, verdict: Callable[[Boundaries], tuple[bool, ...]]) -> Computed:
+    found = [one for one in boundaries() if one.along is along]
+    values = [Value(one.gust.name, *one.excess) for one in found]
+    if not along:
+        values += [
+            both(f"exact cubic, {band(K)}, tau beta = {b:g}", partial(_excess, tau_beta=b, K=K))
+            for K in (FULL, HALF)
+            for b in (4.0, 8.0, 20.0)
+        ]
+    return Computed(tuple(values), all(all(verdict(one)) for one in found), EXCESS)
+
+
+def _excess(c: Coefficients, tau_beta: float, K: float) -> float:
+    """As for flights, whose dead band is left by trim itself, but without flying."""
+    exact = on_model(c, tau_beta, K, switch="literal")
+    return 100.0 * (with_drift(c, tau_beta, K) / exact - 1.0)
+
+
+def _errors(along: bool, verdict: Callable[[Attitudes], tuple[bool, ...]]) -> Computed:
+    found = [one for one in attitudes() if one.along is along]
+    groups = {SHARE: found}
+    for plane in ("pitch", "yaw"):
+        for K in (FULL, HALF):
+            group = [one for one in found if (one.gust.plane, one.dead_band) == (plane, K)]
+            groups[f"{plane}, {band(K)}"] = group
+    values = []
+    for label, group in groups.items():
+        held = [verdict(one) for one in group]
+        counts = (f"{sum(column)} of {len(column)}" for column in zip(*held, strict=True))
+        values.append(Value(label, *counts))
+    return Computed(tuple(values), all(all(verdict(one)) for one in found))
+
+
+FUNCTIONS = (
+    agreement_frozen,
+    agreement_along_the_trajectory,
+    conservative_boundary_frozen,
+    conservative_boundary_along_the_trajectory,
+    divergence_frozen,
+    divergence_along_the_trajectory,
+    convergence_frozen,
+    convergence_along_the_trajectory,
+)

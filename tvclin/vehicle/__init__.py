@@ -1,0 +1,1 @@
+"""A vehicle, its files, and the coefficients of its motion."""

@@ -1,0 +1,211 @@
+"""The coefficients of the linear equations: everything a plant needs of a vehicle.
+
+    theta'' = mu_alpha alpha - mu_delta delta,    alpha = theta - gamma - alpha_w
+
+mu_alpha = beta^2 is the report's N l_a/I, and mu_delta = beta^2/B its T l_c/I. Positive
+deflection pitches the nose down.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import Row, card
+from tvclin.base.errors import (
+    InputError,
+    finite,
+    instance,
+    nonnegative,
+    nonzero,
+    one_of,
+    plain,
+    positive,
+    together,
+    within,
+)
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
+
+FloatArray = NDArray[np.float64]
+
+PLANES = ("pitch", "yaw")
+_LARGEST = 1e18
+"""Of every coefficient, and of one over mu_delta: products of several must not overflow."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coefficients:
+    """The coefficients of the attitude equations, for one vehicle or a batch.
+
+    Parameters
+    ----------
+    mu_alpha : array_like
+        Aerodynamic moment per angle of attack over the inertia, N l_a/I = beta^2 [1/s^2].
+        Zero or negative is an aerodynamically stable vehicle, which is legal.
+    mu_delta : array_like
+        Control moment per deflection over the inertia, T l_c/I = beta^2/B [1/s^2], not zero;
+        negative for effectors ahead of the centre of gravity.
+    C1, C2 : array_like
+        Coefficients [1/s] and [1/s^3] of the exact denominator, eq (B7).
+    b1, b2 : array_like
+        Zeros [1/s] of the numerators of deflection and wind, eq (B7).
+    q : array_like
+        The gravity term (g cos(Theta_n)/V_n)^2 [1/s^2], zero or positive; zero in yaw. It is
+        not the dynamic pressure.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not finite, a mu_delta of zero, a q below zero, or shapes that do
+        not broadcast.
+
+    Notes
+    -----
+    Report eqs (2), (B4), (B5), (B7) and (15b).
+    """
+
+    mu_alpha: float | FloatArray
+    mu_delta: float | FloatArray
+    C1: float | FloatArray = 0.0
+    C2: float | FloatArray = 0.0
+    b1: float | FloatArray = 0.0
+    b2: float | FloatArray = 0.0
+    q: float | FloatArray = 0.0
+
+    def __post_init__(self) -> None:
+        checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
+        together(**checked)
+        for name, array in checked.items():
+            within(name, array, -_LARGEST, _LARGEST)
+        least = np.abs(checked["mu_delta"]).min(initial=np.inf)
+        if least < 1.0 / _LARGEST:
+            raise InputError(
+                f"mu_delta must be at least {1.0 / _LARGEST:g} 1/s^2 in size; got {least:.6g}"
+            )
+        for name, array in checked.items():
+            object.__setattr__(self, name, plain(array))
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
+        if np.all(np.asarray(self.mu_alpha) > 0.0):
+            rows += [("beta", self.beta, "1/s"), ("K1", self.K1, "-")]
+        return card("Coefficients", [*rows, ("B", self.B, "-")])
+
+    @classmethod
+    def from_vehicle(cls, vehicle: Vehicle, plane: str = "pitch") -> Self:
+        """Return the coefficients of a vehicle, eqs (2), (B4), (B5) and (B7).
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            One vehicle or a batch.
+        plane : {"pitch", "yaw"}
+            In yaw the term q vanishes; the weight component W sin(Theta_n) stays that of the
+            real attitude in both planes.
+
+        Notes
+        -----
+        Appendix B. Its rule for yaw sets Theta_n to 90 degrees throughout, which is right for
+        the cosine alone: it would make C2 too large by the factor 1/sin(Theta_n).
+        """
+        plane = one_of("plane", plane, PLANES)
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        v = vehicle
+        momentum = v.mass * v.velocity  # m V_n
+        weight_along = v.weight * np.sin(v.attitude)  # W sin(Theta_n)
+        mu_alpha = v.normal_force_slope * v.aerodynamic_arm / v.moment_of_inertia
+        b2 = (v.thrust - v.axial_force - weight_along) / momentum
+        C1 = b2 + v.normal_force_slope / momentum
+        b1 = C1 + v.normal_force_slope * v.aerodynamic_arm / v.control_arm / momentum
+        turning = STANDARD_GRAVITY * np.cos(v.attitude) / v.velocity
+        return cls(
+            mu_alpha=mu_alpha,
+            mu_delta=v.control_force * v.control_arm / v.moment_of_inertia,
+            C1=C1,
+            C2=mu_alpha * STANDARD_GRAVITY * np.sin(v.attitude) / v.velocity,
+            b1=b1,
+            b2=b2,
+            q=turning**2 if plane == "pitch" else np.zeros_like(turning),
+        )
+
+    @classmethod
+    def from_beta(
+        cls,
+        *,
+        beta: float | FloatArray,
+        B: float | FloatArray,
+        **others: Any,
+    ) -> Self:
+        """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B.
+
+        Parameters
+        ----------
+        beta : array_like
+            Vehicle response parameter [1/s], positive, eq (B4).
+        B : array_like
+            Trim deflection per angle of attack, not zero, eq (2).
+        **others
+            C1, C2, b1, b2 and q, as of `Coefficients`.
+        """
+        beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
+        within("beta", beta, 0.0, _LARGEST, "1/s")
+        together(beta=beta, B=B)
+        return cls(mu_alpha=beta**2, mu_delta=beta**2 / B, **others)
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some fields changed."""
+        unknown = set(changes) - set(self.__dataclass_fields__)
+        if unknown:
+            raise InputError(f"Coefficients has no field {', '.join(sorted(unknown))}")
+        return replace(self, **changes)
+
+    @cached_property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one vehicle."""
+        return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name, _, _ in _CHECKS))
+
+    @property
+    def beta_squared(self) -> float | FloatArray:
+        """mu_alpha [1/s^2], which for a stable vehicle is not a square."""
+        return self.mu_alpha
+
+    @property
+    def beta(self) -> float | FloatArray:
+        """Vehicle response parameter beta [1/s], eq (B4).
+
+        Raises
+        ------
+        InputError
+            For an aerodynamically stable vehicle (mu_alpha <= 0), which has no such pole.
+        """
+        if np.any(np.asarray(self.mu_alpha) <= 0.0):
+            raise InputError(
+                "beta needs an aerodynamically unstable vehicle, mu_alpha > 0; got mu_alpha ="
+                f" {np.min(self.mu_alpha):.6g} 1/s^2 (use beta_squared)"
+            )
+        return plain(np.sqrt(self.mu_alpha))
+
+    @property
+    def B(self) -> float | FloatArray:
+        """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2)."""
+        return self.mu_alpha / self.mu_delta
+
+    @property
+    def K1(self) -> float | FloatArray:
+        """K1 = (beta + b2)/(beta + b1), eq (15b); `InputError` for a stable vehicle."""
+        return (self.beta + self.b2) / (self.beta + self.b1)
+
+
+_CHECKS = (
+    ("mu_alpha", finite, "1/s^2"),
+    ("mu_delta", nonzero, "1/s^2"),
+    ("C1", finite, "1/s"),
+    ("C2", finite, "1/s^3"),
+    ("b1", finite, "1/s"),
+    ("b2", finite, "1/s"),
+    ("q", nonnegative, "1/s^2"),
+)

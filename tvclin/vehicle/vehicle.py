@@ -1,0 +1,220 @@
+"""The vehicle: the nine numbers of Table I, and nothing derived from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import Row, card
+from tvclin.base.errors import (
+    InputError,
+    finite,
+    nonnegative,
+    nonzero,
+    plain,
+    positive,
+    text,
+    together,
+    within,
+)
+
+STANDARD_GRAVITY = 9.80665
+"""g [m/s^2]: the mass of a vehicle is its weight over this."""
+
+FloatArray = NDArray[np.float64]
+
+_SMALLEST, _LARGEST = 1e-9, 1e18
+_MAY_BE_TINY = ("aerodynamic_arm", "attitude", "time")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vehicle:
+    """A rigid booster at one time of its flight, or a batch of them.
+
+    Every number may be an array; they broadcast with each other. Angles are measured from the
+    nominal flight without wind and at zero angle of attack.
+
+    Parameters
+    ----------
+    weight : array_like
+        Gross weight W [N], positive. The mass is W/g with g = 9.80665 m/s^2.
+    moment_of_inertia : array_like
+        Moment of inertia I [kg m^2] about the centre of gravity, positive.
+    normal_force_slope : array_like
+        Aerodynamic normal force per angle of attack N [N/rad], zero or positive.
+    thrust : array_like
+        Total thrust T [N], positive.
+    aerodynamic_arm : array_like
+        Aerodynamic moment arm l_a [m], from the centre of gravity forward to the centre of
+        pressure. Zero or negative is an aerodynamically stable vehicle, which is legal.
+    control_arm : array_like
+        Control moment arm l_c [m], from the centre of gravity aft to the control force; not
+        zero. Negative for effectors ahead of the centre of gravity.
+    axial_force : array_like
+        Axial aerodynamic force F_A [N], zero or positive.
+    velocity : array_like
+        Nominal relative velocity V_n [m/s], positive.
+    attitude : array_like
+        Nominal flight attitude Theta_n [rad] above the horizontal, within 90 degrees.
+    name : str
+        What the vehicle is called.
+    time : float, optional
+        Time of flight [s] to which the numbers belong.
+    control_force_slope : array_like, optional
+        Control force per deflection [N/rad], positive; the thrust where it is not given (a
+        gimballed engine). Give it for aerodynamic surfaces and for reaction control.
+
+    Raises
+    ------
+    InputError
+        When a number is missing its rule above, or shapes do not broadcast.
+
+    Notes
+    -----
+    Table I and appendix A of the report. With T as control force the symbols are those of
+    eqs (B1) and (B2); other effectors put their own slope in place of T where T multiplies the
+    deflection.
+    """
+
+    weight: float | FloatArray
+    moment_of_inertia: float | FloatArray
+    normal_force_slope: float | FloatArray
+    thrust: float | FloatArray
+    aerodynamic_arm: float | FloatArray
+    control_arm: float | FloatArray
+    axial_force: float | FloatArray
+    velocity: float | FloatArray
+    attitude: float | FloatArray
+    name: str = ""
+    time: float | FloatArray | None = None
+    control_force_slope: float | FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        text("name", self.name)
+        checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
+        for name in ("time", "control_force_slope"):
+            given = getattr(self, name)
+            check = finite if name == "time" else positive
+            if given is not None:
+                checked[name] = check(name, given, "s" if name == "time" else "N/rad")
+        together(**checked)
+        for name, array in checked.items():
+            _plausible(name, array)
+            object.__setattr__(self, name, plain(array))
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [
+            (name.replace("_", " "), getattr(self, name), unit)
+            for name, _, unit in _CHECKS
+            if name != "attitude"
+        ]
+        rows.append(("attitude", np.degrees(self.attitude), "deg"))
+        if self.time is not None:
+            rows.append(("time", self.time, "s"))
+        if self.control_force_slope is not None:
+            rows.append(("control force slope", self.control_force_slope, "N/rad"))
+        return card(self.name or "Vehicle", rows)
+
+    @classmethod
+    def from_aerodynamics(
+        cls,
+        *,
+        dynamic_pressure: ArrayLike,
+        reference_area: ArrayLike,
+        normal_force_coefficient_slope: ArrayLike,
+        axial_force_coefficient: ArrayLike,
+        **others: Any,
+    ) -> Self:
+        """Return the vehicle with N = q S dC_N/dalpha and F_A = q S C_A, eq (B1d).
+
+        Parameters
+        ----------
+        dynamic_pressure : array_like
+            Dynamic pressure q = rho V_R^2/2 [Pa], positive.
+        reference_area : array_like
+            Reference area S [m^2], positive.
+        normal_force_coefficient_slope : array_like
+            dC_N/dalpha [1/rad], zero or positive.
+        axial_force_coefficient : array_like
+            C_A, zero or positive.
+        **others
+            The other arguments of `Vehicle`.
+
+        Raises
+        ------
+        InputError
+            As `Vehicle`, and when an argument is given twice.
+        """
+        for derived in ("normal_force_slope", "axial_force"):
+            if derived in others:
+                raise InputError(f"{derived} follows from the coefficients; leave it out")
+        pressure = positive("dynamic_pressure", dynamic_pressure, "Pa")
+        area = positive("reference_area", reference_area, "m^2")
+        slope = nonnegative(
+            "normal_force_coefficient_slope", normal_force_coefficient_slope, "1/rad"
+        )
+        axial = nonnegative("axial_force_coefficient", axial_force_coefficient)
+        given = {
+            "dynamic_pressure": pressure,
+            "reference_area": area,
+            "normal_force_coefficient_slope": slope,
+            "axial_force_coefficient": axial,
+        }
+        together(**given)
+        for name, array in given.items():
+            _plausible(name, array)
+        force = pressure * area
+        return cls(normal_force_slope=force * slope, axial_force=force * axial, **others)
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some fields changed."""
+        unknown = set(changes) - set(self.__dataclass_fields__)
+        if unknown:
+            raise InputError(f"Vehicle has no field {', '.join(sorted(unknown))}")
+        return replace(self, **changes)
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one vehicle."""
+        return np.broadcast_shapes(*(np.shape(getattr(self, f.name)) for f in fields(self)))
+
+    @property
+    def mass(self) -> float | FloatArray:
+        """Gross mass m = W/g [kg]."""
+        return self.weight / STANDARD_GRAVITY
+
+    @property
+    def control_force(self) -> float | FloatArray:
+        """Control force per deflection [N/rad]: the thrust, or the slope that was given."""
+        return self.thrust if self.control_force_slope is None else self.control_force_slope
+
+
+def _plausible(name: str, array: FloatArray) -> None:
+    """Refuse numbers with which no sum of theirs could be computed; no booster has them."""
+    size = np.abs(array)
+    tiny = (size < _SMALLEST) & (size > 0.0) & (name not in _MAY_BE_TINY)
+    if np.any(tiny | (size > _LARGEST)):
+        raise InputError(
+            f"{name} must be a size between {_SMALLEST:g} and {_LARGEST:g} in SI units; got"
+            f" {array.ravel()[np.argmax(tiny | (size > _LARGEST))]:.6g}"
+        )
+
+
+def _attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
+    return within(name, value, -np.pi / 2, np.pi / 2, unit)
+
+
+_CHECKS = (
+    ("weight", positive, "N"),
+    ("moment_of_inertia", positive, "kg m^2"),
+    ("normal_force_slope", nonnegative, "N/rad"),
+    ("thrust", positive, "N"),
+    ("aerodynamic_arm", finite, "m"),
+    ("control_arm", nonzero, "m"),
+    ("axial_force", nonnegative, "N"),
+    ("velocity", positive, "m/s"),
+    ("attitude", _attitude, "rad"),
+)

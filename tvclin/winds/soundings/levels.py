@@ -1,0 +1,176 @@
+"""The levels of one sounding as a file gives them, and the profile that they make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+
+EARTH_RADIUS = 6_356_766.0
+"""m, to which the geopotential height of the U.S. Standard Atmosphere 1976 belongs."""
+_LOWEST, _HIGHEST = -1e3, 1e5
+_FASTEST = 200.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Levels:
+    """Levels of one sounding; each array has the shape ``(n,)`` and NaN where nothing was measured.
+
+    Attributes
+    ----------
+    text : Text
+        The file.
+    line : ndarray of int
+        Line of each level.
+    height : ndarray
+        [m].
+    east, north : ndarray
+        Wind towards east and north [m/s].
+    title : str
+        Station and time, as far as the file gives them.
+    geopotential : bool
+        Whether heights are geopotential.
+    balloon : bool
+        Whether the levels stand in the order in which a balloon met them: it may sink for a while.
+    notes : tuple of str
+        What is already known to be worth saying.
+    """
+
+    text: Text
+    line: IntArray
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    title: str = ""
+    geopotential: bool = False
+    balloon: bool = False
+    notes: tuple[str, ...] = ()
+
+
+def towards(speed: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the wind towards east and north [m/s] of a speed and the direction it comes from.
+
+    The direction [rad] is counted from north, clockwise. A calm needs none.
+    """
+    angle = np.where(speed == 0.0, 0.0, direction)
+    return 0.0 - speed * np.sin(angle), 0.0 - speed * np.cos(angle)
+
+
+def checked_towards(
+    text: Text, line: IntArray, speed: FloatArray, direction: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return `towards` of the levels of a file; `InputError` for what is no wind."""
+    degrees = np.degrees(direction)
+    text.require(
+        ~(speed < 0.0), line, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s"
+    )
+    text.require(
+        ~((degrees < 0.0) | (degrees > 360.0 + 1e-9)),
+        line,
+        lambda i: f"direction must be between 0 and 360 degrees; got {degrees[i]:.6g}",
+    )
+    return towards(speed, direction)
+
+
+def geometric(height: FloatArray) -> FloatArray:
+    """Return the geometric heights [m] of geopotential ones."""
+    return EARTH_RADIUS * height / (EARTH_RADIUS - height)
+
+
+def profile_of(levels: Levels) -> WindProfile:
+    """Return the profile of the levels of a file, with notes on what was left out.
+
+    Raises
+    ------
+    InputError
+        For heights out of order or range, winds out of range, and fewer than two levels.
+    """
+    _check_ranges(levels)
+    measured = ~np.isnan(levels.height)
+    blows = measured & ~np.isnan(levels.east + levels.north)
+    rising, notes = _rising(levels, np.flatnonzero(blows))
+    if rising.size < 2:
+        raise InputError(
+            f"{levels.text.source} must hold two or more levels with a height and a wind; got"
+            f" {rising.size}"
+        )
+    made = geometric if levels.geopotential else np.asarray
+    height = np.asarray(made(levels.height))
+    lost = int(np.sum(~measured & ~np.isnan(levels.east + levels.north)))
+    if lost:
+        notes.append(f"{levels_in_words(lost)} with a wind but without a height left out")
+    notes += _gaps(height[rising], height[measured & ~blows])
+    if levels.geopotential:
+        notes.append("geopotential heights made geometric")
+    return WindProfile(
+        height=height[rising],
+        east=levels.east[rising],
+        north=levels.north[rising],
+        source=": ".join(filter(None, [levels.text.source, levels.title])),
+        notes=(*levels.notes, *notes),
+    )
+
+
+def _check_ranges(levels: Levels) -> None:
+    height, speed = levels.height, np.hypot(levels.east, levels.north)
+    levels.text.require(
+        ~((height < _LOWEST) | (height > _HIGHEST)),
+        levels.line,
+        lambda i: (
+            f"height must be between {_LOWEST:g} and {_HIGHEST:g} m; got {height[i]:.6g} m, so"
+            " check its unit"
+        ),
+    )
+    levels.text.require(
+        ~(speed > _FASTEST),
+        levels.line,
+        lambda i: f"no wind blows with {speed[i]:.6g} m/s; check its unit",
+    )
+
+
+def _rising(levels: Levels, index: NDArray[np.intp]) -> tuple[NDArray[np.intp], list[str]]:
+    """Keep of the levels those that lie above all before them."""
+    height = levels.height[index]
+    highest = np.maximum.accumulate(np.concatenate([[-np.inf], height]))[:-1]
+    twice, sunk = height == highest, height < highest
+    if np.any(sunk) and (not levels.balloon or 2 * np.sum(sunk) > height.size):
+        first = int(np.argmax(sunk))
+        raise levels.text.error(
+            int(levels.line[index[first]]),
+            f"heights must ascend; {height[first]:.6g} m comes after {highest[first]:.6g} m, so"
+            " sort the levels",
+        )
+    notes = []
+    if np.any(twice):
+        count, first = levels_in_words(int(np.sum(twice))), height[np.argmax(twice)]
+        notes.append(f"{count} given twice, from {first:.6g} m on: the first is kept")
+    if np.any(sunk):
+        notes.append(f"{levels_in_words(int(np.sum(sunk)))} where the balloon sank left out")
+    return index[~(twice | sunk)], notes
+
+
+def _gaps(height: FloatArray, windless: FloatArray) -> list[str]:
+    above = np.searchsorted(height, windless)
+    beside = np.unique(above[(above > 0) & (above < height.size)])
+    outside = int(np.sum((above == 0) | (above == height.size)))
+    notes = []
+    if beside.size:
+        widths = height[beside] - height[beside - 1]
+        widest = beside[np.argmax(widths)]
+        notes.append(
+            f"{levels_in_words(windless.size - outside)} without a wind bridged by straight lines,"
+            f" the longest from {height[widest - 1]:.6g} to {height[widest]:.6g} m"
+        )
+    if outside:
+        notes.append(f"{levels_in_words(outside)} without a wind below or above all winds left out")
+    return notes
+
+
+def levels_in_words(count: int) -> str:
+    """Return "1 level" or "3 levels"."""
+    return f"{count} level{'s' * (count != 1)}"

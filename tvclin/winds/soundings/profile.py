@@ -1,0 +1,224 @@
+"""The wind over height, and what a flight through it meets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    each,
+    finite,
+    number,
+    one_of,
+    text,
+    within,
+)
+from tvclin.winds.sampled import SampledWind
+from tvclin.winds.soundings.passage import Flown, angles_along
+
+FloatArray = NDArray[np.float64]
+
+_RANGES = {
+    "height": (-1e4, 1e6, "m"),
+    "east": (-1e3, 1e3, "m/s"),
+    "north": (-1e3, 1e3, "m/s"),
+}
+"""What can be meant, generously."""
+_THINNEST, _THICKEST = 1e-3, 1e6
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class WindProfile:
+    """The horizontal wind over height, straight between its levels.
+
+    Parameters
+    ----------
+    height : array_like
+        Geometric height above the sea [m], ascending, shape ``(n,)``, two levels or more.
+    east, north : array_like
+        Wind towards east and north [m/s], shape ``(n,)``.
+    source : str
+        Where it comes from.
+    notes : tuple of str
+        What a reader should know: gaps bridged, levels left out, heights converted.
+
+    Raises
+    ------
+    InputError
+        For lengths that differ, fewer than two levels, heights that do not ascend, and numbers
+        that are not finite or mean neither a height nor a wind.
+    """
+
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    source: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, (low, high, unit) in _RANGES.items():
+            array = within(name, getattr(self, name), low, high, unit)
+            object.__setattr__(self, name, array)
+            if array.ndim != 1 or array.size < 2 or array.shape != self.height.shape:
+                raise InputError(
+                    "height, east and north must each hold one number for each of two or more"
+                    f" levels; got {name} of shape {array.shape}"
+                )
+        if np.any(np.diff(self.height) <= 0.0):
+            late = int(np.argmax(np.diff(self.height) <= 0.0)) + 1
+            raise InputError(
+                f"height must ascend; got {self.height[late]:.6g} m at index {late} after"
+                f" {self.height[late - 1]:.6g} m"
+            )
+        text("source", self.source)
+        object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
+
+    def __repr__(self) -> str:
+        low, high = self.height[0], self.height[-1]
+        named = f", {self.source}" if self.source else ""
+        return f"WindProfile({self.height.size} levels from {low:.6g} to {high:.6g} m{named})"
+
+    @property
+    def speed(self) -> FloatArray:
+        """Wind speed [m/s] at the levels, shape ``(n,)``."""
+        return np.hypot(self.east, self.north)
+
+    def in_plane(self, azimuth: float) -> FloatArray:
+        """Return the wind along a direction of flight [m/s] at the levels: positive, a tail wind.
+
+        Parameters
+        ----------
+        azimuth : float
+            Direction of flight [rad], from north, clockwise.
+        """
+        angle = number("azimuth", azimuth, unit="rad")
+        return np.asarray(self.east * np.sin(angle) + self.north * np.cos(angle))
+
+    def cross_plane(self, azimuth: float) -> FloatArray:
+        """Return the wind across a direction of flight [m/s]: positive, from the right.
+
+        Parameters
+        ----------
+        azimuth : float
+            Direction of flight [rad], from north, clockwise.
+        """
+        angle = number("azimuth", azimuth, unit="rad")
+        return np.asarray(self.north * np.sin(angle) - self.east * np.cos(angle))
+
+    def at(self, height: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the wind towards east and north [m/s] at heights [m], in their shape.
+
+        Raises
+        ------
+        InputError
+            For heights beyond the levels.
+        """
+        wanted = finite("height", height, "m")
+        if np.any((wanted < self.height[0]) | (wanted > self.height[-1])):
+            raise InputError(
+                f"height must be between {self.height[0]:.6g} and {self.height[-1]:.6g} m, where"
+                f" the wind is known; got {wanted.min():.6g} to {wanted.max():.6g} m"
+            )
+        return (
+            np.asarray(np.interp(wanted, self.height, self.east)),
+            np.asarray(np.interp(wanted, self.height, self.north)),
+        )
+
+    def between(self, low: float, high: float) -> Self:
+        """Return the part between two heights [m], which become its first and last level.
+
+        Raises
+        ------
+        InputError
+            For heights beyond the levels, or not in order.
+        """
+        bottom, top = number("low", low, unit="m"), number("high", high, unit="m")
+        if not bottom < top:
+            raise InputError(f"low must be below high; got {bottom:.6g} and {top:.6g} m")
+        inside = self.height[(self.height > bottom) & (self.height < top)]
+        height = np.concatenate([[bottom], inside, [top]])
+        note = f"cut to {bottom:.6g} to {top:.6g} m"
+        return self._changed(height, *self.at(height), note)
+
+    def smoothed(self, thickness: float) -> Self:
+        """Return the running mean over layers of a thickness [m] about each level.
+
+        Near the ends the layer is cut to what is known. The mean is that of the straight lines,
+        exactly; between the levels the new profile is straight again.
+
+        Raises
+        ------
+        InputError
+            For a thickness below a millimetre or beyond 1000 km.
+        """
+        half = number("thickness", thickness, between(_THINNEST, _THICKEST), "m") / 2
+        low = np.maximum(self.height - half, self.height[0])
+        high = np.minimum(self.height + half, self.height[-1])
+        east, north = (
+            (self._integral(wind, high) - self._integral(wind, low)) / (high - low)
+            for wind in (self.east, self.north)
+        )
+        note = f"running mean over {2.0 * half:.6g} m"
+        return self._changed(self.height, east, north, note)
+
+    def to_wind(self, flight: Flown, *, azimuth: float, plane: str = "pitch") -> SampledWind:
+        """Return the wind angle over time that a flight through the profile meets, eq (B1e).
+
+        Parameters
+        ----------
+        flight : NominalFlight, Climb, or anything like them
+            Has arrays ``time`` [s], ``height`` [m], ``speed`` [m/s] and ``flight_path_angle``
+            [rad], one number for each time, and ascends.
+        azimuth : float
+            Direction of flight [rad], from north, clockwise.
+        plane : {"pitch", "yaw"}
+            Pitch: the wind along the flight, positive a tail wind. Yaw: the wind across,
+            positive from the right.
+
+        Returns
+        -------
+        SampledWind
+            In the flight's time, with knots where the flight meets a level of the profile and at
+            the flight's own times. Where profile and flight have no height in common it is zero,
+            which nobody has measured: the wind is unknown there, not calm.
+
+        Raises
+        ------
+        InputError
+            For a flight that does not reach the wind or does not ascend, an unknown plane, and a
+            wind that is zero throughout.
+
+        Notes
+        -----
+        The speed of the flight stands for V_R, as in the linear theory, where the dynamic
+        pressure does not change with the wind either.
+        """
+        one_of("plane", plane, ("pitch", "yaw"))
+        wind = self.in_plane(azimuth) if plane == "pitch" else self.cross_plane(azimuth)
+        time, angle = angles_along(flight, self.height, wind, plane)
+        return SampledWind(time=time, angle=angle)
+
+    def to_rocketpy(self) -> dict[str, list[tuple[float, float]]]:
+        """Return ``wind_u`` and ``wind_v`` of RocketPy's custom atmosphere: (height m, m/s)."""
+        height = self.height.tolist()
+        return {
+            name: list(zip(height, wind.tolist(), strict=True))
+            for name, wind in (("wind_u", self.east), ("wind_v", self.north))
+        }
+
+    def _changed(self, height: FloatArray, east: FloatArray, north: FloatArray, note: str) -> Self:
+        notes = (*self.notes, note)
+        return replace(self, height=height, east=east, north=north, notes=notes)
+
+    def _integral(self, wind: FloatArray, height: FloatArray) -> FloatArray:
+        """Integrate a component from the lowest level to heights, straight lines exactly."""
+        widths = np.diff(self.height)
+        whole = np.concatenate([[0.0], np.cumsum(widths * (wind[1:] + wind[:-1]) / 2)])
+        level = np.clip(np.searchsorted(self.height, height, side="right") - 1, 0, widths.size - 1)
+        above, here = height - self.height[level], np.interp(height, self.height, wind)
+        return np.asarray(whole[level] + above * (wind[level] + here) / 2)

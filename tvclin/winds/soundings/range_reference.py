@@ -1,0 +1,216 @@
+"""Range Reference Atmospheres: monthly statistics of the wind above a launch site.
+
+Tables T1sssyy.txt as they come with Earth-GRAM, U.S. government: for each month rows of height,
+mean and standard deviation of the eastward and northward wind with their correlation, and mean,
+standard deviation and skewness of the wind speed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    each,
+    number,
+)
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.text import Text, read_lines
+
+FloatArray = NDArray[np.float64]
+
+_TITLE = re.compile(r"\s*T A B L E\s+I\s+-\s*\d+\.\s+W I N D")
+_FIELDS = (
+    "height",
+    "mean_east",
+    "sd_east",
+    "correlation",
+    "mean_north",
+    "sd_north",
+    "mean_speed",
+    "sd_speed",
+    "skew_speed",
+    "count",
+)
+_SYMMETRIC = 1e-3
+_LARGEST = 1e6
+_RAREST = 1e-6
+"""Percentiles are asked for from here to as far below 100; no table of soundings says more."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class RangeReference:
+    """The wind of one month above a site, in numbers of many soundings; all arrays ``(n,)``.
+
+    Attributes
+    ----------
+    site, month : str
+        As in the table.
+    height : ndarray
+        Geometric height above the sea [m], ascending.
+    mean_east, sd_east, mean_north, sd_north : ndarray
+        Mean and standard deviation of the wind towards east and north [m/s].
+    correlation : ndarray
+        Of the two components.
+    mean_speed, sd_speed, skew_speed : ndarray
+        Mean [m/s], standard deviation [m/s] and skewness of the wind speed.
+    count : ndarray
+        How many soundings there are.
+    source : str
+        The file.
+    """
+
+    site: str
+    month: str
+    height: FloatArray
+    mean_east: FloatArray
+    sd_east: FloatArray
+    correlation: FloatArray
+    mean_north: FloatArray
+    sd_north: FloatArray
+    mean_speed: FloatArray
+    sd_speed: FloatArray
+    skew_speed: FloatArray
+    count: FloatArray
+    source: str = ""
+
+    def __repr__(self) -> str:
+        return f"RangeReference({self.site}, {self.month}, {self.height.size} levels)"
+
+    def speed(self, percentile: float) -> FloatArray:
+        """Return the wind speed [m/s] that a percentile of soundings stays below.
+
+        At each height by itself: the Pearson type III distribution with the mean, the standard
+        deviation and the skewness of the table, and zero where that is negative.
+        """
+        return np.maximum(
+            _pearson(_part(percentile), self.skew_speed) * self.sd_speed + self.mean_speed, 0.0
+        )
+
+    def component(self, percentile: float, azimuth: float) -> FloatArray:
+        """Return the wind towards an azimuth [rad] that a percentile stays below [m/s].
+
+        At each height by itself: the component of a bivariate normal wind.
+        """
+        from scipy.special import ndtri  # late: import time
+
+        angle = number("azimuth", azimuth, unit="rad")
+        s, c = np.sin(angle), np.cos(angle)
+        covariance = self.correlation * self.sd_east * self.sd_north
+        variance = (s * self.sd_east) ** 2 + (c * self.sd_north) ** 2 + 2 * s * c * covariance
+        mean = s * self.mean_east + c * self.mean_north
+        return np.asarray(mean + ndtri(_part(percentile)) * np.sqrt(np.maximum(variance, 0.0)))
+
+    def profile(self, percentile: float, azimuth: float) -> WindProfile:
+        """Return the wind that blows towards an azimuth [rad] with `speed` at every height.
+
+        No sounding is like that: it is an envelope of speeds, whose shear is that of a mean.
+        """
+        speed, angle = self.speed(percentile), number("azimuth", azimuth, unit="rad")
+        return WindProfile(
+            height=self.height,
+            east=speed * np.sin(angle),
+            north=speed * np.cos(angle),
+            source=f"{self.source}: {self.site}, {self.month}, {percentile:g} %",
+            notes=("each height by itself: an envelope, not a wind that was measured",),
+        )
+
+
+def read_range_reference(path: str | PathLike[str]) -> tuple[RangeReference, ...]:
+    """Return the months (and the year) of a Range Reference Atmosphere's table of winds.
+
+    Parameters
+    ----------
+    path : str or path
+        A file T1sssyy.txt.
+
+    Raises
+    ------
+    InputError
+        For a file that is no such table, and rows that are incomplete or out of order.
+    """
+    text = read_lines(path)
+    titles = [i for i, line in enumerate(text.lines) if _TITLE.match(line)]
+    if not titles:
+        raise InputError(f"{text.source} is no Range Reference Atmosphere: no TABLE I of winds")
+    ends = [*titles[1:], len(text.lines)]
+    return tuple(_month(text, first, end) for first, end in zip(titles, ends, strict=True))
+
+
+def worst_month(
+    months: Sequence[RangeReference], percentile: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return heights [m], and at each the largest speed [m/s] of all months at a percentile.
+
+    Raises
+    ------
+    InputError
+        For no month, and months whose heights differ.
+    """
+    months = each("months", months, RangeReference, "see read_range_reference")
+    if not months or any(not np.array_equal(m.height, months[0].height) for m in months):
+        raise InputError("months must be one or more, all with the same heights")
+    return months[0].height, np.max([month.speed(percentile) for month in months], axis=0)
+
+
+def _month(text: Text, first: int, end: int) -> RangeReference:
+    head = "\n".join(text.lines[first + 1 : first + 5])
+    month, station = re.match(r"\s*(\w+)\s*\n", head), re.search(r"Station\s*=\s*(.*)", head)
+    if not month or not station or not re.search(r"\bKM\b", head):
+        raise text.error(
+            first + 1, "a month, a station and a line of units in KM and M/S must follow"
+        )
+    lines = [i for i in range(first + 5, end) if text.lines[i].strip()]
+    line = np.array(lines, dtype=np.int64) + 1
+    rows = [text.lines[i].split() for i in lines]
+    full = np.array([len(row) == len(_FIELDS) for row in rows], dtype=bool)
+    text.require(full, line, lambda i: f"a row has {len(_FIELDS)} numbers; got {len(rows[i])}")
+    if len(rows) < 2:
+        raise text.error(first + 1, "two or more rows must follow")
+    table = {
+        name: text.numbers(name, [row[i] for row in rows], line) for i, name in enumerate(_FIELDS)
+    }
+    _check(text, line, table)
+    table["height"] = 1e3 * table["height"]
+    site = " ".join(station[1].split())
+    return RangeReference(site=site, month=month[1], source=text.source, **table)
+
+
+def _check(text: Text, line: NDArray[np.int64], table: dict[str, FloatArray]) -> None:
+    whole = ~np.isnan(np.sum(list(table.values()), axis=0))
+    text.require(whole, line, lambda _: "a number is missing")
+    small = np.max(np.abs(list(table.values())), axis=0) <= _LARGEST
+    text.require(small, line, lambda _: f"a number is beyond {_LARGEST:g}")
+    spread = np.min([table[name] for name in _FIELDS if name.startswith("sd")], axis=0)
+    text.require(spread >= 0.0, line, lambda _: "a standard deviation must not be negative")
+    within = np.abs(table["correlation"]) <= 1.0
+    text.require(within, line, lambda _: "the correlation must be between -1 and 1")
+    rises = np.append(True, np.diff(table["height"]) > 0.0)
+    text.require(rises, line, lambda _: "heights must ascend")
+
+
+def _part(percentile: float) -> float:
+    part = number("percentile", percentile)
+    if not _RAREST <= part <= 100.0 - _RAREST:
+        raise InputError(
+            f"percentile must be above 0 and below 100, by {_RAREST:g} or more; got {part:g}"
+        )
+    return part / 100
+
+
+def _pearson(part: float, skew: FloatArray) -> FloatArray:
+    """Return the quantile of the Pearson type III distribution of mean 0 and deviation 1."""
+    from scipy.special import gammaincinv, ndtri  # late: import time
+
+    even = np.abs(skew) < _SYMMETRIC
+    size = np.where(even, 1.0, np.abs(skew))
+    shape = 4.0 / size**2
+    wanted = np.where(skew > 0.0, part, 1.0 - part)
+    gamma = np.sign(skew) * (gammaincinv(shape, wanted) - shape) / np.sqrt(shape)
+    return np.where(even, ndtri(part), gamma)

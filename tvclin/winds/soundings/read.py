@@ -1,0 +1,90 @@
+"""Which format a file has, which of its soundings is meant, and the profile of that."""
+
+import re
+from os import PathLike
+
+from tvclin.base.errors import InputError, one_of, shown
+from tvclin.winds.soundings import columns, igra, rocketpy, wyoming
+from tvclin.winds.soundings.found import Found
+from tvclin.winds.soundings.levels import profile_of
+from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.text import Text, read_lines
+
+_READERS = {
+    "csv": columns.find,
+    "openrocket": columns.find_openrocket,
+    "wyoming": wyoming.find,
+    "igra": igra.find,
+    "rocketpy": rocketpy.find,
+}
+_SHOWN = 5
+
+
+def read_sounding(
+    path: str | PathLike[str], format: str | None = None, *, time: str | None = None
+) -> WindProfile:
+    """Return the wind profile in a file.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    format : {"csv", "openrocket", "wyoming", "igra", "rocketpy"}, optional
+        Recognised from the content where it is not named. "csv" has a header whose names carry
+        their units (height_m, speed_kt, direction_deg; or east_m_per_s, north_m_per_s), as the
+        CSV of the University of Wyoming does. "openrocket" has no units in its header. "wyoming"
+        is the text list, "igra" the station file of NOAA's IGRA version 2, "rocketpy" Python or
+        JSON with the lists wind_u and wind_v.
+    time : str, optional
+        Which sounding of a file that holds several, as "2024-01-15 12" [UTC]; the first where it
+        is not given, with a note.
+
+    Returns
+    -------
+    WindProfile
+        Directions are taken as where the wind comes from; geopotential heights become geometric.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read or is in no known format, a unit that is missing or
+        unknown, numbers out of range, and heights out of order; the message names the line.
+    """
+    text = read_lines(path)
+    name = _recognised(text) if format is None else one_of("format", format, _READERS)
+    return profile_of(_chosen(text, _READERS[name](text), time).levels())
+
+
+def _recognised(text: Text) -> str:
+    content = "\n".join(text.lines[:200])
+    if re.search(r"^#\w{11} \d{4} \d\d \d\d ", content, flags=re.MULTILINE):
+        return "igra"
+    if re.search(r"W I N D {2,}S T A T", content):
+        raise InputError(
+            f"{text.source} holds monthly statistics, not one wind; read it with"
+            " read_range_reference"
+        )
+    if re.search(r"\bPRES\s+HGHT\b", content):
+        return "wyoming"
+    if re.search(r"\bwind_u[\"']?\s*[=:]", "\n".join(text.lines)):
+        return "rocketpy"
+    if columns.header_line(text) is not None:
+        return "csv"
+    raise InputError(
+        f"{text.source} is in no format that is recognised; a table needs a header such as"
+        " height_m,speed_m_per_s,direction_deg (or name the format:"
+        f" {', '.join(_READERS)})"
+    )
+
+
+def _chosen(text: Text, found: list[Found], time: str | None) -> Found:
+    known = [one.time for one in found if one.time]
+    if time is None:
+        note = f"the first of {len(found)} soundings in the file; choose another by its time"
+        return found[0].noted(note) if len(found) > 1 else found[0]
+    for one in found:
+        if isinstance(time, str) and one.time == time:
+            return one
+    there = ", ".join(repr(name) for name in known[:_SHOWN]) or "none"
+    more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
+    raise InputError(f"{text.source} has no sounding of time {shown(time)}; it has {there}{more}")

@@ -1,0 +1,99 @@
+"""The wind lists of RocketPy's custom atmosphere, in Python or JSON: nothing is executed."""
+
+from __future__ import annotations
+
+import ast
+import json
+import warnings
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.errors import InputError
+from tvclin.winds.soundings.found import Found
+from tvclin.winds.soundings.levels import Levels, levels_in_words
+from tvclin.winds.soundings.text import FloatArray, Text
+
+_LISTS = ("wind_u", "wind_v")
+
+
+def find(text: Text) -> list[Found]:
+    """Return the sounding of the lists wind_u and wind_v of (height m, m/s)."""
+    return [Found(lambda: _read(text))]
+
+
+def _read(text: Text) -> Levels:
+    found = _lists(text)
+    (line, z_u, u), (_, z_v, v) = (_pairs(text, name, *found[name]) for name in _LISTS)
+    height = np.unique(np.concatenate([z_u, z_v]))
+    low, high = max(z_u[0], z_v[0]), min(z_u[-1], z_v[-1])
+    common = height[(height >= low) & (height <= high)]
+    cut = height.size - common.size
+    return Levels(
+        text=text,
+        line=np.full(common.size, line, dtype=np.int64),
+        height=common,
+        east=np.interp(common, z_u, u),
+        north=np.interp(common, z_v, v),
+        notes=(f"{levels_in_words(cut)} that only one list reaches left out",) if cut else (),
+    )
+
+
+def _lists(text: Text) -> dict[str, tuple[int, Any]]:
+    """Return for each list the line where it stands and its value."""
+    content = "\n".join(text.lines)
+    try:
+        table = json.loads(content)
+        found = {name: (1, table[name]) for name in _LISTS if name in table}
+    except (ValueError, TypeError, RecursionError):
+        found = _assigned(text, content)
+    for name in _LISTS:
+        if name not in found:
+            raise InputError(
+                f"{text.source} must hold lists wind_u and wind_v of (height m, m/s); {name} is"
+                " missing"
+            )
+    return found
+
+
+def _assigned(text: Text, content: str) -> dict[str, tuple[int, Any]]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about escapes in strings that nobody asks for
+            nodes = list(ast.walk(ast.parse(content)))
+    except SyntaxError as error:
+        raise text.error(error.lineno or 1, f"neither JSON nor Python: {error.msg}") from None
+    except (ValueError, RecursionError, MemoryError):
+        raise InputError(f"{text.source} is neither JSON nor Python") from None
+    found: dict[str, tuple[int, Any]] = {}
+    for node in nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                pass
+            case ast.keyword(arg=str(name), value=value):
+                pass
+            case _:
+                continue
+        if name in _LISTS and isinstance(value, ast.List | ast.Tuple):
+            found[name] = (value.lineno, _literal(text, name, value))
+    return found
+
+
+def _literal(text: Text, name: str, value: ast.expr) -> Any:
+    try:
+        return ast.literal_eval(value)
+    except (ValueError, TypeError, RecursionError, MemoryError):
+        raise text.error(value.lineno, f"{name} must be a list of numbers, nothing else") from None
+
+
+def _pairs(text: Text, name: str, line: int, value: Any) -> tuple[int, FloatArray, FloatArray]:
+    try:
+        pairs = np.array(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        pairs = np.empty(0)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) < 2 or not np.all(np.isfinite(pairs)):
+        raise text.error(line, f"{name} must be a list of two or more pairs (height m, m/s)")
+    height, wind = pairs.T
+    if np.any(np.diff(height) <= 0.0):
+        raise text.error(line, f"the heights of {name} must ascend; sort the list")
+    return line, height, wind

@@ -1,0 +1,185 @@
+"""Winds made by rule: a gust added to a profile, and a profile built up by shear."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    finite,
+    instance,
+    nonnegative,
+    number,
+    positive,
+)
+from tvclin.winds.soundings.profile import WindProfile
+
+FloatArray = NDArray[np.float64]
+
+_STEPS = 32
+"""A flank of a gust has so many straight pieces; they miss the cosine by 6e-4 of the gust."""
+_THINNEST, _THICKEST = 1e-3, 1e6
+_LAYER = 1000.0
+_EXPONENT = 0.7
+
+
+def add_gust(
+    profile: WindProfile,
+    *,
+    base: float,
+    amplitude: float,
+    blend: float,
+    thickness: float,
+    azimuth: float,
+) -> WindProfile:
+    """Return a profile with a discrete gust added: half cosines up and down, level between.
+
+        w = (amplitude/2) (1 - cos(pi (h - base)/blend)),    base <= h <= base + blend
+
+    Parameters
+    ----------
+    profile : WindProfile
+        The wind without the gust.
+    base : float
+        Height [m] where the gust begins.
+    amplitude : float
+        Of the gust [m/s].
+    blend : float
+        Distance [m] over which it rises, and over which it falls; positive.
+    thickness : float
+        Of the layer [m] in which it has its amplitude, zero or positive.
+    azimuth : float
+        Direction [rad] towards which the gust blows, from north, clockwise.
+
+    Raises
+    ------
+    InputError
+        For a gust that does not lie within the profile, and a blend below a millimetre.
+
+    Notes
+    -----
+    The shape is that of `LayeredGust`, over height. No size is suggested: see the criteria that
+    you design to.
+    """
+    instance("profile", profile, WindProfile, "see read_sounding")
+    low, angle = number("base", base, unit="m"), number("azimuth", azimuth, unit="rad")
+    flank = number("blend", blend, between(_THINNEST, _THICKEST), "m")
+    top = low + flank + number("thickness", thickness, nonnegative, "m")
+    if low < profile.height[0] or top + flank > profile.height[-1]:
+        raise InputError(
+            f"the gust from {low:.6g} to {top + flank:.6g} m must lie within the profile, which is"
+            f" known from {profile.height[0]:.6g} to {profile.height[-1]:.6g} m"
+        )
+    steps = np.linspace(0.0, flank, _STEPS + 1)
+    height = np.unique(np.concatenate([profile.height, low + steps, top + steps]))
+    inside = np.minimum(height - low, top + flank - height)
+    rise = (1.0 - np.cos(np.pi * np.clip(inside / flank, 0.0, 1.0))) / 2
+    gust = number("amplitude", amplitude, unit="m/s") * rise
+    east, north = profile.at(height)
+    return WindProfile(
+        height=height,
+        east=east + gust * np.sin(angle),
+        north=north + gust * np.cos(angle),
+        source=profile.source,
+        notes=(*profile.notes, f"gust of {amplitude:.6g} m/s added from {low:.6g} m on"),
+    )
+
+
+def power_law_shear(change: ArrayLike, thickness: ArrayLike) -> FloatArray:
+    """Return the change of wind speed [m/s] over layers thinner than 1000 m.
+
+        dV(dh) = dV(1000 m) (dh/1000 m)^0.7
+
+    Parameters
+    ----------
+    change : array_like
+        Change over 1000 m [m/s], zero or positive.
+    thickness : array_like
+        Thickness of the layer [m], from 0 to 1000; broadcasts with `change`.
+
+    Raises
+    ------
+    InputError
+        For a thickness beyond 1000 m, or a negative change.
+
+    Notes
+    -----
+    G. H. Fichtl (1972), NTRS 19720036021: mean, standard deviation and percentiles of the shear
+    over intervals below 1 km go with the 0.7 power of the interval.
+    """
+    change, layer = nonnegative("change", change, "m/s"), nonnegative("thickness", thickness, "m")
+    if np.any(layer > _LAYER):
+        raise InputError(f"thickness must be at most {_LAYER:g} m; got {layer.max():.6g} m")
+    return np.asarray(change * (layer / _LAYER) ** _EXPONENT)
+
+
+def synthetic_profile(
+    height: ArrayLike,
+    speed: ArrayLike,
+    *,
+    peak_height: float,
+    thickness: ArrayLike,
+    change: ArrayLike,
+    azimuth: float,
+) -> WindProfile:
+    """Return a wind that builds up to an envelope at one height, and dies down above it.
+
+    Parameters
+    ----------
+    height, speed : array_like
+        The envelope: heights [m], ascending, and wind speeds [m/s], ``(n,)``.
+    peak_height : float
+        Where the wind reaches the envelope [m].
+    thickness, change : array_like
+        The shear: by how much the speed [m/s] falls below that of the envelope over layers of
+        a thickness [m], both positive and ascending, ``(m,)``. It holds below and above.
+    azimuth : float
+        Direction [rad] towards which the wind blows, from north, clockwise.
+
+    Returns
+    -------
+    WindProfile
+        It ends where the table does, or where the speed has fallen to zero.
+
+    Raises
+    ------
+    InputError
+        For tables that do not ascend, and a peak height outside the envelope.
+
+    Notes
+    -----
+    Envelope and shear are yours: the package brings none.
+    """
+    z, w = finite("height", height, "m"), nonnegative("speed", speed, "m/s")
+    layer, drop = positive("thickness", thickness, "m"), positive("change", change, "m/s")
+    _ascending("height and speed", z, w, z)
+    _ascending("thickness and change", layer, drop, layer, drop)
+    at, angle = number("peak_height", peak_height, unit="m"), number("azimuth", azimuth, unit="rad")
+    if not z[0] <= at <= z[-1]:
+        raise InputError(
+            f"peak_height must be within the envelope, {z[0]:.6g} to {z[-1]:.6g} m; got {at:.6g} m"
+        )
+    peak = float(np.interp(at, z, w))
+    layer, drop = np.append(0.0, layer), np.append(0.0, drop)
+    calm = np.interp(peak, drop, layer)  # the last layer, where the table does not reach zero
+    away = np.append(layer[layer < calm], calm)
+    speeds = np.maximum(peak - np.interp(away, layer, drop), 0.0)
+    heights = np.concatenate([at - away[:0:-1], at + away])
+    both = np.concatenate([speeds[:0:-1], speeds])
+    return WindProfile(
+        height=heights,
+        east=both * np.sin(angle),
+        north=both * np.cos(angle),
+        source=f"synthetic profile with {peak:.6g} m/s at {at:.6g} m",
+    )
+
+
+def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: FloatArray) -> None:
+    if first.ndim != 1 or first.shape != second.shape or not first.size:
+        raise InputError(
+            f"{names} must be two lists of one length; got shapes {first.shape} and {second.shape}"
+        )
+    if any(np.any(np.diff(values) <= 0.0) for values in rising):
+        raise InputError(f"{names} must ascend")

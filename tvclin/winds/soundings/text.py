@@ -1,0 +1,90 @@
+"""Text files of winds: their lines, the numbers in them, and errors that name the line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, shown
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import called, read_text
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_MISSING = {"", "-", "--", "nan", "na", "n/a", "null", "none"}
+
+
+@dataclass(frozen=True)
+class Text:
+    """The lines of a file; line numbers count from 1.
+
+    Attributes
+    ----------
+    source : str
+        What to call the file.
+    lines : tuple of str
+        Its lines, without their ends.
+    """
+
+    source: str
+    lines: tuple[str, ...]
+
+    def error(self, line: int, message: str) -> InputError:
+        """Return an error about a line."""
+        return InputError(f"{self.source}, line {line}: {message}")
+
+    def numbers(self, column: str, cells: Sequence[str], line: IntArray) -> FloatArray:
+        """Return the numbers in the cells of a column, NaN where one is empty.
+
+        Raises
+        ------
+        InputError
+            For a cell that is neither empty nor a finite number.
+        """
+        try:
+            values = np.array(cells, dtype=float)
+        except ValueError:
+            values = np.array([np.inf])
+        if np.any(np.isinf(values)):  # empty cells, or worse: look at each
+            pairs = zip(cells, line.tolist(), strict=True)
+            return np.array([self._number(column, *pair) for pair in pairs], dtype=float)
+        return values
+
+    def _number(self, column: str, cell: str, line: int) -> float:
+        try:
+            value = float(cell)
+        except ValueError:
+            if cell.strip().lower() in _MISSING:
+                return np.nan
+            value = np.inf
+        if np.isinf(value):
+            raise self.error(
+                line, f"{column} must be a number, or empty; got {shown(cell.strip())}"
+            )
+        return value
+
+    def require(self, good: NDArray[np.bool_], line: IntArray, say: Callable[[int], str]) -> None:
+        """Raise an error about the first line that is not good; `say` gets its index."""
+        if not np.all(good):
+            first = int(np.argmin(good))
+            raise self.error(int(line[first]), say(first))
+
+
+def read_lines(path: str | PathLike[str]) -> Text:
+    """Return the lines of a text file, whatever their ends.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be read, is empty, or is no text.
+    """
+    content = read_text(a_path("path", path), "a file of winds")
+    if "\0" in content:
+        raise InputError(f"{called(path)} is not a text file")
+    return Text(called(path), tuple(re.split(r"\r\n|\r|\n", content)))

@@ -1,0 +1,97 @@
+"""The text lists of the University of Wyoming, as plain text or as the page that was saved."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from tvclin.base.units import UNITS
+from tvclin.winds.soundings.found import Found
+from tvclin.winds.soundings.levels import Levels, checked_towards
+from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+
+_MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
+_SPEEDS = {"SKNT": UNITS["speed"]["kt"], "SPED": 1.0}
+_UNIT_WORDS = {"SKNT": ("knot", "knots", "kt", "kts"), "SPED": ("m/s",)}
+_TITLE = re.compile(r"(.*Observations.* at (\d\d) ?(?:Z|UTC) (\d\d) (\w{3}) (\d{4}))")
+_LONG = 300
+
+
+def find(text: Text) -> list[Found]:
+    """Return the soundings of a text list: one below each header PRES HGHT ..."""
+    headers = [i for i, line in enumerate(text.lines) if re.search(r"\bPRES\s+HGHT\b", line)]
+    if not headers:
+        raise text.error(1, "a Wyoming list needs a header PRES HGHT ... DRCT and SKNT or SPED")
+    return [_found(text, header) for header in headers]
+
+
+def _found(text: Text, header: int) -> Found:
+    title, time = "", ""
+    for line in text.lines[max(header - 6, 0) : header]:
+        match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_LONG]).strip())
+        if match and match[4] in _MONTHS:
+            title = match[1]
+            time = f"{match[5]}-{_MONTHS.index(match[4]) + 1:02d}-{match[3]} {match[2]}"
+    return Found(lambda: _read(text, header, title), time=time)
+
+
+def _read(text: Text, header: int, title: str) -> Levels:
+    fields = _fields(text.lines[header])
+    speeds = [name for name in _SPEEDS if name in fields]
+    if len(speeds) != 1 or not {"HGHT", "DRCT"} <= fields.keys():
+        raise text.error(
+            header + 1,
+            "the header must name HGHT, DRCT and either SKNT (knots) or SPED (m/s), for the unit",
+        )
+    first = _after_units(text, header, speeds[0])
+    line = _lines_of(text, first)
+    columns = {
+        name: _column(text, name, fields[name], line) for name in ("HGHT", "DRCT", speeds[0])
+    }
+    east, north = checked_towards(
+        text, line, _SPEEDS[speeds[0]] * columns[speeds[0]], np.radians(columns["DRCT"])
+    )
+    return Levels(
+        text=text,
+        line=line,
+        height=columns["HGHT"],
+        east=east,
+        north=north,
+        title=title,
+        geopotential=True,
+    )
+
+
+def _fields(header: str) -> dict[str, slice]:
+    """Where each column stands: up to the end of its name, from the end of the name before."""
+    names = list(re.finditer(r"\S+", header))
+    begins = [0, *(name.end() for name in names)]
+    return {name[0]: slice(begin, name.end()) for begin, name in zip(begins, names, strict=False)}
+
+
+def _after_units(text: Text, header: int, speed: str) -> int:
+    """Return the index of the first level, below the units and the line drawn under them."""
+    i = header + 1
+    while i < len(text.lines) and re.match(r"\s*(-{5,}|hPa\b)", text.lines[i]):
+        words = text.lines[i].split()
+        if words[0] == "hPa" and not set(_UNIT_WORDS[speed]) & set(words):
+            raise text.error(
+                i + 1, f"the unit of {speed} must be {_UNIT_WORDS[speed][0]}; got {' '.join(words)}"
+            )
+        i += 1
+    return i
+
+
+def _lines_of(text: Text, first: int) -> IntArray:
+    line = []
+    for i in range(first, len(text.lines)):
+        content = text.lines[i].strip()
+        if not content or content.startswith(("<", "Station", "-----")):
+            break
+        line.append(i + 1)
+    return np.array(line, dtype=np.int64)
+
+
+def _column(text: Text, name: str, field: slice, line: IntArray) -> FloatArray:
+    return text.numbers(name, [text.lines[i - 1][field] for i in line], line)
