@@ -1,6 +1,6 @@
 """The commands together, and what becomes of a bad input: one sentence and exit code 2.
 
-Only typer is imported at the top of this room; a command loads what it needs when it runs, so
+Only typer is imported at the top of this file; a command loads what it needs when it runs, so
 that ``tvclin --help`` answers at once.
 """
 

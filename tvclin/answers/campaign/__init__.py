@@ -1,6 +1,6 @@
 """Many dispersed cases: drawn by their own index, computed together, judged with confidence.
 
-The rooms inside: `draws` gives each case its random numbers, `dispersions` makes vehicles and
+The files inside: `draws` gives each case its random numbers, `dispersions` makes vehicles and
 winds of them, `statistics` says what a sample proves, and `quick` answers for one study.
 
 For many cases: `file` reads a `plan`, with its `winds`, from `tables` with their `keys`; `cases`

@@ -1,6 +1,6 @@
 """The deflection a vehicle must have over its flight: flight times by winds.
 
-The rooms inside: `schedule` is the vehicle over time and `schedule_file` reads it; `placing` says
+The files inside: `schedule` is the vehicle over time and `schedule_file` reads it; `placing` says
 where in the flight a wind blows, and `measured` what counts of one that was flown through; `frozen`
 sizes one vehicle in one wind, `growing` and `varying` one whose parameters vary meanwhile; `size`
 puts flight times and winds together into a `record`; and `total` adds what else the nozzle has to

@@ -1,5 +1,5 @@
 """Planar flights of the report's nonlinear equations.
 
-The rooms inside: `equations` are (B1a) to (B1f) as deviations, `case` flies them, `fly` is the
+The files inside: `equations` are (B1a) to (B1f) as deviations, `case` flies them, `fly` is the
 door, and `verdict` says which deflection limits survive.
 """

@@ -1,6 +1,6 @@
-"""Flights with six degrees of freedom, by JSBSim; the one room that imports it.
+"""Flights with six degrees of freedom, by JSBSim; the one folder that knows it.
 
-The rooms inside: `model` writes a vehicle as JSBSim's XML, `engine` is JSBSim with the
+The files inside: `model` writes a vehicle as JSBSim's XML, `engine` is JSBSim with the
 integrators and the reset that make it exact and repeatable, `senses` reads a flight in its plane,
 `steering` turns the nozzle, `earth` puts a flight over the rotating Earth, `departure` on its
 trajectory, `airframe` flies one vehicle, `case` is what is flown, checked, `fly` is the door, and

@@ -1,6 +1,6 @@
 """One notebook in which vehicle, wind, limit, law and gains are moved by hand.
 
-The rooms inside: `choices` (what is asked), `parts` (numbers, each kept by what it depends on),
+The files inside: `choices` (what is asked), `parts` (numbers, each kept by what it depends on),
 `answer` (all numbers for the choices, and the verdict), `picture` (drawn once, then only its
 lines), `panel` (the widgets) and `notebook` (the file that Jupyter opens).
 """

@@ -9,8 +9,8 @@ from tvclin.show.reproduce.computed import Computed
 
 COMPUTATIONS: dict[str, Callable[[], Computed]] = {
     function.__name__: function
-    for room in (claims_boundary, claims_response, claims_flown, claims_appendices)
-    for function in room.FUNCTIONS
+    for claims in (claims_boundary, claims_response, claims_flown, claims_appendices)
+    for function in claims.FUNCTIONS
 }
 """The function of every `compute` identifier of claims.toml; each computes from Table I."""
 
