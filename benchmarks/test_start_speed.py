@@ -33,9 +33,11 @@ COMMANDS = [
     "size",
     "campaign init cases.toml",
 ]
+_TRIMS = "numba, for the flights of the trim law behind each curve"
 FLOORS = {
-    "report": "flights of four laws, 2,000 cases, python-control's Nichols grid, five figures",
-    "margins --plot margins.png": "python-control, whose Nichols grid it is",
+    "study --plot study.png": f"{_TRIMS}; pyplot",
+    "report configuration-ii": f"{_TRIMS}; pyplot, two figures",
+    "report": "flights of four laws, 2,000 cases, five figures",
 }
 
 

@@ -2,6 +2,7 @@
 
 import control
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -172,6 +173,21 @@ def test_an_unstable_plant_is_drawn_near_180_degrees(make):
     assert -180.0 - 1e-3 < phase[at] < 0.0
     if make is not drifting:
         assert phase[0] == pytest.approx(-180.0, abs=0.2)
+
+
+def test_the_lines_of_equal_closed_loop_size_are_those_of_python_control():
+    axes = plots.nichols_chart(*course(**LAG)).axes[0, 0]
+    drawn = [line for line in axes.get_lines() if line.get_zorder() == 0.0]
+    sizes = np.array([-12.0, -6.0, -3.0, 0.0, 3.0, 6.0, 12.0])
+    _, grid = plt.subplots()
+    theirs = control.nichols_grid(cl_mags=sizes, ax=grid)[0]
+
+    assert len(drawn) == len(theirs)
+    for ours, line, size in zip(drawn, theirs, sizes, strict=True):
+        np.testing.assert_allclose(ours.get_xydata(), line.get_xydata(), rtol=0.0, atol=1e-9)
+        phase, decibels = ours.get_data()
+        loop = 10.0 ** (decibels / 20.0) * np.exp(1j * np.radians(phase))
+        np.testing.assert_allclose(20.0 * np.log10(np.abs(loop / (1.0 + loop))), size, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["classic", "aircraft"])

@@ -4,6 +4,7 @@ Only typer is imported at the top of this file; a command loads what it needs wh
 that ``tvclin --help`` answers at once.
 """
 
+import gc
 import warnings
 from collections.abc import Callable
 from functools import wraps
@@ -134,4 +135,5 @@ def _top(
 
 def main() -> None:
     """Run the command line."""
+    gc.set_threshold(100_000)  # to look for garbage again and again while modules load finds none
     app(prog_name="tvclin")

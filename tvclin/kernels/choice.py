@@ -1,7 +1,7 @@
 """How a kernel runs: as plain Python, or as machine code of the same where that pays.
 
 Machine code needs numba (extra `fast`), some ten seconds a kernel to be compiled for the first time
-on a machine, and some tenths of a second to load from then on. It is taken when the work of a
+on a machine, and half a second to load from then on. It is taken when the work of a
 process is worth that, and for any work once it is there. Nobody above the kernels knows.
 """
 
@@ -23,8 +23,9 @@ from tvclin.base.errors import install
 from tvclin.kernels.source import digest, machine_code
 from tvclin.kernels.threads import in_slices
 
-_LOADING, _COMPILING = 0.1, 10.0
-"""Seconds of work for which machine code is loaded, and for which it is compiled at first."""
+_LOADING, _LOADING_MORE, _COMPILING = 0.5, 0.1, 10.0
+"""Seconds of work for which machine code is loaded, with numba itself, and beside other machine
+code; and for which it is compiled at first."""
 _asked: dict[str, float] = {}
 """Seconds of work that each kernel was asked for: many small calls are worth as much as one."""
 _swift: dict[str, Callable[..., Any]] = {}
@@ -48,7 +49,8 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
     if wanted is None:
         _asked[name] = _asked.get(name, 0.0) + seconds
         work = _asked[name]
-        wanted = name in _swift or work > _COMPILING or (work > _LOADING and _is_kept(function))
+        loading = _LOADING_MORE if _swift else _LOADING
+        wanted = name in _swift or work > _COMPILING or (work > loading and _is_kept(function))
     if not available() and seconds > _COMPILING and _pinned.get() is None:
         warn(
             f"this takes about {seconds:.0f} s without numba, a few hundred times as long as with"

@@ -12,7 +12,7 @@ _NOTHING = 1e-300
 """A leading coefficient that is so small beside the largest is zero: its root is no number."""
 _LOW = 4
 """The degree up to which roots are found one after the other."""
-_SECONDS, _COMPILED_SECONDS = 2e-4, 1e-6
+_SECONDS, _COMPILED_SECONDS = 5e-5, 1e-6
 """About what one such polynomial takes, in plain Python and as machine code."""
 
 
