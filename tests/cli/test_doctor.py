@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from tvclin.cli.app import app
 from tvclin.cli.doctor import ADDS
 
-PROJECT = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+PROJECT = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
 
 
 def test_it_prints_the_versions_that_are_installed() -> None:

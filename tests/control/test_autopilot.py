@@ -410,7 +410,7 @@ def test_the_diagram_is_shown_where_it_is_needed():
     lines = LOOP_DIAGRAM.splitlines()
     for method in (Autopilot.loop, Autopilot.close):
         assert all(line in method.__doc__ for line in lines)
-    assert LOOP_DIAGRAM in (Path(__file__).parents[1] / "docs/conventions.md").read_text()
+    assert LOOP_DIAGRAM in (Path(__file__).parents[2] / "docs/conventions.md").read_text()
 
 
 @pytest.mark.parametrize(("model", "options"), CASES)

@@ -26,7 +26,7 @@ from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app
 from tvclin.vehicle.file import vehicle_text
 
-SOUNDINGS = Path(__file__).parent / "soundings"
+SOUNDINGS = Path(__file__).parents[1] / "soundings"
 MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))
 LATEST = 60.0
 """CPU seconds that a case may take, on a slow machine: without a bound some took hours."""

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 import tvclin as tv
 from tvclin.winds.soundings.levels import geometric
 
-GOLDEN = Path(__file__).parent / "soundings"
+GOLDEN = Path(__file__).parents[1] / "soundings"
 SOUNDINGS = ["table.csv", "components.csv", "wyoming.txt", "wyoming.csv", "igra.txt"]
 SOUNDINGS += ["rocketpy.txt", "rocketpy.json"]
 KNOT = 1852 / 3600

@@ -38,7 +38,7 @@ def test_the_template_is_a_campaign(tmp_path):
 
 
 def test_the_page_shows_a_campaign():
-    page = (Path(__file__).parents[1] / "docs" / "campaigns.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "campaigns.md").read_text()
     (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
     plan = parse_campaign(tomllib.loads(text))
     assert plan.outputs == ("required", "forecast-free", "minimum")

@@ -14,7 +14,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.show.reproduce import attempts, cases, claims, flown, ledger, loads
 from tvclin.show.reproduce.computed import about, rounds_to, shown
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 EQUATIONS = [
     *(f"({n})" for n in (1, 2, 3, "4a", "4b", 5, "6a", "6b", *range(7, 15), "15a", "15b")),
     *(f"({n})" for n in (16, 17, 18)),

@@ -8,7 +8,7 @@ import pytest
 
 import tvclin as tv
 
-PAGE = " ".join((Path(__file__).parents[1] / "docs" / "laws.md").read_text().split())
+PAGE = " ".join((Path(__file__).parents[2] / "docs" / "laws.md").read_text().split())
 PLANT, EXACT = (
     tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
     for model in ("fixed-path", "drift-exact")

@@ -15,7 +15,7 @@ from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.winds.soundings.levels import towards
 
-GOLDEN = Path(__file__).parent / "soundings"
+GOLDEN = Path(__file__).parents[1] / "soundings"
 EAST = np.pi / 2
 NAMES = ["configuration-i", "configuration-ii"]
 

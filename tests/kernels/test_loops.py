@@ -5,7 +5,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from tests.test_margins import NUMBERS, actuated, brute_force, random_loops
+from tests.control.test_margins import NUMBERS, actuated, brute_force, random_loops
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Crossings, loop_margins
 from tvclin.kernels import polynomials

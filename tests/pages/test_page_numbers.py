@@ -10,7 +10,7 @@ import tvclin as tv
 from tvclin.flights.condition import load_flight_condition
 
 pytest.importorskip("jsbsim", reason="the extra sixdof is not installed")
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 DEGREE, TOLERANCE = np.radians(1.0), 5e-5
 LAWS = ("recoverable attitude", "dead band 0.5", "trim", "attitude and rate")
 FLIGHT = tv.load_vehicle("configuration-i"), tv.load_vehicle("configuration-ii")

@@ -17,7 +17,7 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
 
-SOUNDINGS = Path(__file__).parent / "soundings"
+SOUNDINGS = Path(__file__).parents[1] / "soundings"
 WIND, LOW = str(SOUNDINGS / "wyoming.txt"), str(SOUNDINGS / "low.csv")
 BAD = str(SOUNDINGS / "bad.csv")
 FLOWN = ("--winds", WIND, "--azimuth-deg", "90")

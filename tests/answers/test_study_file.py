@@ -21,7 +21,7 @@ from tvclin.cli.app import app
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
 
-SOUNDINGS = Path(__file__).parent / "soundings"
+SOUNDINGS = Path(__file__).parents[1] / "soundings"
 SOUNDING = {"sounding": str(SOUNDINGS / "wyoming.txt"), "azimuth_deg": 90}
 
 
@@ -51,7 +51,7 @@ def test_the_example_says_what_its_keys_say() -> None:
 
 
 def test_the_page_shows_a_study() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "report.md").read_text()
     text, _ = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
     found = parse_study(tomllib.loads(text))
 
@@ -60,7 +60,7 @@ def test_the_page_shows_a_study() -> None:
 
 
 def test_the_page_shows_a_flight(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[1] / "docs" / "report.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "report.md").read_text()
     text = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[1]
     (tmp_path / "balloon.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
     tables = tomllib.loads(text.replace("flight.csv", "configuration-i"))

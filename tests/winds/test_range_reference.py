@@ -8,7 +8,7 @@ from scipy.stats import norm, pearson3
 
 import tvclin as tv
 
-GOLDEN = Path(__file__).parent / "soundings"
+GOLDEN = Path(__file__).parents[1] / "soundings"
 EAST = np.pi / 2
 
 
