@@ -8,10 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.findings import find
+from tvclin.answers.questions import all_yes, questions, sufficient
 from tvclin.cli.app import app
 from tvclin.show.report import verdict
-from tvclin.show.report.findings import find
-from tvclin.show.report.questions import all_yes, questions, sufficient
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.Criteria.own("loose", aero_margin_dB=3.0)

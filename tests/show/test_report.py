@@ -12,14 +12,15 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.findings import find
+from tvclin.answers.questions import questions
 from tvclin.answers.study_file.read import example, parse_study
 from tvclin.answers.trials import law_trials
+from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.show.report import basis, flight, sections, verdict
-from tvclin.show.report.blocks import Number, Section
-from tvclin.show.report.findings import find
+from tvclin.show.report.blocks import Section
 from tvclin.show.report.page import _template
-from tvclin.show.report.questions import questions
 from tvclin.vehicle.file import template
 
 pytest.importorskip("jinja2")

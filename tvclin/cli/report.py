@@ -8,7 +8,7 @@ import typer
 from tvclin.cli.progress import waiting
 
 if TYPE_CHECKING:
-    from tvclin.show.report.findings import Findings
+    from tvclin.answers.findings import Findings
 
 
 def report(
@@ -29,10 +29,10 @@ def report(
     Exit code 0: every question of the file is answered with yes, or no limit was given; 1: one is
     not; 2: bad input.
     """
+    from tvclin.answers.questions import all_yes, sufficient
     from tvclin.answers.study_file.read import example_plan, load_study
     from tvclin.base.files import called, write_whole
     from tvclin.show.report.page import page_of
-    from tvclin.show.report.questions import all_yes, sufficient
 
     plan = example_plan() if source is None else load_study(source)
     doubts = plan.sizing.doubts if plan.sizing is not None else []

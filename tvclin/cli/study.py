@@ -73,6 +73,8 @@ def study(
     from dataclasses import replace
 
     from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+    from tvclin.answers.findings import find
+    from tvclin.answers.questions import all_yes
     from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
@@ -84,8 +86,6 @@ def study(
         questions_document,
         study_document,
     )
-    from tvclin.show.report.findings import find
-    from tvclin.show.report.questions import all_yes
 
     given = {
         "dead_band": dead_band,

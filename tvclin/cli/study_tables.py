@@ -8,8 +8,8 @@ from tvclin.cli.inputs import gust_words
 
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
+    from tvclin.answers.findings import Findings
     from tvclin.answers.study import Study
-    from tvclin.show.report.findings import Findings
 
 
 def print_study(result: "Study", source: str) -> None:
@@ -161,8 +161,8 @@ def dispersed_document(found: "DispersedStudy") -> dict[str, Any]:
 
 def print_questions(found: "Findings") -> None:
     """Print every question with its answer, where more than one is asked."""
+    from tvclin.answers.questions import questions, sufficient
     from tvclin.cli.output import print_pairs
-    from tvclin.show.report.questions import questions, sufficient
 
     each = questions(found)
     if len(each) < 2:
@@ -180,7 +180,7 @@ def print_questions(found: "Findings") -> None:
 
 def questions_document(found: "Findings") -> dict[str, Any]:
     """Return the same as a document for JSON."""
-    from tvclin.show.report.questions import questions, sufficient
+    from tvclin.answers.questions import questions, sufficient
 
     return {
         "questions": [

@@ -5,10 +5,11 @@ from importlib.metadata import version
 
 import numpy as np
 
+from tvclin.answers.findings import Findings
 from tvclin.answers.study import OUTLASTS, outlasts_one_pole
+from tvclin.base.lines import Line, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.show.report.blocks import Check, Checks, Line, Paragraph, Section, Table, significant
-from tvclin.show.report.findings import Findings
+from tvclin.show.report.blocks import Check, Checks, Paragraph, Section, Table
 from tvclin.show.reproduce.claims import equations as every_equation
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")

@@ -2,27 +2,18 @@
 
 import numpy as np
 
+from tvclin.answers.findings import Findings
 from tvclin.answers.trials import LawTrial, standard_winds
 from tvclin.base.errors import InputError
+from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.flights.closed_loop.boundary import OK
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
-from tvclin.show.report.blocks import (
-    Block,
-    Figure,
-    Line,
-    Paragraph,
-    Section,
-    Table,
-    degrees,
-    number,
-    significant,
-)
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table
 from tvclin.show.report.figures import inline_svg
-from tvclin.show.report.findings import Findings
 
 _MARGINS = (
     ("aero: gain may fall", "aero_margin_dB", "aero_frequency", 1.0, "dB"),

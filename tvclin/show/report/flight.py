@@ -1,23 +1,12 @@
 """The section of the whole flight: required deflections by time, and all the nozzle has to do."""
 
+from tvclin.answers.findings import Findings
 from tvclin.answers.sizing.record import STEADY, VARYING, Sizing
 from tvclin.answers.sizing.total import DeflectionTotal
+from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.plots import sizing_chart
-from tvclin.show.report.blocks import (
-    Block,
-    Check,
-    Checks,
-    Figure,
-    Line,
-    Paragraph,
-    Section,
-    Table,
-    degrees,
-    number,
-    significant,
-)
+from tvclin.show.report.blocks import Block, Check, Checks, Figure, Paragraph, Section, Table
 from tvclin.show.report.figures import inline_svg
-from tvclin.show.report.findings import Findings
 
 _TITLE = "The whole flight"
 

@@ -5,14 +5,15 @@ from importlib.resources import files
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from tvclin.answers.findings import Findings, find
+from tvclin.answers.questions import sufficient
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
+from tvclin.base.lines import Number
 from tvclin.show.report import basis, control, flight, sections, verdict
-from tvclin.show.report.blocks import Number, Section
-from tvclin.show.report.findings import Findings, find
-from tvclin.show.report.questions import sufficient
+from tvclin.show.report.blocks import Section
 
 if TYPE_CHECKING:
     from jinja2 import Template

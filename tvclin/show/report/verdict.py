@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from tvclin.answers.findings import Findings
+from tvclin.answers.questions import Question, questions, sufficient
 from tvclin.answers.sizing.total import DeflectionTotal
 from tvclin.answers.study import TRUSTS, outlasts_one_pole
+from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
-from tvclin.show.report.blocks import Line, Section, Table, degrees, least, number, significant
-from tvclin.show.report.findings import Findings
+from tvclin.show.report.blocks import Section, Table
 from tvclin.show.report.flight import whose
-from tvclin.show.report.questions import Question, questions, sufficient
 from tvclin.show.report.sections import gust_words
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."

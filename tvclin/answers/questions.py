@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
-from tvclin.show.report.blocks import Line, degrees, number
-from tvclin.show.report.findings import Findings
+from tvclin.base.lines import Line, degrees, number
 
 
 @dataclass(frozen=True)
