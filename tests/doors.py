@@ -31,7 +31,7 @@ ANSWERS = {
     "Optimum",
     "RateLimitedOptimum",
     "RequiredDeflection",
-    "Seen",
+    "Measurement",
     "TrimComparison",
     "Verdict",
     "WorstDuration",

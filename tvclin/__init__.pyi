@@ -67,7 +67,7 @@ from .control.comparison.trim import compare_with_trim as compare_with_trim
 from .control.laws.attitude import SaturatedLaw as SaturatedLaw
 from .control.laws.estimator import WindEstimator as WindEstimator
 from .control.laws.law import Law as Law
-from .control.laws.law import Seen as Seen
+from .control.laws.law import Measurement as Measurement
 from .control.laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
 from .control.laws.trim import DeadBandLaw as DeadBandLaw
 from .control.laws.trim import TrimLaw as TrimLaw
@@ -87,9 +87,9 @@ from .flights.closed_loop.many import fly_many as fly_many
 from .flights.control import ReportControl as ReportControl
 from .flights.flown_boundary import FlownBoundary as FlownBoundary
 from .flights.flown_boundary import flown_boundary as flown_boundary
-from .flights.planar.fly import fly_planar as fly_planar
+from .flights.planar.fly_planar import fly_planar as fly_planar
 from .flights.sixdof.earth import Earth as Earth
-from .flights.sixdof.fly import fly_sixdof as fly_sixdof
+from .flights.sixdof.fly_sixdof import fly_sixdof as fly_sixdof
 from .linear.deflections import BangBang as BangBang
 from .linear.deflections import HeldDeflection as HeldDeflection
 from .linear.deflections import trim_deflection as trim_deflection

@@ -12,7 +12,7 @@ import tvclin as tv
 from tvclin.answers.requirement import NOTHING
 from tvclin.boundary.limit import BOUNDARY, MINIMUM, NO_FORECAST, PAIR
 from tvclin.cli.app import app
-from tvclin.flights.planar.verdict import planar_verdict
+from tvclin.flights.planar.survival import planar_verdict
 
 PEAK = np.radians(5.0)
 

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tvclin.flights.condition import load_flight_condition
-from tvclin.flights.planar.verdict import planar_verdict
+from tvclin.flights.planar.survival import planar_verdict
 
 PEAK = np.radians(0.01)
 BANDS = (1.0, 0.5, 0.0)

@@ -11,7 +11,7 @@ import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.estimator import WindEstimator
-from tvclin.control.laws.law import Seen
+from tvclin.control.laws.law import Measurement
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw as LeanLaw
 from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
 
@@ -32,7 +32,7 @@ def random_seen(rng, model, size=None, scale=0.05):
     """Return what is seen, and the wind that makes its angle of attack."""
     attitude, rate, path, wind = rng.normal(scale=scale, size=(4,) if size is None else (4, *size))
     path = 0.0 * path if model == "fixed-path" else path
-    return Seen(attitude, rate, path, attitude - path - wind, 0.0 * wind), wind
+    return Measurement(attitude, rate, path, attitude - path - wind, 0.0 * wind), wind
 
 
 def coordinates(model, coefficients):
@@ -116,7 +116,7 @@ def test_the_trim_laws_ask_for_trim_and_the_feedback_of_the_fast_mode(model, coe
             assert z == pytest.approx(seen.attitude + seen.attitude_rate / coefficients.beta)
         expected = coefficients.B * (seen.angle_of_attack + 4.0 * z)
         assert law.demand(seen, NONE, 0.01) == pytest.approx(expected, rel=1e-9)
-    at_rest = Seen(0.0, 0.0, 0.0, -0.05, 0.0)  # a wind of 0.05 rad
+    at_rest = Measurement(0.0, 0.0, 0.0, -0.05, 0.0)  # a wind of 0.05 rad
     assert law.demand(at_rest, NONE, 0.01) == pytest.approx(-coefficients.B * 0.05)
     assert (TrimLaw(law.plant).gain, DeadBandLaw(law.plant).gain) == (10.0, 1.0)
 
@@ -196,7 +196,7 @@ def test_the_demand_of_minus_everything_is_minus_the_demand(model, options):
     for kind in (LeanLaw, TrimLaw):
         law = kind(plant_of(model), **(options if kind is LeanLaw else {}))
         seen, _ = random_seen(np.random.default_rng(5), model, (500,))
-        mirrored = Seen(*(-value for value in seen))
+        mirrored = Measurement(*(-value for value in seen))
         found = [law.demand(one, NONE, 0.005) for one in (seen, mirrored)]
         np.testing.assert_allclose(found[1], -found[0], rtol=1e-12, atol=1e-15)
 
@@ -236,7 +236,7 @@ def test_many_flights_at_once_are_as_one_by_one(model, options):
         found = law.demand(seen, states, limit)
         assert found.shape == (3, 4)
         for i, j in np.ndindex(3, 4):
-            one = Seen(*(m[i, j].item() for m in seen))
+            one = Measurement(*(m[i, j].item() for m in seen))
             alone = law.demand(one, states[:, i, j], limit[i, j].item())
             assert alone == pytest.approx(found[i, j], rel=1e-12, abs=1e-15)
 

@@ -20,7 +20,7 @@ from tvclin import (
     fly,
 )
 from tvclin.boundary.recoverable import unstable_coordinates
-from tvclin.control.laws.law import Seen
+from tvclin.control.laws.law import Measurement
 from tvclin.flights.closed_loop.boundary import OPEN
 
 PEAK = np.radians(5.0)
@@ -315,7 +315,7 @@ def test_a_mode_that_the_law_lets_creep_away_is_told(design, kind):
     edge = closed_loop_boundary(plant, law, triangle(plant, 4.0), sample_rate=rate)
     A, inputs, _, _ = plant.matrices()
     free, held, *_ = cont2discrete((A, inputs[:, :1], np.eye(3), np.zeros((3, 1))), 1.0 / rate)
-    row = [float(law.demand(Seen(*x, x[0] - x[2], 0.0), NONE, 1.0)) for x in np.eye(3)]
+    row = [float(law.demand(Measurement(*x, x[0] - x[2], 0.0), NONE, 1.0)) for x in np.eye(3)]
     radius = np.abs(np.linalg.eigvals(free + held @ [row])).max()
     assert edge.growth == pytest.approx(rate * np.log(radius), abs=1e-8)
     assert (edge.growth > 0.0) == (design != "fixed-path")

@@ -70,7 +70,7 @@ def asked(name, law, x, memory, wind, limit):
     if name == "trim":
         demand = B * (alpha + 4.0 * (x[0] + x[1] / BETA))
     if name in ("lean", "estimated"):
-        demand = law.demand(tv.Seen(x[0], x[1], path, alpha, 0.0), memory, limit)
+        demand = law.demand(tv.Measurement(x[0], x[1], path, alpha, 0.0), memory, limit)
     return np.clip(demand, -limit, limit)
 
 

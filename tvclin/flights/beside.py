@@ -28,8 +28,8 @@ from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import ReportControl
 from tvclin.flights.flown_boundary import ENGINES
-from tvclin.flights.planar.fly import fly_planar
-from tvclin.flights.sixdof.fly import fly_sixdof
+from tvclin.flights.planar.fly_planar import fly_planar
+from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import let_go
 from tvclin.linear.plant import Plant

@@ -9,8 +9,8 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.law import Law
+from tvclin.flights.checks import check_one
 from tvclin.flights.closed_loop.checks import check_actuator, check_rate_limit
-from tvclin.flights.door import check_one
 from tvclin.winds.histories import History
 
 

@@ -18,8 +18,8 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.flights.control import ReportControl
-from tvclin.flights.planar.verdict import planar_verdict
-from tvclin.flights.sixdof.verdict import sixdof_verdict
+from tvclin.flights.planar.survival import planar_verdict
+from tvclin.flights.sixdof.survival import sixdof_verdict
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

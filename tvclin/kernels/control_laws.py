@@ -22,7 +22,7 @@ _POWER = 4.0
 
 
 class LawNumbers(NamedTuple):
-    """One law: gains on what is seen and on up to two states of its own, or those of a lean.
+    """One law: gains on what is measured and on up to two states of its own, or those of a lean.
 
     `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and
     of the slow coordinate (zeros where there is none), `ratio` of slow and fast pole (or zero),
@@ -56,15 +56,15 @@ class LawNumbers(NamedTuple):
 
 
 @inlined
-def asked(law: Any, seen: Any, states: Any, limit: float) -> float:
+def asked(law: Any, measured: Any, states: Any, limit: float) -> float:
     """Return the deflection asked for [rad].
 
     Parameters
     ----------
     law : LawNumbers
         Or a row of an array with its fields.
-    seen : sequence of float
-        Attitude, rate, flight path angle and angle of attack, as of `laws.Seen`.
+    measured : sequence of float
+        Attitude, rate, flight path angle and angle of attack, as of `laws.Measurement`.
     states : sequence of float
         The law's own.
     limit : float
@@ -72,10 +72,10 @@ def asked(law: Any, seen: Any, states: Any, limit: float) -> float:
     """
     if law.leans:
         if law.estimates:
-            return leaning(law, seen[0], states[0], seen[2], states[1], limit)
-        return leaning(law, seen[0], seen[1], seen[2], seen[0] - seen[3], limit)
-    found = law.attitude * seen[0] + law.attitude_rate * seen[1]
-    found += law.flight_path_angle * seen[2] + law.angle_of_attack * seen[3]
+            return leaning(law, measured[0], states[0], measured[2], states[1], limit)
+        return leaning(law, measured[0], measured[1], measured[2], measured[0] - measured[3], limit)
+    found = law.attitude * measured[0] + law.attitude_rate * measured[1]
+    found += law.flight_path_angle * measured[2] + law.angle_of_attack * measured[3]
     return found + law.first_state * states[0] if law.first_state != 0.0 else found
 
 

@@ -28,7 +28,7 @@ SETTLED = 0.3
 """Saved: every unstable coordinate is below this part of the reach for a while."""
 LOOK = 8
 """Samples between two looks at a flight."""
-TOPS = 6
+PEAKS = 6
 """Largest attitude, its rate, deflection, its rate, angle of attack; and samples at the limit."""
 NEVER = 1 << 60
 """Samples of a flight that ends when it is decided."""
@@ -78,27 +78,27 @@ class Flights(NamedTuple):
         Of the deflection, ``(m,)``.
     start : ndarray
         When flights begin [s], ``(m,)``.
-    finish, ends, patience, calm : ndarray of int
+    finish, ends, waiting, settling : ndarray of int
         Samples: of a flight that has an end, up to the end of the wind, after it, and in which a
-        flight must be calm to be saved, ``(m,)``.
+        flight must be settled to be saved, ``(m,)``.
     noise : ndarray
         Of the measured attitude rate [rad/s], ``(sequences, samples)``.
-    hears : ndarray of int
+    sequence : ndarray of int
         The sequence of each flight, ``(m,)``.
-    y, states, seen, here : ndarray
-        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, what is seen
-        ``(m, 5)``, and the wind about now ``(m, terms)``.
-    next, kick : ndarray
+    y, states, measured, here : ndarray
+        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, what is
+        measured ``(m, 5)``, and the wind about now ``(m, terms)``.
+    next, series : ndarray
         Room for the next states, ``(m, max(N, s))`` and ``(m, n)``.
     commands : ndarray
         The last ones, ``(m, largest late + parts)``.
     mode : ndarray
         +1 or -1 while the whole limit is commanded, ``(m,)``.
-    tops : ndarray
-        See `TOPS`, ``(m, 6)``.
-    piece, quiet, fate, ended : ndarray of int
-        The piece of the wind, samples of calm, fates, and the sample at which a flight ended or
-        -1, ``(m,)``.
+    peaks : ndarray
+        See `PEAKS`, ``(m, 6)``.
+    piece, settled, outcome, ended : ndarray of int
+        The piece of the wind, for how many samples it is settled, outcomes, and the sample at which
+        a flight ended or -1, ``(m,)``.
     track : ndarray
         Of a single flight: y, command, deflection at the end and one where a limit was met, for
         each part of each step, ``(parts * samples, N + 3)``; of no length if not asked for.
@@ -128,22 +128,22 @@ class Flights(NamedTuple):
     start: FloatArray
     finish: IntArray
     ends: IntArray
-    patience: IntArray
-    calm: IntArray
+    waiting: IntArray
+    settling: IntArray
     noise: FloatArray
-    hears: IntArray
+    sequence: IntArray
     y: FloatArray
     states: FloatArray
-    seen: FloatArray
+    measured: FloatArray
     here: FloatArray
     next: FloatArray
-    kick: FloatArray
+    series: FloatArray
     commands: FloatArray
     mode: FloatArray
-    tops: FloatArray
+    peaks: FloatArray
     piece: IntArray
-    quiet: IntArray
-    fate: IntArray
+    settled: IntArray
+    outcome: IntArray
     ended: IntArray
     track: FloatArray
 
@@ -156,7 +156,7 @@ def fly(f: Flights, first: int, last: int) -> None:
         law = f.laws[f.law[i]]
         while looked(f, i, k):
             stepped(
-                f, i, k, asked(law, f.seen[i], f.states[i], f.limit[i]), law.engage, law.release
+                f, i, k, asked(law, f.measured[i], f.states[i], f.limit[i]), law.engage, law.release
             )
             k += 1
 
@@ -184,34 +184,34 @@ def advance(
 @inlined
 def looked(f: Flights, i: int, k: int) -> bool:
     """Write what a law is shown at a sample; return whether the flight goes on."""
-    p, tops, seen, x = f.vehicle[i], f.tops[i], f.seen[i], f.y[i]
+    p, peaks, measured, x = f.vehicle[i], f.peaks[i], f.measured[i], f.y[i]
     n = f.A.shape[1]
     about(f, i, f.start[i] + f.lengths[p, 0] * k)
     for r in range(4):
         total = f.shown[p, r, n] * f.here[i, 0]
         for j in range(n):
             total += f.shown[p, r, j] * x[j]
-        seen[r] = total
-    seen[4] = min(max(x[n], -f.limit[i]), f.limit[i])
-    raised(tops, 0, seen[0])
-    raised(tops, 1, seen[1])
-    raised(tops, 4, seen[3])
+        measured[r] = total
+    measured[4] = min(max(x[n], -f.limit[i]), f.limit[i])
+    raised(peaks, 0, measured[0])
+    raised(peaks, 1, measured[1])
+    raised(peaks, 4, measured[3])
     after = k - f.ends[i]
-    if after > 0 and after % LOOK == 0 and f.fate[i] != LOST:
+    if after > 0 and after % LOOK == 0 and f.outcome[i] != LOST:
         judged(f, i)
-    going = f.fate[i] == UNDECIDED and after < f.patience[i]
+    going = f.outcome[i] == UNDECIDED and after < f.waiting[i]
     if k >= f.finish[i] or (not going and f.finish[i] == NEVER):
         f.ended[i] = k
         return False
     if k < f.noise.shape[1]:
-        seen[1] += f.noise[f.hears[i], k]
+        measured[1] += f.noise[f.sequence[i], k]
     return True
 
 
 @inlined
-def raised(tops: FloatArray, row: int, value: float) -> None:
+def raised(peaks: FloatArray, row: int, value: float) -> None:
     """Keep the largest size."""
-    tops[row] = max(tops[row], abs(value))
+    peaks[row] = max(peaks[row], abs(value))
 
 
 @inlined
@@ -255,22 +255,22 @@ def judged(f: Flights, i: int) -> None:
         low, high = slow_ends(fast / reach, ratio)
         recoverable = low * reach < slow < high * reach
     if not recoverable:
-        f.fate[i] = LOST
+        f.outcome[i] = LOST
         return
-    f.quiet[i] = f.quiet[i] + LOOK if max(abs(fast), abs(slow)) < SETTLED * reach else 0
-    if f.quiet[i] >= f.calm[i]:
-        f.fate[i] = SURVIVED
+    f.settled[i] = f.settled[i] + LOOK if max(abs(fast), abs(slow)) < SETTLED * reach else 0
+    if f.settled[i] >= f.settling[i]:
+        f.outcome[i] = SURVIVED
 
 
 @inlined
 def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
     """Move a flight by a sample."""
-    p, limit, seen = f.vehicle[i], f.limit[i], f.seen[i]
+    p, limit, measured = f.vehicle[i], f.limit[i], f.measured[i]
     mode = switched(engage * limit, release * limit, demand, f.mode[i])
     f.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
     if abs(command) >= limit:
-        f.tops[i, 5] += 1.0
+        f.peaks[i, 5] += 1.0
     begin = f.start[i] + f.lengths[p, 0] * k
     end = f.start[i] + f.lengths[p, 0] * (k + 1)
     parts, ring, since = f.joint.shape[1], f.commands.shape[1], k - f.late[p]
@@ -287,8 +287,8 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     learnt(f, i)
     n = f.A.shape[1]
     deflection = min(max(f.y[i, n], -limit), limit)
-    raised(f.tops[i], 2, deflection)
-    raised(f.tops[i], 3, (deflection - seen[4]) / f.lengths[p, 0])
+    raised(f.peaks[i], 2, deflection)
+    raised(f.peaks[i], 3, (deflection - measured[4]) / f.lengths[p, 0])
 
 
 @inlined
@@ -358,7 +358,7 @@ def evenly(f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, la
 
 @inlined
 def learnt(f: Flights, i: int) -> None:
-    """Move the law's own states, by what was seen."""
+    """Move the law's own states, by what was measured."""
     s = f.states.shape[1]
     own = i if f.own.shape[0] > 1 else 0
     for r in range(s):
@@ -366,7 +366,7 @@ def learnt(f: Flights, i: int) -> None:
         for j in range(s):
             total += f.own[own, r, j] * f.states[i, j]
         for j in range(5):
-            total += f.driven[own, r, j] * f.seen[i, j]
+            total += f.driven[own, r, j] * f.measured[i, j]
         f.next[i, r] = total
     for r in range(s):
         f.states[i, r] = f.next[i, r]
@@ -379,12 +379,12 @@ def blown(f: Flights, i: int, begin: float, end: float) -> None:
     while f.piece[i] + 1 < f.knots.shape[1] and f.knots[w, f.piece[i] + 1] <= end:
         knot = f.knots[w, f.piece[i] + 1]
         if begin < knot < end:
-            kicked(f, i, knot, end - knot)
+            answered(f, i, knot, end - knot)
         f.piece[i] += 1
 
 
 @inlined
-def kicked(f: Flights, i: int, knot: float, time: float) -> None:
+def answered(f: Flights, i: int, knot: float, time: float) -> None:
     """Add the answer to what the next piece of wind is more than this, by Taylor series.
 
     Its terms are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), with x_0 = 0.
@@ -395,7 +395,7 @@ def kicked(f: Flights, i: int, knot: float, time: float) -> None:
     j = f.piece[i] + 1
     for r in range(n):
         term[r] = 0.0
-    old = f.kick[i]
+    old = f.series[i]
     power = time
     for k in range(_TERMS):
         more = power * (f.pieces[w, j, k] - here[k]) if k < terms else 0.0

@@ -13,8 +13,8 @@ from tvclin.base.errors import one_of
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.control import ReportControl
 from tvclin.flights.flown_boundary import flown_boundary
-from tvclin.flights.planar.fly import fly_planar
-from tvclin.flights.sixdof.fly import fly_sixdof
+from tvclin.flights.planar.fly_planar import fly_planar
+from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle

@@ -25,9 +25,9 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.answer import WindAnswer, wind_answer
 from tvclin.control.autopilot.diagram import with_diagram
-from tvclin.control.autopilot.doubts import pade_misleads, warn_of_doubts
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.systems import closed_loop, open_loop, wind_response
+from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback
 from tvclin.control.autopilot.wiring import closed, rational_loop
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
@@ -114,7 +114,7 @@ class Autopilot(Feedback):
             and where the actuator is slower than its fastest unstable pole.
         """
         self._require_single("loop", plant)
-        warn_of_doubts(self, plant)
+        warn_of_feedback(self, plant)
         return open_loop(self, plant)
 
     @with_diagram
@@ -145,7 +145,7 @@ class Autopilot(Feedback):
             As `loop`. An unstable closed loop is returned like any other: ask for its poles.
         """
         self._require_single("close", plant)
-        warn_of_doubts(self, plant)
+        warn_of_feedback(self, plant)
         system = closed_loop(self, plant)
         if pade_misleads(self, plant, system.A):
             warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
@@ -170,7 +170,7 @@ class Autopilot(Feedback):
             As `close`.
         """
         self._require_single("closed_loop_poles", plant)
-        warn_of_doubts(self, plant)
+        warn_of_feedback(self, plant)
         A = closed(self, plant)[1]
         if pade_misleads(self, plant, A):
             warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
@@ -223,7 +223,7 @@ class Autopilot(Feedback):
         20.7
         """
         loop = self.rational_loop(plant)
-        warn_of_doubts(self, plant)
+        warn_of_feedback(self, plant)
         return loop_margins(loop)
 
     def frequency_response(self, plant: Plant, omega: ArrayLike) -> NDArray[np.complex128]:

@@ -16,8 +16,8 @@ from tvclin.base.errors import (
     instance,
 )
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.doubts import warn_of_doubts
 from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -130,5 +130,5 @@ class GainSchedule:
             As `Autopilot.loop`.
         """
         loop = self.autopilot.rational_loop(plants)
-        warn_of_doubts(self.autopilot, plants)
+        warn_of_feedback(self.autopilot, plants)
         return loop_margins(loop)

@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.doubts import warn_of_doubts
+from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.autopilot.wiring import closed
 from tvclin.control.margins.record import loop_margins
 from tvclin.linear.plant import Plant
@@ -108,7 +108,7 @@ def worst_duration(
     if low >= high:
         raise InputError(f"longest must be above shortest; got {high:.6g} and {low:.6g} s")
     margins = loop_margins(autopilot.rational_loop(plant))
-    warn_of_doubts(autopilot, plant)
+    warn_of_feedback(autopilot, plant)
     if not margins.stable:
         raise InputError(f"no duration is the worst: {margins.reason}")
     answer = autopilot.in_winds(plant)

@@ -17,7 +17,7 @@ from tvclin.base.errors import InputError, ending, instance
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.doubts import warn_of_doubts
+from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.autopilot.wind_gain import wind_gain
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.plant import Plant
@@ -123,7 +123,7 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
         raise InputError("compare_with_trim is for one case; take those of a batch one by one")
     ending("wind", wind.end)
     margins = loop_margins(autopilot.rational_loop(plant))
-    warn_of_doubts(autopilot, plant)
+    warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
     peaks = _peaks(plant, autopilot, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
     notes = [] if margins.stable else [margins.reason]

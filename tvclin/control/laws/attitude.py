@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, instance, single
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.law import Law, Seen
+from tvclin.control.laws.law import Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 
 FloatArray = NDArray[np.float64]
@@ -57,10 +57,10 @@ class SaturatedLaw(Law):
             first_state=float(gains.integral_gain),
         )
 
-    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return a0 theta + a1 theta' + b0 alpha + aI * integral of theta [rad]."""
         del limit
         gains = self.autopilot
-        asked = gains.attitude_gain * seen.attitude + gains.rate_gain * seen.attitude_rate
-        asked = asked + gains.alpha_gain * seen.angle_of_attack
+        asked = gains.attitude_gain * measured.attitude + gains.rate_gain * measured.attitude_rate
+        asked = asked + gains.alpha_gain * measured.angle_of_attack
         return asked + gains.integral_gain * states[0] if gains.integral_gain else asked

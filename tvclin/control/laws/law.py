@@ -1,7 +1,8 @@
-"""What a law is: a pure function from what is seen to the deflection asked for.
+"""What a law is: a pure function from what is measured to the deflection asked for.
 
-A law may have states of its own, which are linear in what is seen (an integral, an observer). It
-holds no memory itself: states are handed to it, so that one law flies a thousand flights at once.
+A law may have states of its own, which are linear in what is measured (an integral, an observer).
+It holds no memory itself: states are handed to it, so that one law flies a thousand flights at
+once.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ _SHOWN = 3
 """States of the plant that a law is shown."""
 
 
-class Seen(NamedTuple):
+class Measurement(NamedTuple):
     """What a law is shown, each a number or an array of flights [rad, rad/s]."""
 
     attitude: Any
@@ -50,7 +51,7 @@ class Law(ABC):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G seen. None by default."""
+        """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G m. None by default."""
         return np.zeros((0, 0)), np.zeros((0, 5))
 
     @property
@@ -64,12 +65,12 @@ class Law(ABC):
         return None
 
     @abstractmethod
-    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the deflection asked for [rad], without limit.
 
         Parameters
         ----------
-        seen : Seen
+        measured : Measurement
             What is measured.
         states : ndarray
             The law's own states, ``(k, ...)``.
@@ -81,8 +82,8 @@ class Law(ABC):
 def seen_coordinates(plant: Plant) -> UnstableCoordinates:
     """Return the coordinates of the unstable modes in what a law is shown.
 
-    `Seen` has the attitude, its rate and the flight path angle, which are the first states of
-    every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
+    `Measurement` has the attitude, its rate and the flight path angle, which are the first states
+    of every plant; ``rows`` is ``(N, 2)`` or ``(N, 3)``.
 
     Raises
     ------

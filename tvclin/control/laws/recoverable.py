@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import between, finite, instance, nonnegative, number, positive
 from tvclin.control.laws.estimator import WindEstimator
-from tvclin.control.laws.law import Law, Seen, seen_coordinates
+from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers, asked
 from tvclin.linear.plant import Plant
 
@@ -130,11 +130,13 @@ class RecoverableAttitudeLaw(Law):
             estimates=self.estimator is not None,
         )
 
-    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the deflection asked for [rad]."""
-        shape = np.broadcast_shapes(*(np.shape(one) for one in (*seen[:4], limit)))
+        shape = np.broadcast_shapes(*(np.shape(one) for one in (*measured[:4], limit)))
         if not shape and states.ndim == 1:
-            return asked(self.numbers, seen, states.tolist(), limit)
-        rows = (np.broadcast_to(one, shape).ravel().tolist() for one in (*seen[:4], *states, limit))
+            return asked(self.numbers, measured, states.tolist(), limit)
+        rows = (
+            np.broadcast_to(one, shape).ravel().tolist() for one in (*measured[:4], *states, limit)
+        )
         each = [asked(self.numbers, one[:4], one[4:-1], one[-1]) for one in zip(*rows, strict=True)]
         return np.array(each).reshape(shape)

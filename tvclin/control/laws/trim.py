@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import between, nonnegative, number
-from tvclin.control.laws.law import Law, Seen, seen_coordinates
+from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 
@@ -63,13 +63,13 @@ class TrimLaw(Law):
             release=self.release,
         )
 
-    def demand(self, seen: Seen, states: FloatArray, limit: Any) -> Any:
+    def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the trim deflection and the attitude feedback [rad]."""
         del states, limit
         B, (attitude, rate, path) = self._numbers
-        error = attitude * seen.attitude + rate * seen.attitude_rate
-        error = error + path * seen.flight_path_angle
-        return B * (seen.angle_of_attack + self.gain * error)
+        error = attitude * measured.attitude + rate * measured.attitude_rate
+        error = error + path * measured.flight_path_angle
+        return B * (measured.angle_of_attack + self.gain * error)
 
     @cached_property
     def _numbers(self) -> tuple[float, list[float]]:

@@ -208,7 +208,7 @@ def closed_loop_boundary(
     check_pace(plant, length)
     winds = _winds(wind, stops, length)
     nozzle: dict[str, Any] = {"rate_limit": most_rate, "actuator": actuator}
-    fates = partial(fly_many, plant, law, sample_rate=1.0 / length, delay=late, **nozzle)
+    outcomes = partial(fly_many, plant, law, sample_rate=1.0 / length, delay=late, **nozzle)
     flown, most = count(1), (1 + LEVELS) * len(winds)
 
     def survives(limits: FloatArray) -> NDArray[np.str_]:
@@ -217,7 +217,7 @@ def closed_loop_boundary(
         for one in winds:
             alive = found == SURVIVED
             if np.any(alive):
-                found[alive] = fates(wind=one, deflection_limit=limits[alive] * scale).status
+                found[alive] = outcomes(wind=one, deflection_limit=limits[alive] * scale).status
             if progress is not None:
                 progress(min(next(flown), most), most)
         return found.astype(str)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.laws.law import Law, Seen
+from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.flights.closed_loop.equations import Equations
 from tvclin.kernels.control_laws import switched
@@ -185,9 +185,9 @@ class ContinuousFlight:
         for k in np.unique(index[index >= 0]):
             here = index == k
             states = arcs[k].solution(times[here])
-            seen = self._seen(times[here], states, self.wind(times[here]))
+            measured = self._measured(times[here], states, self.wind(times[here]))
             rows[:order, here] = states[:order]
-            rows[-1, here] = self._deflection(states, seen, arcs[k].mode)
+            rows[-1, here] = self._deflection(states, measured, arcs[k].mode)
         return rows
 
     @property
@@ -217,11 +217,13 @@ class ContinuousFlight:
         fastest = float(np.abs(poles).max(initial=0.0))
         return _LONGEST / fastest if fastest else np.inf
 
-    def _seen(self, t: Any, states: FloatArray, wind: Any, regime: _Regime | None = None) -> Seen:
+    def _measured(
+        self, t: Any, states: FloatArray, wind: Any, regime: _Regime | None = None
+    ) -> Measurement:
         path = states[2] if self._order > 2 else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self._order], wind)
         shown = np.nan if self.actuator is None else self._nozzle(states, regime)
-        return Seen(states[0], states[1], path, alpha, shown)
+        return Measurement(states[0], states[1], path, alpha, shown)
 
     def _nozzle(self, states: FloatArray, regime: _Regime | None = None) -> Any:
         """The deflection [rad]; within a regime it is smooth, even a step of the solver too far."""
@@ -232,26 +234,26 @@ class ContinuousFlight:
 
     def _check_law(self, start: float, rest: FloatArray) -> None:
         """Without an actuator the deflection follows from the demand, and not the other way."""
-        if np.isnan(self._demand(rest, self._seen(start, rest, 0.0))):
+        if np.isnan(self._demand(rest, self._measured(start, rest, 0.0))):
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
             )
 
-    def _demand(self, states: FloatArray, seen: Seen) -> Any:
+    def _demand(self, states: FloatArray, measured: Measurement) -> Any:
         memory = states[self._order + self._servo :]
-        return self.law.demand(seen, memory, self.limit)
+        return self.law.demand(measured, memory, self.limit)
 
-    def _deflection(self, states: FloatArray, seen: Seen, mode: float) -> Any:
+    def _deflection(self, states: FloatArray, measured: Measurement, mode: float) -> Any:
         if self.actuator is not None:
             return self._nozzle(states)
-        demand = mode * self.limit if mode else self._demand(states, seen)
+        demand = mode * self.limit if mode else self._demand(states, measured)
         return np.clip(demand, -self.limit, self.limit)
 
     def _rates(self, t: float, states: FloatArray, regime: _Regime, gust: Any) -> FloatArray:
         order = self._order
         wind = gust(t)
-        seen = self._seen(t, states, wind, regime)
-        command = float(self._command(states, seen, regime))
+        measured = self._measured(t, states, wind, regime)
+        command = float(self._command(states, measured, regime))
         if not isfinite(command):
             raise InputError(
                 f"the flight lost its numbers near t = {t:.6g} s: the deflection that the law asks"
@@ -260,7 +262,7 @@ class ContinuousFlight:
         deflection = command
         rates = np.zeros(states.size)
         if self.actuator is not None:
-            deflection = float(seen.deflection)
+            deflection = float(measured.deflection)
             pull = self._pull(states, command)
             if regime.rate:
                 rates[order] = regime.rate * self.rate_limit
@@ -272,11 +274,11 @@ class ContinuousFlight:
         F, G = self._memory
         if len(F):
             memory = states[order + self._servo :]
-            rates[order + self._servo :] = F @ memory + G @ np.array([*seen[:4], deflection])
+            rates[order + self._servo :] = F @ memory + G @ np.array([*measured[:4], deflection])
         return rates
 
-    def _command(self, states: FloatArray, seen: Seen, regime: _Regime) -> Any:
-        return regime.mode * self.limit if regime.mode else self._demand(states, seen)
+    def _command(self, states: FloatArray, measured: Measurement, regime: _Regime) -> Any:
+        return regime.mode * self.limit if regime.mode else self._demand(states, measured)
 
     def _pull(self, states: FloatArray, command: Any) -> Any:
         """What the servo does of itself: the rate of its last state."""
@@ -292,7 +294,7 @@ class ContinuousFlight:
         return self.law.states
 
     def _mode(self, t: float, states: FloatArray, mode: float, gust: Any) -> float:
-        demand = self._demand(states, self._seen(t, states, gust(t)))
+        demand = self._demand(states, self._measured(t, states, gust(t)))
         law, limit = self.law, self.limit
         return switched(law.engage * limit, law.release * limit, float(demand), mode)
 
@@ -300,8 +302,8 @@ class ContinuousFlight:
         """The regime after the command may have jumped: the rate is held at its limit, or not."""
         if self.actuator is None or self.rate_limit == np.inf:
             return regime
-        seen = self._seen(t, states, gust(t), regime)
-        pull = float(self._pull(states, self._command(states, seen, regime)))
+        measured = self._measured(t, states, gust(t), regime)
+        pull = float(self._pull(states, self._command(states, measured, regime)))
         side, rate = np.sign(pull), pull if self._servo == 1 else float(states[self._order + 1])
         held = side * rate >= self.rate_limit * (1.0 - _HAIR)
         return regime._replace(rate=float(side) if held else 0.0)
@@ -326,8 +328,8 @@ class ContinuousFlight:
             return _End(lambda t, x: side * x[order + 1] - most, most, then)
 
         def pull(t: Any, states: FloatArray) -> Any:
-            seen = self._seen(t, states, gust(t), regime)
-            return side * self._pull(states, self._command(states, seen, regime))
+            measured = self._measured(t, states, gust(t), regime)
+            return side * self._pull(states, self._command(states, measured, regime))
 
         if not regime.rate:
             return _End(lambda t, x: pull(t, x) - most, most, then)
@@ -345,7 +347,7 @@ class ContinuousFlight:
 
     def _past(self, t: Any, states: FloatArray, gust: Any, regime: _Regime, side: float) -> Any:
         """How far the demand is past the end of the mode [rad]; the mode ends as this rises."""
-        demand = side * self._demand(states, self._seen(t, states, gust(t), regime))
+        demand = side * self._demand(states, self._measured(t, states, gust(t), regime))
         if regime.mode:
             return (self.law.release - _HAIR) * self.limit - demand
         return demand - self.law.engage * self.limit

@@ -30,8 +30,8 @@ from tvclin.flights.closed_loop.checks import (
     check_span,
     paces,
 )
-from tvclin.flights.closed_loop.fates import decidable
 from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
+from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.kernels.flights import Flights
 from tvclin.linear.plant import Plant
@@ -140,7 +140,7 @@ def fly_many(
     Returns
     -------
     FlownCases
-        Largest values and fates. A flight is lost when after its wind it leaves the recoverable
+        Largest values and outcomes. A flight is lost when after its wind it leaves the recoverable
         set of its unstable modes, and survives when it has settled well inside. A case whose
         limit is not positive, or whose wind is nothing, never ends or lasts for more than a million
         samples, is "no flight", and so is one that could never be decided; the others go on.
@@ -233,11 +233,11 @@ def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> 
 
 def _flown_cases(f: Flights | None, good: NDArray[np.bool_]) -> FlownCases:
     """What came of the flights; None where there were none."""
-    fate = np.full(good.shape, len(STATUS) - 1)
+    outcome = np.full(good.shape, len(STATUS) - 1)
     if f is None:
         nothing = np.full(good.shape, np.nan)
         sizes = dict.fromkeys(FlownCases.__dataclass_fields__, nothing)
-        return FlownCases(**{**sizes, "status": np.array(STATUS)[fate]})
+        return FlownCases(**{**sizes, "status": np.array(STATUS)[outcome]})
 
     def whole(values: FloatArray) -> FloatArray:
         found = np.full(good.shape, np.nan)
@@ -245,17 +245,17 @@ def _flown_cases(f: Flights | None, good: NDArray[np.bool_]) -> FlownCases:
         return found
 
     h = f.lengths[f.vehicle, 0]
-    fate[good] = f.fate
+    outcome[good] = f.outcome
     return FlownCases(
-        peak_attitude=whole(f.tops[:, 0]),
-        peak_attitude_rate=whole(f.tops[:, 1]),
-        peak_deflection=whole(f.tops[:, 2]),
-        peak_deflection_rate=whole(f.tops[:, 3]),
-        peak_angle_of_attack=whole(f.tops[:, 4]),
+        peak_attitude=whole(f.peaks[:, 0]),
+        peak_attitude_rate=whole(f.peaks[:, 1]),
+        peak_deflection=whole(f.peaks[:, 2]),
+        peak_deflection_rate=whole(f.peaks[:, 3]),
+        peak_angle_of_attack=whole(f.peaks[:, 4]),
         final_attitude=whole(f.y[:, 0]),
         end_time=whole(f.start + f.ended * h),
-        saturated_time_fraction=whole(f.tops[:, 5] / np.maximum(f.ended, 1)),
-        status=np.array(STATUS)[fate],
+        saturated_time_fraction=whole(f.peaks[:, 5] / np.maximum(f.ended, 1)),
+        status=np.array(STATUS)[outcome],
     )
 
 

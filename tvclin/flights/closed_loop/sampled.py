@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.laws.law import Seen
-from tvclin.flights.closed_loop.fates import judging
+from tvclin.control.laws.law import Measurement
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.law_batch import LawBatch
+from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import NEVER, TOPS, Flights
+from tvclin.kernels.flights import NEVER, PEAKS, Flights
 from tvclin.kernels.propagation import exponentials
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.plant import Plant
@@ -104,13 +104,14 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
     h = length[vehicle]
     known = ~np.isnan(judges.reach[place][vehicle])
-    patience, calm = (
-        np.ceil(np.where(known, a[place][vehicle], 0.0) / h) for a in (judges.patience, judges.calm)
+    waiting, settling = (
+        np.ceil(np.where(known, a[place][vehicle], 0.0) / h)
+        for a in (judges.waiting, judges.settling)
     )
-    patience = -(-np.minimum(patience, _LONGEST) // kernel.LOOK) * kernel.LOOK
+    waiting = -(-np.minimum(waiting, _LONGEST) // kernel.LOOK) * kernel.LOOK
     finish, ends = (_samples(a - start, h) for a in (np.full(m, batch.until), end))
     kept, learnt = batch.laws.steps(h)
-    noise, hears = _noise(batch.laws, np.where(finish < NEVER, finish, ends + patience))
+    noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
     N, states, terms = joint.shape[2], kept.shape[1], pieces.shape[2]
     rows = joint.shape[1] * int(finish.max()) if track else 0
     return Flights(
@@ -138,22 +139,22 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         start=start.copy(),
         finish=finish,
         ends=ends,
-        patience=patience.astype(np.int64),
-        calm=calm.astype(np.int64),
+        waiting=waiting.astype(np.int64),
+        settling=settling.astype(np.int64),
         noise=noise,
-        hears=hears,
+        sequence=sequence,
         y=np.zeros((m, N)),
         states=np.zeros((m, states)),
-        seen=np.zeros((m, 5)),
+        measured=np.zeros((m, 5)),
         here=np.zeros((m, terms)),
         next=np.zeros((m, max(N, states))),
-        kick=np.zeros((m, n)),
+        series=np.zeros((m, n)),
         commands=np.zeros((m, int(late.max(initial=0)) + joint.shape[1])),
         mode=np.zeros(m),
-        tops=np.zeros((m, TOPS)),
+        peaks=np.zeros((m, PEAKS)),
         piece=(knots[wind] <= start[:, np.newaxis]).sum(axis=1) - 1,
-        quiet=np.zeros(m, np.int64),
-        fate=np.zeros(m, np.int64),
+        settled=np.zeros(m, np.int64),
+        outcome=np.zeros(m, np.int64),
         ended=np.full(m, -1, np.int64),
         track=np.zeros((rows, N + 3)),
     )
@@ -166,7 +167,7 @@ def flown(batch: Batch, *, track: bool = False) -> Flights:
         _in_python(f, laws)
         return f
     cases = f.limit.size
-    last = np.where(f.finish < NEVER, f.finish, f.ends + f.calm)
+    last = np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
     samples, first = float(last.sum()), 0
     seconds = samples * _PLAIN
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
@@ -183,7 +184,7 @@ def flown(batch: Batch, *, track: bool = False) -> Flights:
 
 def _in_python(f: Flights, laws: LawBatch) -> None:
     """Fly laws that Python must be asked for, all flights of a law at once."""
-    whole = float(np.where(f.finish < NEVER, f.finish, f.ends + f.calm).sum())
+    whole = float(np.where(f.finish < NEVER, f.finish, f.ends + f.settling).sum())
     look, advance = (swiftest(one, whole * _PLAIN / 2.0) for one in (kernel.look, kernel.advance))
     compact = f if look is kernel.look else f._replace(laws=_table(f.laws))
     k = 0
@@ -219,10 +220,10 @@ def _asked(law: Any, f: Flights, mine: IntArray) -> FloatArray:
     """What a law asks for; one flight is told in plain numbers, which take half the time."""
     own = len(law.states[0])
     if mine.size > 1:
-        seen = Seen(*f.seen[mine].T)
-        return np.asarray(law.demand(seen, f.states[mine, :own].T, f.limit[mine]), dtype=float)
+        measured = Measurement(*f.measured[mine].T)
+        return np.asarray(law.demand(measured, f.states[mine, :own].T, f.limit[mine]), dtype=float)
     i = int(mine[0])
-    asked = law.demand(Seen(*f.seen[i].tolist()), f.states[i, :own], float(f.limit[i]))
+    asked = law.demand(Measurement(*f.measured[i].tolist()), f.states[i, :own], float(f.limit[i]))
     return np.asarray(asked, dtype=float)
 
 
@@ -335,12 +336,12 @@ def _shown(plant: Plant, C: FloatArray, D: FloatArray) -> FloatArray:
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
     """A row of noise for each level and seed, and the row of each flight."""
     every = list(dict.fromkeys(laws.noise))
-    hears = np.array([every.index(one) for one in laws.noise], dtype=np.int64)[laws.which]
+    sequence = np.array([every.index(one) for one in laws.noise], dtype=np.int64)[laws.which]
     if not any(level for level, _ in every):
-        return np.zeros((1, 0)), hears
+        return np.zeros((1, 0)), sequence
     count = int(samples.max()) + 2 * kernel.LOOK
     rows = [
         np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else np.zeros(count)
         for level, seed in every
     ]
-    return np.stack(rows), hears
+    return np.stack(rows), sequence

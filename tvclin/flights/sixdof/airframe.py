@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError
 from tvclin.base.units import FOOT
-from tvclin.control.laws.law import Seen
+from tvclin.control.laws.law import Measurement
 from tvclin.flights.answer import FARTHEST, OUTPUTS
 from tvclin.flights.sixdof.departure import Departure
 from tvclin.flights.sixdof.earth import Earth
 from tvclin.flights.sixdof.engine import Engine
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
-from tvclin.flights.sixdof.senses import senses, wind_setter
+from tvclin.flights.sixdof.sensors import senses, wind_setter
 from tvclin.flights.sixdof.steering import Steering
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
@@ -165,7 +165,7 @@ class Airframe:
             path_turn = path - path_before
             deflection = steering(
                 k,
-                Seen(
+                Measurement(
                     attitude + turn - attitude_n,
                     rate_ahead - rate_n,
                     path + path_turn - path_n,
@@ -223,8 +223,9 @@ def _hold(c: Coefficients) -> tuple[float, float]:
 
 
 def _held(on_lean: float, on_rate: float) -> Steering:
-    return lambda k, seen: (
-        on_lean * (seen.attitude - seen.flight_path_angle) + on_rate * seen.attitude_rate
+    return lambda k, measured: (
+        on_lean * (measured.attitude - measured.flight_path_angle)
+        + on_rate * measured.attitude_rate
     )
 
 

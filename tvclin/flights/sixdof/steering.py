@@ -12,7 +12,7 @@ from math import copysign
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.control.laws.law import Law, Seen
+from tvclin.control.laws.law import Law, Measurement
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.control import ONSET
 from tvclin.flights.sixdof.nozzle import Nozzle
@@ -20,7 +20,7 @@ from tvclin.kernels.propagation import driven, exponentials
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
-Steering = Callable[[int, Seen], float]
+Steering = Callable[[int, Measurement], float]
 """Takes the number of a step and what is foreseen for its end; gives the deflection [rad]."""
 
 _NOTHING = np.zeros(0)
@@ -37,7 +37,7 @@ def step_means(history: History, times: FloatArray, step: float) -> FloatArray:
 def by_history(history: History, times: FloatArray, step: float, limit: float) -> Steering:
     """Return what follows a deflection history, up to the limit."""
     means = np.clip(step_means(history, times, step), -limit, limit).tolist()
-    return lambda k, seen: means[k]
+    return lambda k, measured: means[k]
 
 
 class TrimThenHold:
@@ -78,11 +78,11 @@ class TrimThenHold:
         self._ends = wind(times + 0.5 * step).tolist()
         self._held: float | None = None
 
-    def __call__(self, k: int, seen: Seen) -> float:
+    def __call__(self, k: int, measured: Measurement) -> float:
         """Return the deflection at a step."""
         if self._held is not None:
             return self._held
-        asked = float(self._trim.demand(seen, _NOTHING, self._limit))
+        asked = float(self._trim.demand(measured, _NOTHING, self._limit))
         still = 0.0 if self._at_onset else asked / self._B + self._means[k]
         if abs(self._B * (still - self._ends[k])) < self._level:
             return asked
@@ -123,14 +123,14 @@ def by_law(law: Law, nozzle: Nozzle, limit: float, count: int) -> Steering:
     most, reach = nozzle.rate_limit, nozzle.rate_limit * nozzle.length
     servo, command = np.zeros(nozzle.order), 0.0
 
-    def followed(k: int, seen: Seen) -> float:
+    def followed(k: int, measured: Measurement) -> float:
         nonlocal servo, command
         moved = free @ servo + pulled * command
         if most < np.inf:
             moved[0] = servo[0] + np.clip(moved[0] - servo[0], -reach, reach)
             moved[1:] = np.clip(moved[1:], -most, most)
         servo, deflection = moved, min(max(float(moved[0]), -limit), limit)
-        command = asked(k, seen._replace(deflection=deflection))
+        command = asked(k, measured._replace(deflection=deflection))
         return deflection
 
     return followed
@@ -145,17 +145,17 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
     mode = 0.0
 
-    def asked(k: int, seen: Seen) -> float:
+    def asked(k: int, measured: Measurement) -> float:
         nonlocal memory, mode
         if noise is not None:
-            seen = seen._replace(attitude_rate=seen.attitude_rate + noise[k])
-        demand = float(demanded(seen, memory, limit))
+            measured = measured._replace(attitude_rate=measured.attitude_rate + noise[k])
+        demand = float(demanded(measured, memory, limit))
         if mode and demand * mode <= release:
             mode = 0.0
         if not mode and abs(demand) >= engage:
             mode = copysign(1.0, demand)
         if memory.size:
-            memory = kept @ memory + learnt @ seen
+            memory = kept @ memory + learnt @ measured
         return mode * limit if mode else min(max(demand, -limit), limit)
 
     return asked

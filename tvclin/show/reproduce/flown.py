@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.control import ReportControl
-from tvclin.flights.planar.fly import fly_planar
+from tvclin.flights.planar.fly_planar import fly_planar
 from tvclin.plots.flown import centred_wind, flown_limit
 from tvclin.show.reproduce.cases import FULL, HALF, NAMES, attitude_with_drift, with_drift
 from tvclin.vehicle.coefficients import Coefficients

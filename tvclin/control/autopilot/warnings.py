@@ -18,7 +18,7 @@ _OUTSIDE = 3
 """The warning points at the caller of the method that asks."""
 
 
-def warn_of_doubts(autopilot: Feedback, plant: Plant) -> None:
+def warn_of_feedback(autopilot: Feedback, plant: Plant) -> None:
     """Warn of zero gains, positive feedback, and an actuator slower than the plant."""
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain

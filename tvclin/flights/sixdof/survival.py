@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.checks import check_frozen
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import Control, command_of
-from tvclin.flights.door import check_frozen
 from tvclin.flights.falls import has_survived, lets_go, watched_until
 from tvclin.flights.sixdof.case import SixDof
 from tvclin.flights.sixdof.earth import Earth

@@ -12,9 +12,9 @@ from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
-CALM = 5.0
+SETTLING = 5.0
 """Saved: settled for so long, over the fastest pole."""
-PATIENCE = 60.0
+WAITING = 60.0
 """A flight that is neither lost nor saved by so long after the wind, over the slowest pole."""
 _MOST = 2
 
@@ -31,15 +31,15 @@ class Judging(NamedTuple):
         two real unstable poles, so that nothing can be said of its flights.
     ratio : ndarray
         The slow pole over the fast one; zero where there is one, ``(p,)``.
-    calm, patience : ndarray
+    settling, waiting : ndarray
         How long a flight must be settled to be saved, and may be open [s], ``(p,)``.
     """
 
     rows: FloatArray
     reach: FloatArray
     ratio: FloatArray
-    calm: FloatArray
-    patience: FloatArray
+    settling: FloatArray
+    waiting: FloatArray
 
 
 def judging(plant: Plant) -> Judging:
@@ -63,8 +63,8 @@ def judging(plant: Plant) -> Judging:
         rows=np.stack([_coordinate(plant, fast, B), second], axis=1),
         reach=np.where(known, 1.0 / np.abs(B), np.nan),
         ratio=np.where(two, slow / fast, 0.0),
-        calm=CALM / fast,
-        patience=PATIENCE / slow,
+        settling=SETTLING / fast,
+        waiting=WAITING / slow,
     )
 
 
