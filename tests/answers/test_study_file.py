@@ -14,7 +14,8 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tvclin.answers.campaign.file import parse_campaign
 from tvclin.answers.campaign.keys import QUANTITIES
-from tvclin.answers.study_file.read import example, parse_study
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.answers.study_file.read import example
 from tvclin.answers.study_file.sizing import SoundingAsked
 from tvclin.cli.app import app
 

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.answers.findings import find
 from tvclin.answers.questions import questions
-from tvclin.answers.study_file.read import example, parse_study
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.answers.study_file.read import example
 from tvclin.answers.trials import law_trials
 from tvclin.base.lines import Number
 from tvclin.cli.app import app

@@ -1,25 +1,32 @@
-"""Everything that a page shows, computed before anything is written."""
+"""Everything that a plan asks for, found before anything is written.
+
+What answers a part is imported where that part is asked for.
+"""
+
+from __future__ import annotations
 
 import json
 import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from hashlib import sha256
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers.campaign.quick import DispersedStudy, disperse_study
-from tvclin.answers.sizing.record import Sizing
-from tvclin.answers.sizing.total import DeflectionTotal
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import GainsAsked, StudyPlan
-from tvclin.answers.trials import LawTrial, law_trials, standard_laws, standard_winds
 from tvclin.base.errors import InputError
-from tvclin.control.comparison.trim import TrimComparison, compare_with_trim
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from tvclin.answers.campaign.quick import DispersedStudy
+    from tvclin.answers.sizing.record import Sizing
+    from tvclin.answers.sizing.total import DeflectionTotal
+    from tvclin.answers.trials import LawTrial
+    from tvclin.control.comparison.trim import TrimComparison
 
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -120,6 +127,8 @@ def find(plan: StudyPlan) -> Findings:
 
 
 def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
+    from tvclin.answers.trials import law_trials, standard_laws, standard_winds
+
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
     plant = Plant(study.coefficients, asked.model)
@@ -134,6 +143,8 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
 
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+    from tvclin.control.comparison.trim import compare_with_trim
+
     asked = plan.gains or GainsAsked()
     plant = Plant(study.coefficients, asked.model)
     return compare_with_trim(plant, asked.autopilot(plant), blown(study))
@@ -147,6 +158,8 @@ def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
 
 
 def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
+    from tvclin.answers.campaign.quick import disperse_study
+
     assert plan.dispersions is not None
     return disperse_study(
         study,

@@ -1,14 +1,15 @@
 """What a study file asks for: one frozen value that says everything its numbers depend on."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from tvclin.answers.campaign.dispersions import Dispersions
 from tvclin.answers.campaign.winds import ShapedWind
 from tvclin.answers.study import SHAPES, Study
-from tvclin.answers.study_file.sizing import SizingAsked
 from tvclin.answers.trials import STANDARD_LAWS, standard_winds
 from tvclin.base.errors import (
     InputError,
@@ -31,6 +32,9 @@ from tvclin.linear.plant import MODELS, Plant
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from tvclin.answers.study_file.sizing import SizingAsked
 
 _RULE = ("natural_frequency", "damping")
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
@@ -119,7 +123,6 @@ _PARTS = {
     "gains": (GainsAsked, "or a rule for them"),
     "criteria": (Criteria, "see Criteria.own"),
     "dispersions": (Dispersions, "of Dispersion values"),
-    "sizing": (SizingAsked, "see load_sizing"),
 }
 """What may be asked besides, and how to get it."""
 
@@ -199,6 +202,10 @@ class StudyPlan:
         for name, (kind, maker) in _PARTS.items():
             if getattr(self, name) is not None:
                 instance(name, getattr(self, name), kind, maker)
+        if self.sizing is not None:
+            from tvclin.answers.study_file.sizing import SizingAsked
+
+            instance("sizing", self.sizing, SizingAsked, "see load_sizing")
         for name in ("cases", "seed"):
             whole_number(name, getattr(self, name))
         for name in ("probability", "confidence"):
