@@ -78,7 +78,7 @@ def ensemble(tmp_path):
 
 def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     folder, time, angle = ensemble
-    every = {"names": ["required", "forecast-free", "minimum"]}
+    every = {"names": ["required", "forecast-free", "minimum"], "dead_bands": [0.5]}
     tables = {"campaign": HEAD | {"cases": 400}, "wind": {"file": "winds.csv"}, "outputs": every}
     plan = parse_campaign(tables, folder)
     kept = parse_campaign(json.loads(json.dumps(document_of(plan))))
@@ -91,8 +91,8 @@ def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     for k in range(5):
         wind = tv.SampledWind(time=time, angle=np.radians(angle[k]))
         rows = found["wind"] == k
-        limit = abs(tv.required_deflection(plant, wind).deflection)
-        np.testing.assert_allclose(found["required_K1"][rows], limit, rtol=1e-11)
+        limit = abs(tv.required_deflection(plant, wind, 0.5).deflection)
+        np.testing.assert_allclose(found["required_K0.5"][rows], limit, rtol=1e-11)
         free = abs(tv.forecast_free_limit(plant, wind).deflection)
         np.testing.assert_allclose(found["forecast_free"][rows], free, rtol=1e-11)
         least = tv.optimum_deflection(plant, wind).peak
@@ -101,9 +101,8 @@ def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
 
 def test_a_wind_that_changes_its_sign_is_the_status_of_its_cases_alone(ensemble):
     folder, _, angle = ensemble
-    good = parse_campaign(
-        {"campaign": HEAD | {"cases": 300}, "wind": {"file": "winds.csv"}}, folder
-    )
+    tables = {"campaign": HEAD | {"cases": 300}, "wind": {"file": "winds.csv"}}
+    good = parse_campaign(tables | {"outputs": {"dead_bands": [0.5]}}, folder)
     turned = np.array(good.wind.angle)
     turned[2, 8] = -0.1
     bad = replace(good, wind=tv.WindEnsemble(good.wind.time, turned))
@@ -112,8 +111,9 @@ def test_a_wind_that_changes_its_sign_is_the_status_of_its_cases_alone(ensemble)
     assert 0 < hit.sum() < 300
     assert all(said.startswith("wind must not change its sign") for said in after["status"][hit])
     assert set(after["status"][~hit]) == {"ok"}
-    assert np.all(np.isnan(after["required_K1"][hit]))
-    np.testing.assert_allclose(after["required_K1"][~hit], before["required_K1"][~hit], rtol=1e-12)
+    assert np.all(np.isnan(after["required_K0.5"][hit]))
+    column = "required_K0.5"
+    np.testing.assert_allclose(after[column][~hit], before[column][~hit], rtol=1e-12)
     assert angle.shape == (5, 16)
 
 

@@ -346,7 +346,7 @@ def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray)
     never = np.zeros(low.shape, dtype=bool)
     for _ in range(_ROUNDS):
         tried = low + parts * (high - low)
-        lost = ~_survives(plant, wind, tried)
+        lost = _lost(plant, wind, tried, np.ones(tried.shape, dtype=bool))
         never |= grows & lost[-1]
         last = np.where(lost.any(axis=0), _TRIES - 1 - np.argmax(lost[::-1], axis=0), -1)
         everyone = np.arange(low.size)
