@@ -504,7 +504,7 @@ class Relay(tv.Law):
 
 
 def test_a_law_that_chatters_is_told_to_be_sampled(monkeypatch):
-    monkeypatch.setattr(continuous, "_MOST", 30)
+    monkeypatch.setattr(continuous, "_MOST_SWITCHES", 30)
     with pytest.raises(InputError, match="switches more than 30 times; give a sample_rate"):
         tv.fly(plant_of(), Relay(), WIND, [0.0, 20.0], deflection_limit=B * PEAK)
 

@@ -49,8 +49,8 @@ _SAMPLES = 250.0
 """Of that law in the time in which the fastest mode grows by e: it is late by a part of 0.002."""
 _COARSE = 50.0
 """In a first flight: a law that is late by 0.01 and yet survives is not lost when it is quicker."""
-_FEW, _MOST = 25.0, 5e5
-"""At least so many, in a wind so long that the others would be more than `_MOST` in all."""
+_FEWEST_SAMPLES, _MOST_SAMPLES = 25.0, 5e5
+"""At least so many, in a wind so long that the others would be more than `_MOST_SAMPLES` in all."""
 _RATES = (0.01, 1e6)
 """Sample rates that can be flown [Hz]."""
 _QUICK = 0.1
@@ -326,8 +326,10 @@ def _survives(
     limits = np.where(limit > 0.0, limit, _TINY)
     with np.errstate(invalid="ignore", divide="ignore"):
         pole, span = leading_pole(plant)[0], wind.end - wind.onset
-        rate = np.clip(np.maximum(np.minimum(samples * pole, _MOST / span), _FEW * pole), *_RATES)
-        limits = np.where(span * rate <= 2.0 * _MOST, limits, np.nan)  # too long to be flown
+        asked = np.maximum(np.minimum(samples * pole, _MOST_SAMPLES / span), _FEWEST_SAMPLES * pole)
+        rate = np.clip(asked, *_RATES)
+        flyable = span * rate <= 2.0 * _MOST_SAMPLES
+        limits = np.where(flyable, limits, np.nan)
     flown = fly_many(Plant(c, model), law, wind, deflection_limit=limits, sample_rate=rate)
     return np.asarray(flown.status == "survived")
 

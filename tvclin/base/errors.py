@@ -1,4 +1,4 @@
-"""What goes wrong at the doors, said in one sentence each.
+"""Checks of arguments, and what goes wrong with them, said in one sentence each.
 
 Every check names the argument, the rule it breaks, and what came, so that the
 reader knows which argument to change.

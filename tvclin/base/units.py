@@ -1,4 +1,4 @@
-"""Units at the door: the suffixes that keys of vehicle files may carry, and their factors to SI."""
+"""Units of keys: the suffixes that keys of vehicle files may carry, and their factors to SI."""
 
 from math import pi
 

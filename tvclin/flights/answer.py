@@ -30,7 +30,7 @@ def flight_response(
 
 
 def warn_of_the_end(time: float) -> None:
-    """Warn the caller of the door that a flight left the range of its model at a time [s]."""
+    """Warn the caller that a flight left the range of its model at a time [s]."""
     warnings.warn(
         f"the flight ends at t = {time:.6g} s, where its attitude is more than 25 deg from the"
         " nominal: beyond, the model holds no longer",

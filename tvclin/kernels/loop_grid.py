@@ -29,7 +29,7 @@ _APART = 1e-11
 _QUIET, _PAST = 1e-2, 2.0
 """A delay turns the phase for ever. It is followed until |L| stays below the first, at least so
 many times as far as any pole of L can be, and a turn more."""
-_STEP, _MORE, _MOST = np.pi / 4.0, 12, 20_000
+_PHASE_STEP, _STEPS_ADDED, _MOST_STEPS = np.pi / 4.0, 12, 20_000
 """Steps of the delay's phase [rad], how many are added at the end, and the most there may be."""
 
 
@@ -87,9 +87,9 @@ def _turning(loop: Rational) -> tuple[FloatArray, FloatArray]:
     It is infinite, and the steps NaN, without a delay.
     """
     delayed = loop.delay > 0.0
-    step = _STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
+    step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
     end = np.maximum(last_frequency(loop, _QUIET), _PAST * polynomials.bound(loop.denominator))
-    count = np.minimum(np.ceil(end / step) + _MORE, _MOST)
+    count = np.minimum(np.ceil(end / step) + _STEPS_ADDED, _MOST_STEPS)
     every = np.arange(int(count[delayed].max(initial=0.0)) + 1)
     taken = delayed[:, np.newaxis] & (every <= count[:, np.newaxis])
     steps = np.where(taken, every * step[:, np.newaxis], np.nan)

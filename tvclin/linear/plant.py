@@ -8,7 +8,7 @@
 
 Inputs are the deflection and the wind angle of attack; outputs are the attitude, its rate, the
 flight path angle (where the model has one) and the angle of attack. Everything is a deviation
-from the nominal flight. `Plant.tf` and `Plant.ss` are the doors to python-control.
+from the nominal flight. `Plant.tf` and `Plant.ss` lead to python-control.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What every wind with a peak is asked at the door."""
+"""What is checked of every wind with a peak."""
 
 from __future__ import annotations
 

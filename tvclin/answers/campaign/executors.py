@@ -14,7 +14,7 @@ from tvclin.kernels.threads import VARIABLE
 
 _PATIENCE = 5.0
 """Seconds in which a scheduler must answer."""
-_MOST = 4096
+_MOST_WORKERS = 4096
 _STDERR = 2
 
 
@@ -32,8 +32,8 @@ def processes(workers: int) -> Iterator[Executor]:
     InputError
         For a number of workers that is none.
     """
-    if not 1 <= whole_number("workers", workers) <= _MOST:
-        raise InputError(f"workers must be from 1 to {_MOST}; got {workers}")
+    if not 1 <= whole_number("workers", workers) <= _MOST_WORKERS:
+        raise InputError(f"workers must be from 1 to {_MOST_WORKERS}; got {workers}")
     context = get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker) as pool:
         try:

@@ -28,8 +28,8 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
 OUTPUTS = ("required", "forecast-free", "minimum", "flight", "flown")
-_MOST = 10**10
-_MOST_LATIN = 10**7
+_MOST_CASES = 10**10
+_MOST_LATIN_CASES = 10**7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,9 +121,9 @@ class Campaign:
         one_of("method", self.method, METHODS)
         whole_number("seed", self.seed)
         for name in ("cases", "chunk"):
-            if not 0 < whole_number(name, getattr(self, name)) <= _MOST:
+            if not 0 < whole_number(name, getattr(self, name)) <= _MOST_CASES:
                 raise InputError(f"{name} must be from 1 to 1e10; got {shown(getattr(self, name))}")
-        if self.method == "latin" and self.cases > _MOST_LATIN:
+        if self.method == "latin" and self.cases > _MOST_LATIN_CASES:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         for name in ("probability", "confidence"):
             fraction(name, getattr(self, name))

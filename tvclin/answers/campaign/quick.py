@@ -30,7 +30,7 @@ from tvclin.base.errors import (
 
 FloatArray = NDArray[np.float64]
 
-_MOST = 10_000_000
+_MOST_CASES = 10_000_000
 """Cases that are held in memory at once; a campaign has more."""
 
 
@@ -152,8 +152,8 @@ def _campaign(
     instance("study", study, Study, "see Study.from_vehicle")
     if study.gust is not None:
         raise InputError("a study with a gust cannot be dispersed; leave the gust out")
-    if not 1 <= whole_number("cases", cases) <= _MOST:
-        raise InputError(f"cases must be from 1 to {_MOST}; got {shown(cases)}")
+    if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
+        raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
         vehicle=study.vehicle,
         wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),

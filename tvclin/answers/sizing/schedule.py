@@ -15,7 +15,7 @@ from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-_MOST = 100_000
+_MOST_ROWS = 100_000
 """A schedule of more times than that is a step that was given in the wrong unit."""
 
 
@@ -180,8 +180,8 @@ class FlightSchedule:
         flight = nominal_flight(vehicle, condition, start=start, stop=stop)
         width = number("step", step, positive, "s")
         own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
-        if (flight.stop - flight.start) / width > _MOST:
-            raise InputError(f"step must give at most {_MOST} rows; got {width:.6g} s")
+        if (flight.stop - flight.start) / width > _MOST_ROWS:
+            raise InputError(f"step must give at most {_MOST_ROWS} rows; got {width:.6g} s")
         before, after = np.arange(own, flight.start, -width), np.arange(own, flight.stop, width)
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
         return cls(flight.vehicle_at(times), flight.deflection(times), flight.states(times)[2])

@@ -36,7 +36,7 @@ from tvclin.winds.speed import angle_in_plane
 
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""
-_MOST = 10_000
+_MOST_TIMES = 10_000
 """Flight times; more are a step that was given in the wrong unit."""
 
 
@@ -183,9 +183,9 @@ class SizingAsked:
             raise InputError(
                 f"the last flight time must not be before the first; got {low:g} to {high:g} s"
             )
-        if (high - low) / self.every > _MOST:
+        if (high - low) / self.every > _MOST_TIMES:
             raise InputError(
-                f"there may be at most {_MOST} flight times; got one every {self.every:g} s"
+                f"there may be at most {_MOST_TIMES} flight times; got one every {self.every:g} s"
             )
         even = np.ceil(low / self.every) * self.every if self.start is None else low
         between = np.arange(even, high, self.every)

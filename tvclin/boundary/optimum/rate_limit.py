@@ -28,7 +28,7 @@ FloatArray = NDArray[np.float64]
 
 _RATES = (1e-15, 1e9)
 """Rates that the program can tell from none, and from any [rad/s]."""
-_FEWEST, _MOST = 10, 10_000
+_FEWEST_STEPS, _MOST_STEPS = 10, 10_000
 """Steps of the program."""
 _REFINEMENTS = 8
 _SETTLED = 1e-8
@@ -107,10 +107,12 @@ def optimum_with_rate_limit(
     """
     rate = number("rate_limit", rate_limit, positive, "rad/s")
     number("rate_limit", rate, between(*_RATES), "rad/s")
-    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _FEWEST:
-        raise InputError(f"steps must be a whole number of {_FEWEST} or more; got {shown(steps)}")
-    if steps > _MOST:
-        raise InputError(f"steps must be at most {_MOST}; got {shown(steps)}")
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < _FEWEST_STEPS:
+        raise InputError(
+            f"steps must be a whole number of {_FEWEST_STEPS} or more; got {shown(steps)}"
+        )
+    if steps > _MOST_STEPS:
+        raise InputError(f"steps must be at most {_MOST_STEPS}; got {shown(steps)}")
     constraints = constraints_of(plant, wind, start, horizon)
     unlimited = optimum_deflection(plant, wind, start, horizon)
     if unlimited.peak == 0.0:

@@ -25,7 +25,7 @@ _AROUND = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
 """Around a root, in units of its distance from the axis."""
 _BESIDE = np.geomspace(1e-8, 0.3, 24)
 """Around a frequency at which |L| = 1, where a delay may leave little damping; relative."""
-_TURN, _MOST = np.pi / 8.0, 20_000
+_PHASE_STEP, _MOST_STEPS = np.pi / 8.0, 20_000
 """Steps of the delay's phase [rad], and the most there may be."""
 
 
@@ -79,7 +79,7 @@ def _samples(loop: Loop, above: FloatArray, crossovers: FloatArray) -> FloatArra
         np.multiply.outer(crossovers, np.concatenate([1.0 - _BESIDE, 1.0 + _BESIDE])).ravel(),
     ]
     if loop.delay:
-        turns = min(int(high * loop.delay / _TURN), _MOST)
-        every.append(np.arange(1.0, turns + 1.0) * _TURN / loop.delay)
+        turns = min(int(high * loop.delay / _PHASE_STEP), _MOST_STEPS)
+        every.append(np.arange(1.0, turns + 1.0) * _PHASE_STEP / loop.delay)
     omega = np.concatenate(every)
     return np.unique(np.append(0.0, omega[(omega > 0.0) & (omega <= high)]))

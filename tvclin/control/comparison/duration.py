@@ -24,7 +24,7 @@ from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
-_DURATIONS, _EACH_SWING, _MOST = 41, 16, 2000
+_DURATIONS, _EACH_SWING, _MOST_IN_A_SWING = 41, 16, 2000
 """Durations tried first: over the whole range, in each swing of a mode, and at most for one."""
 _RINGING = 5.0
 """The swings of a mode are counted until it has fallen to e^-5."""
@@ -158,5 +158,5 @@ def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
         last = min(_RINGING / -pole.real, high)
         if pole.imag > 0.0 and last > low:
             count = int((last - low) * pole.imag / (2.0 * np.pi) * _EACH_SWING) + 2
-            parts.append(np.linspace(low, last, min(count, _MOST)))
+            parts.append(np.linspace(low, last, min(count, _MOST_IN_A_SWING)))
     return np.unique(np.concatenate(parts))

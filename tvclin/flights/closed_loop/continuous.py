@@ -39,7 +39,7 @@ _NOZZLE = 0.01
 _LONGEST = 5.0
 """Of a step, over the time of the fastest pole: DOP853 is stable there, and between the ends of a
 step off by at most 12 times the error that it controls; at 16 that is 400 times."""
-_MOST = 5000
+_MOST_SWITCHES = 5000
 """Switches of the law and its nozzle in one flight."""
 _LOOKS = 8
 """Looks between two steps of the solver for a mode that ends and returns there."""
@@ -116,9 +116,9 @@ class ContinuousFlight:
             regime = regime._replace(mode=self._mode(now, state, regime.mode, gust))
             regime = self._taken_up(now, state, regime, gust)
             while now < last:
-                if len(found) > _MOST:
+                if len(found) > _MOST_SWITCHES:
                     raise InputError(
-                        f"the law or its nozzle switches more than {_MOST} times; give a"
+                        f"the law or its nozzle switches more than {_MOST_SWITCHES} times; give a"
                         " sample_rate to fly it"
                     )
                 ends = self._ends(regime, gust)
