@@ -65,11 +65,11 @@ from .control.comparison.duration import worst_duration as worst_duration
 from .control.comparison.trim import TrimComparison as TrimComparison
 from .control.comparison.trim import compare_with_trim as compare_with_trim
 from .control.laws.attitude import SaturatedLaw as SaturatedLaw
+from .control.laws.dead_band import DeadBandLaw as DeadBandLaw
 from .control.laws.estimator import WindEstimator as WindEstimator
 from .control.laws.law import Law as Law
 from .control.laws.law import Measurement as Measurement
 from .control.laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
-from .control.laws.trim import DeadBandLaw as DeadBandLaw
 from .control.laws.trim import TrimLaw as TrimLaw
 from .control.margins.criteria import CRITERIA as CRITERIA
 from .control.margins.criteria import Criteria as Criteria

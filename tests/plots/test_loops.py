@@ -9,7 +9,7 @@ import pytest
 import tvclin as tv
 from tvclin import plots
 from tvclin.control.autopilot.wiring import rational_loop
-from tvclin.plots.loops import box_sides
+from tvclin.plots.bode_and_nichols import box_sides
 
 mpl.use("Agg")
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from tvclin.base.errors import callable_for, each, flag, instance, number, positive
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
+from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.linear.plant import Plant

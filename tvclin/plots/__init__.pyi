@@ -1,3 +1,5 @@
+from .bode_and_nichols import bode_chart as bode_chart
+from .bode_and_nichols import nichols_chart as nichols_chart
 from .boundaries import DEAD_BANDS as DEAD_BANDS
 from .boundaries import boundary_chart as boundary_chart
 from .boundaries import figure_2 as figure_2
@@ -14,8 +16,6 @@ from .flights import flight_curves as flight_curves
 from .flown_boundaries import figure_10 as figure_10
 from .flown_boundaries import figure_11 as figure_11
 from .laws import laws_chart as laws_chart
-from .loops import bode_chart as bode_chart
-from .loops import nichols_chart as nichols_chart
 from .nyquist import nyquist_chart as nyquist_chart
 from .poles import pole_map as pole_map
 from .responses import attitude_chart as attitude_chart

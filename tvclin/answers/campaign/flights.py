@@ -19,9 +19,10 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
+from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_rate_limit
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.linear.modes import unstable_modes

@@ -1,4 +1,4 @@
-"""Ideal trim as a feedback, alone and with the report's dead band."""
+"""Ideal trim as a feedback."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import between, nonnegative, number
+from tvclin.base.errors import nonnegative, number
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
-
-_LETTING_GO = 0.9
 
 
 @dataclass(frozen=True)
@@ -76,47 +74,3 @@ class TrimLaw(Law):
         """B, and z as parts of attitude, rate and flight path: plain, for the innermost loop."""
         row = seen_coordinates(self.plant).rows[0]
         return float(self.plant.coefficients.B), [*row.tolist(), 0.0][:3]
-
-
-@dataclass(frozen=True)
-class DeadBandLaw(TrimLaw):
-    """The report's control as a feedback: trim inside the dead band, then the whole limit.
-
-    When the deflection asked for reaches K times the limit, the whole limit is used until it has
-    fallen to 0.9 K of the limit: the work is done, and trim and attitude feedback have the nozzle
-    again. It switches on the deflection asked for, so with drift it meets the
-    literal dead band, not that of (18).
-
-    Parameters
-    ----------
-    plant : Plant
-        The plant it is designed on.
-    gain : float
-        Gain of the feedback on z, over that of trim. One places the poles where the canonical
-        gains do; with more, the attitude feedback undoes the lean that the dead band is for.
-    dead_band : float
-        K, from 0.01 to one.
-
-    Raises
-    ------
-    InputError
-        As `TrimLaw`, and for a dead band outside [0.01, 1]: zero would switch on any rounding.
-    """
-
-    gain: float = 1.0
-    dead_band: float = 0.5
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        K = number("dead_band", self.dead_band, between(0.01, 1.0))
-        object.__setattr__(self, "dead_band", K)
-
-    @property
-    def engage(self) -> float:  # type: ignore[override]
-        """K."""
-        return self.dead_band
-
-    @property
-    def release(self) -> float:  # type: ignore[override]
-        """A little less than K, so that the nozzle does not chatter on the edge."""
-        return _LETTING_GO * self.dead_band

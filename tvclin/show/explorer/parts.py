@@ -20,9 +20,10 @@ from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law, seen_coordinates
 from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import DeadBandLaw, TrimLaw
+from tvclin.control.laws.trim import TrimLaw
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
