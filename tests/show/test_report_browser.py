@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 import tvclin as tv
-from tvclin.answers.study_file.read import example, parse_study
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.answers.study_file.read import example
 
 pytest.importorskip("jinja2")
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
