@@ -25,8 +25,8 @@ MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))
 """As of the other search: so many at random."""
 LONGEST_SENTENCE = 400
 SECONDS = 10.0 if available() else 120.0
-"""Of processor time, for one call: the slowest good one takes two, and some forty in plain Python,
-which the package says before it begins."""
+"""Of processor time, for one call: the slowest good one takes two, but boundaries of laws in plain
+Python, which the package says before it begins."""
 CALLED = ("__call__", "__getitem__")
 FUNCTIONS = ("rule", "engine", "shape", "progress", "winds")
 """A function in place of another raises what it raises."""
