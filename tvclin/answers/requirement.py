@@ -61,9 +61,12 @@ _TINY = 1e-12
 """A limit [rad] in place of none, where nothing is needed and nothing asked."""
 _HIGHEST = 4.0
 """Over the trim deflection without drift: where trim grows without end no more is tried."""
-_TRIES = 12
+_TRIES, _MANY_TRIES = 12, 48
+"""Limits in a round; with b1 < 0 the law may be lost in a narrow band above limits that survive."""
 _ROUNDS = 3
+"""Of tries, each in the step where the one before found the edge: 1/1331 of the first range."""
 _MORE = 1e-6
+"""Above the largest trim deflection, with which the law is not limited."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,9 +266,13 @@ def _trim_law_flown(
     if not np.any(flies):
         return found
     trim = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape)
-    which = np.flatnonzero(np.broadcast_to(flies, shape))
-    some, winds = plant.some(which, shape), wind.some(which, shape)
-    found.ravel()[which] = _least_flown(some, winds, least.ravel()[which], trim.ravel()[which])
+    grows = np.asarray(plant.coefficients.b1) < 0.0
+    for group, tries in ((flies & ~grows, _TRIES), (flies & grows, _MANY_TRIES)):
+        which = np.flatnonzero(np.broadcast_to(group, shape))
+        if which.size:
+            some, winds = plant.some(which, shape), wind.some(which, shape)
+            low, high = least.ravel()[which], trim.ravel()[which]
+            found.ravel()[which] = _least_flown(some, winds, low, high, tries)
     return found
 
 
@@ -334,7 +341,9 @@ def _survives(
     return np.asarray(flown.status == "survived")
 
 
-def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray) -> FloatArray:
+def _least_flown(
+    plant: Plant, wind: History, low: FloatArray, high: FloatArray, tries: int
+) -> FloatArray:
     """The least limit [rad] above which all that are tried survive, from `low` to `high`.
 
     The law is not limited by `high`. With b1 < 0 trim itself grows without end: no more is tried
@@ -343,15 +352,15 @@ def _least_flown(plant: Plant, wind: History, low: FloatArray, high: FloatArray)
     c = plant.coefficients
     grows = np.asarray(c.b1) < 0.0
     high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * wind.peak)), high)
-    parts = np.linspace(0.0, 1.0, _TRIES)[:, np.newaxis]
+    parts = np.linspace(0.0, 1.0, tries)[:, np.newaxis]
     high = np.maximum(high * (1.0 + _MORE), low)
     never = np.zeros(low.shape, dtype=bool)
     for _ in range(_ROUNDS):
         tried = low + parts * (high - low)
         lost = _lost(plant, wind, tried, np.ones(tried.shape, dtype=bool))
         never |= grows & lost[-1]
-        last = np.where(lost.any(axis=0), _TRIES - 1 - np.argmax(lost[::-1], axis=0), -1)
+        last = np.where(lost.any(axis=0), tries - 1 - np.argmax(lost[::-1], axis=0), -1)
         everyone = np.arange(low.size)
-        high = tried[np.minimum(last + 1, _TRIES - 1), everyone]
+        high = tried[np.minimum(last + 1, tries - 1), everyone]
         low = tried[np.maximum(last, 0), everyone]
     return np.where(never, np.inf, high)
