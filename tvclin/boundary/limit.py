@@ -286,8 +286,8 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
+    plant
+        As of `unstable_poles`.
 
     Returns
     -------

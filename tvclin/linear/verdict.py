@@ -92,10 +92,8 @@ def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
-    deflection, wind : History
-        Any two histories; their batches broadcast with the plant's.
+    plant, deflection, wind
+        As of `attitude_responses`.
 
     Notes
     -----
@@ -116,10 +114,8 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
-    deflection, wind : History
-        Any two histories; their batches broadcast with the plant's.
+    plant, deflection, wind
+        As of `attitude_responses`.
     """
     modes = unstable_modes(plant)
     start = first_time(deflection, wind)

@@ -53,15 +53,8 @@ def step_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
 
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
-
-    Raises
-    ------
-    InputError
-        For a batch.
+    autopilot, plant
+        As of `nichols_chart`.
 
     Notes
     -----
@@ -126,17 +119,10 @@ def wind_chart(autopilot: Autopilot, plant: Plant, wind: History) -> "ControlPlo
 
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
+    autopilot, plant
+        As of `nichols_chart`.
     wind : History
         One wind angle of attack [rad].
-
-    Raises
-    ------
-    InputError
-        For a batch.
 
     Notes
     -----
@@ -200,18 +186,18 @@ def _wind_horizon(
     system = autopilot.close(plant)[list(_STEP), "wind"]
     if margins.status == "unstable":
         return first, first + _rounded(_horizon(system, np.inf))
-    patience = max(2.0 * (last - first), _FEW / margins.crossover_frequency)
-    return first, first + _rounded(last - first + _horizon(system, patience))
+    longest = max(2.0 * (last - first), _FEW / margins.crossover_frequency)
+    return first, first + _rounded(last - first + _horizon(system, longest))
 
 
-def _horizon(system: "control.StateSpace", patience: float) -> float:
+def _horizon(system: "control.StateSpace", longest: float) -> float:
     """Return the time [s] in which all modes that count die down, or one of them grows.
 
     Parameters
     ----------
     system : control.StateSpace
         The closed loop, with the outputs and the one input in question.
-    patience : float
+    longest : float
         The longest time [s] for which slow modes are followed; NaN for no end.
     """
     poles, vectors = np.linalg.eig(system.A)
@@ -227,7 +213,7 @@ def _horizon(system: "control.StateSpace", patience: float) -> float:
         rest = min(_GROWN / float(poles.real.max()), 10.0 * rest)
     elif turning.size:
         rest = _FEW / float(turning.min())
-    return float(np.fmin(rest if np.isfinite(rest) else _FEW / scale, patience))
+    return float(np.fmin(rest if np.isfinite(rest) else _FEW / scale, longest))
 
 
 def _rounded(time: float) -> float:

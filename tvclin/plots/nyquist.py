@@ -28,15 +28,8 @@ def nyquist_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
 
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
-
-    Raises
-    ------
-    InputError
-        For a batch.
+    autopilot, plant
+        As of `nichols_chart`.
 
     Notes
     -----
