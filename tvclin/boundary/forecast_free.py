@@ -147,7 +147,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     knots = which.size * winds[0].shape[-1]
     run(
         largest_futures,
-        (winds, which, pole.ravel(), found),
+        (winds, which, pole.flatten(), found),
         which.size,
         _SECONDS * knots,
         _COMPILED_SECONDS * knots,

@@ -161,14 +161,12 @@ def _draw_contours(axes: "Axes") -> None:
 def bode_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     """Draw magnitude and phase of the loop, with its exact delay, against frequency.
 
+    A margin at zero frequency is marked on the left edge.
+
     Parameters
     ----------
     autopilot, plant
         As of `nichols_chart`.
-
-    Notes
-    -----
-    A margin at zero frequency is marked on the left edge.
     """
     import matplotlib.pyplot as plt
 

@@ -51,16 +51,14 @@ _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder
 def step_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     """Draw attitude and deflection after a step of the attitude command.
 
+    The loop is linear: deg per deg are rad per rad. A delay is its Pade approximation, as in
+    `Autopilot.close`. The horizon is the time in which the closed-loop modes die down, but very
+    slow ones are not followed to their end; what is approached is marked on the right edge.
+
     Parameters
     ----------
     autopilot, plant
         As of `nichols_chart`.
-
-    Notes
-    -----
-    The loop is linear: deg per deg are rad per rad. A delay is its Pade approximation, as in
-    `Autopilot.close`. The horizon is the time in which the closed-loop modes die down, but very
-    slow ones are not followed to their end; what is approached is marked on the right edge.
     """
     import control
     import matplotlib.pyplot as plt

@@ -175,8 +175,8 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant : Plant
-            One plant or a batch of any model; it broadcasts with the gains.
+        plant
+            As of `rational_loop`.
 
         Returns
         -------
@@ -248,15 +248,7 @@ class Autopilot(Feedback):
     def in_winds(self, plant: Plant) -> Callable[[History], WindAnswer]:
         """Return the function that gives the `answer` to one wind after another.
 
-        Parameters
-        ----------
-        plant : Plant
-            One plant of any model.
-
-        Raises
-        ------
-        InputError
-            As `answer`.
+        What it takes and refuses is as of `answer`.
         """
         self._require_single("answer", plant)
         _, A, B, C, D = closed(self, plant)
@@ -270,17 +262,15 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant : Plant
-            One plant of any model.
-        wind : History
-            One wind angle of attack [rad].
+        plant, wind
+            As of `answer`.
         timepts : array_like
-            Times [s], ``(n,)``; knots of the wind need not be among them.
+            Times [s], ``(n,)``; breakpoints of the wind need not be among them.
 
         Returns
         -------
         control.TimeResponseData
-            Outputs those of the plant, and the deflection [rad, rad/s]; input wind [rad].
+            The outputs of `close` [rad, rad/s]; input wind [rad].
 
         Raises
         ------
