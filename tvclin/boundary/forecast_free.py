@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import InputError, broadcast, ending, instance, nonnegative, number, plain
 from tvclin.kernels.choice import run
+from tvclin.kernels.futures import largest_futures
 from tvclin.kernels.pieces import rows
-from tvclin.kernels.switches import largest_futures
 from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History

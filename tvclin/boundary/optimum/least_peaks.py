@@ -16,8 +16,8 @@ from tvclin.base.errors import InputError, broadcast, ending, instance
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
+from tvclin.kernels.futures import from_onset
 from tvclin.kernels.pieces import rows
-from tvclin.kernels.switches import from_onset
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
