@@ -102,6 +102,8 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
             f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
             f" {poles_in_words(poles)}"
         )
+    # With l A = s l, z = c l x obeys z' = s z + c (l b) delta + c (l w) alpha_w. c (l b) = -s/B
+    # makes that s (z - delta/B - k alpha_w), k = -c (l w)/s.
     A, inputs, _, _ = plant.matrices()
     rows = [left_vector(A, pole) for pole in poles]
     scaled = np.array(

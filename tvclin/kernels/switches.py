@@ -166,8 +166,8 @@ def _marked(wind: Any, law: Any, marks: Any, highest: float, i: int, a: float, b
             count += 1
     if stop < start or b == a:
         return count
-    # e' = p e + h: if e is positive at b, it was negative between only if it was so at a, or where h
-    # changes from - to +, which is looked at.
+    # e' = p e + h: if e is positive at b, it was negative between only if it was so at a, or where
+    # h changes from - to +, which is looked at.
     spare = stop - K * demand(wind, law, i, b)
     if spare >= -SLACK * stop:
         falls = sought(TURNS, 0.0, wind, law, i, a)[0] < 0.0

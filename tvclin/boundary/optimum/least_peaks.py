@@ -148,6 +148,8 @@ def _proved(
         died, turned = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
         fits = np.ones(p.shape, dtype=bool)
         for side in (-1.0, 1.0):
+            # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p; for the others c (1 - e^(-s T))/s is done,
+            # and the rest is counted from T.
             c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
             done = c[:, np.newaxis] * (1.0 - turned) / others
             rest = (demands[:, 1:] - done) / turned

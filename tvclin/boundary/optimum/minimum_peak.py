@@ -226,6 +226,8 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
 
     Times that come from nearly dependent conditions (a short horizon) are made exact to rounding.
     """
+    # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
+    # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
     limit = _limit(window, switches)
     violation = _violation(window, switches, limit)
     for _ in range(3 if switches.size else 0):

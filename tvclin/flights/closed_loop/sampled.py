@@ -291,8 +291,10 @@ def _steps(
 ) -> tuple[FloatArray, FloatArray]:
     """J and ramp of `Flights`.
 
-    d/dt [x, s, c, w0, w1, ...] is constant in these, the wind being w0' = w1, w1' = 2 w2, ...;
-    and so is that of x with a deflection that goes evenly.
+    d/dt [x, s, c, w0, w1, ...] is linear in these, the wind being w0' = w1, w1' = 2 w2, ..., and J
+    the upper rows of the exponential of its matrix. With a deflection that goes evenly from a to b
+    in h, d' = (b - a)/h beside x' = A x + B d: what d = 1 does, less what a rise by one does, is
+    the factor of a, and the latter that of b.
     """
     p, n = A.shape[:2]
     q = 1 if servo is None else servo.shape[1]
