@@ -35,7 +35,7 @@ EXACT = "exact"
 BOUND = "bound of the fast mode"
 _ROUNDING = 1e-12
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
-"""About what a knot of a case takes, in plain Python and as machine code."""
+"""About what a breakpoint of a case takes, in plain Python and as machine code."""
 
 
 @dataclass(frozen=True)

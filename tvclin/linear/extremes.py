@@ -192,7 +192,7 @@ def _over(times: FloatArray, towards: FloatArray, wind: History, smallest: float
 
 
 def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
-    """Return times [s] from `start` to `stop`, even, and more of them around the knots."""
+    """Return times [s] from `start` to `stop`, even, and more of them around the breakpoints."""
     near = np.concatenate([history.probe_times(_BETWEEN).ravel() for history in histories])
     near = near[(near >= start) & (near <= stop)]
     return np.unique(np.concatenate([np.linspace(start, stop, _COARSE), near]))

@@ -33,7 +33,8 @@ class Verdict:
         True when every residue is zero within `tolerance`, ``(...)``.
     residues : ndarray
         Residue of the attitude [rad] at each unstable pole, ``(..., N)``, with the time counted
-        from the first knot of the two histories, so that it means the same however late they are.
+        from the first breakpoint of the two histories, so that it means the same however late they
+        are.
     tolerance : ndarray
         The rounding [rad] to which each residue is known, ``(..., N)``.
     left_over : LeftOver

@@ -169,7 +169,7 @@ def _wind_curves(
 
 
 def _times(start: float, stop: float, wind: History) -> FloatArray:
-    """Even times, and both sides of every knot of the wind."""
+    """Even times, and both sides of every breakpoint of the wind."""
     sides = np.concatenate([np.nextafter(wind.knots, -np.inf), wind.knots])
     sides = sides[(sides >= start) & (sides <= stop)]
     return np.unique(np.concatenate([np.linspace(start, stop, _POINTS), sides]))

@@ -25,7 +25,7 @@ from tvclin.winds.histories import History
 FloatArray = NDArray[np.float64]
 
 _SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
-"""About what a knot takes for each pole, in plain Python and as machine code."""
+"""About what a breakpoint takes for each pole, in plain Python and as machine code."""
 _SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
 """Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""
 _CLOSER = tuple(float(span) for span in range(1, 31))
