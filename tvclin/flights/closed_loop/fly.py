@@ -91,10 +91,10 @@ def fly(
     -----
     Without pause, the breakpoints of the wind, the limit, the switches of the law, and the rate
     limit and the stop of an actuator are hit by the solver, which runs anew from each to the next,
-    however short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to 1e-8
-    with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a step
-    is exact in which the nozzle meets no limit; in one in which its rate or its stop bounds it the
-    deflection goes evenly from where it begins to where it ends, which is exact while it stays
+    however short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to
+    1e-8 with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a
+    step is exact in which the nozzle meets no limit; in one in which its rate or its stop bounds it
+    the deflection goes evenly from where it begins to where it ends, which is exact while it stays
     bounded. Either way a late gust is never missed.
 
     Examples
