@@ -34,6 +34,7 @@ FloatArray = NDArray[np.float64]
 EXACT = "exact"
 BOUND = "bound of the fast mode"
 _ROUNDING = 1e-12
+"""What a wind of one sign may be beyond zero, over its peak."""
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
 """About what a breakpoint of a case takes, in plain Python and as machine code."""
 

@@ -23,7 +23,9 @@ STABLE = "no unstable pole: no deflection is needed"
 UNTOUCHED = "the wind excites no unstable pole: no deflection is needed"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 _GAP = 1e-9
+"""Relative gap and residual of a certificate up to which a peak is proved; else it is said."""
 _ROUNDING = 1e-14
+"""A switch so near the horizon, relative, is none."""
 
 
 @dataclass(frozen=True, eq=False)
