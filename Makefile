@@ -12,7 +12,7 @@ study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
 
 # These compile most of the kernels. A file to a process, so that nothing is compiled twice.
-COMPILING := $(addprefix tests/kernels/test_,response_cases.py flights.py)
+COMPILING := $(addprefix tests/kernels/test_,response_cases.py flights.py switches.py)
 
 test: $(VENV)/.installed-dev lint  ## set everything up and pass the tests
 	$(BIN)/pytest -n auto --dist loadfile -q $(COMPILING)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tvclin
+from tests.vehicles import CONFIGURATION_I, CONFIGURATION_II
 from tvclin.kernels import choice
 
 G = 9.80665
@@ -37,35 +38,13 @@ def _what_plain_python_can_carry(monkeypatch):
 @pytest.fixture
 def configuration_i():
     """Return configuration I of Table I."""
-    return tvclin.Vehicle(
-        weight=1.48e6,
-        moment_of_inertia=0.225e8,
-        normal_force_slope=0.667e6,
-        thrust=2.495e6,
-        aerodynamic_arm=9.45,
-        control_arm=23.56,
-        axial_force=0.807e5,
-        velocity=538.81,
-        attitude=np.radians(44.83),
-        time=66.0,
-    )
+    return tvclin.Vehicle(**CONFIGURATION_I)
 
 
 @pytest.fixture
 def configuration_ii():
     """Return configuration II of Table I."""
-    return tvclin.Vehicle(
-        weight=1.393e7,
-        moment_of_inertia=1.033e9,
-        normal_force_slope=0.562e7,
-        thrust=3.334e7,
-        aerodynamic_arm=28.78,
-        control_arm=50.27,
-        axial_force=0.962e6,
-        velocity=614.23,
-        attitude=np.radians(37.52),
-        time=85.0,
-    )
+    return tvclin.Vehicle(**CONFIGURATION_II)
 
 
 @pytest.fixture(params=["I", "II"])

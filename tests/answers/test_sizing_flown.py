@@ -56,7 +56,7 @@ def test_flown_trim_laws_survive_at_the_sized_limit(name: str) -> None:
             wind = met.to_both_sides(vehicle)
             # At what is required a flight is on the edge: half a percent above it decides.
             options = {"deflection_limit": 1.005 * limit, "sample_rate": 200.0}
-            fate = tv.fly_many(plant, law, wind, **options).status
-            assert fate == "survived", (azimuth, time, np.degrees(limit))
+            outcome = tv.fly_many(plant, law, wind, **options).status
+            assert outcome == "survived", (azimuth, time, np.degrees(limit))
             flown += 1
     assert flown > SOUNDINGS

@@ -390,7 +390,7 @@ def test_whose_the_flight_is(tmp_path: Path) -> None:
         tables = {"study": {"vehicle": vehicle}, "wind": WIND, "schedule": schedule}
         found = parse_study(tables, tmp_path).sizing
         assert (found.source, found.another) == (source, another)
-        assert len(found.doubts) == bool(another)
+        assert len(found.warnings) == bool(another)
 
 
 def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:

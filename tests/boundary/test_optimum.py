@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import quad
 
 import tvclin
+from tests.optima import NAMES, plant_of, solved, triangle
 from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_deflection
 from tvclin.boundary.optimum import minimum_peak
 from tvclin.boundary.optimum.constraints import Constraints
-from tvclin.boundary.optimum.dual import best_multipliers
 from tvclin.boundary.optimum.exponential_sums import Window
 from tvclin.boundary.optimum.minimum_peak import (
     NOT_CONVERGED,
@@ -22,28 +22,12 @@ from tvclin.boundary.optimum.minimum_peak import (
 )
 from tvclin.boundary.optimum.two_poles import early_switch, late_switch
 
-NAMES = ("configuration-i", "configuration-ii")
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
-
-
-def plant_of(name="configuration-i", model="drift-exact"):
-    return Plant.from_vehicle(tvclin.load_vehicle(name), model)
-
-
-def triangle(plant, tau_beta, peak=-0.1):
-    return TriangularWind(peak=peak, duration=tau_beta / plant.coefficients.beta)
 
 
 def scaled_peak(plant, tau_beta):
     wind = triangle(plant, tau_beta)
     return optimum_deflection(plant, wind).peak / abs(plant.coefficients.B * wind.peak)
-
-
-def solved(poles, demands, horizon=np.inf):
-    """Return limit, switches and certificate of bare conditions, without a plant."""
-    window = Window(Constraints(np.asarray(poles), np.asarray(demands, float), horizon))
-    best = best_multipliers(window)
-    return best, certify(window, best.multipliers, best.zeros, best.norm * best.signs[0])
 
 
 def test_the_conditions_are_those_of_their_poles():

@@ -7,11 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tvclin
+from tests.optima import NAMES, plant_of, solved
 from tvclin import Coefficients, Plant, TriangularWind, optimum_deflection
-from tvclin.boundary.optimum.constraints import Constraints
-from tvclin.boundary.optimum.dual import best_multipliers
-from tvclin.boundary.optimum.exponential_sums import Window
-from tvclin.boundary.optimum.minimum_peak import certify
 from tvclin.boundary.optimum.two_poles import (
     early_switch,
     late_switch,
@@ -22,23 +19,6 @@ from tvclin.boundary.optimum.two_poles import (
     switch_variable,
     switching_ratio,
 )
-
-NAMES = ("configuration-i", "configuration-ii")
-
-
-def plant_of(name="configuration-i", model="drift-exact"):
-    return Plant.from_vehicle(tvclin.load_vehicle(name), model)
-
-
-def triangle(plant, tau_beta, peak=-0.1):
-    return TriangularWind(peak=peak, duration=tau_beta / plant.coefficients.beta)
-
-
-def solved(poles, demands, horizon=np.inf):
-    """Return limit, switches and certificate of bare conditions, without a plant."""
-    window = Window(Constraints(np.asarray(poles), np.asarray(demands, float), horizon))
-    best = best_multipliers(window)
-    return best, certify(window, best.multipliers, best.zeros, best.norm * best.signs[0])
 
 
 def precise_pair(poles, demands):

@@ -174,12 +174,8 @@ def test_without_jsbsim_the_extra_is_named(monkeypatch):
     assert 'pip install "tvclin[sixdof]"' in " ".join(result.output.split())
 
 
-def test_a_stable_vehicle_has_no_boundary_to_fly(tmp_path):
-    file = tmp_path / "stable.toml"
-    assert CliRunner().invoke(app, ["init", str(file)]).exit_code == 0
-    text = file.read_text(encoding="utf-8")
-    file.write_text(text.replace("aerodynamic_arm_m = 9.5 ", "aerodynamic_arm_m = -2 "))
-    result = run(file)
+def test_a_stable_vehicle_has_no_boundary_to_fly(stable_vehicle):
+    result = run(stable_vehicle)
 
     assert result.exit_code == 2
     assert "unstable" in result.output

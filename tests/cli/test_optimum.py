@@ -80,11 +80,8 @@ def test_bad_input_is_exit_code_two_and_one_sentence(
     assert names in result.output
 
 
-def test_a_stable_vehicle_needs_nothing(tmp_path: Path) -> None:
-    file = tmp_path / "stable.toml"
-    text = (Path(tv.__file__).parent / "vehicle/shipped" / "configuration-i.toml").read_text()
-    file.write_text(text.replace("aerodynamic_arm_m = 9.45", "aerodynamic_arm_m = -9.45"))
-    document = json.loads(run(str(file), "--model", "fixed-path", "--json").output)
+def test_a_stable_vehicle_needs_nothing(stable_vehicle: Path) -> None:
+    document = json.loads(run(str(stable_vehicle), "--model", "fixed-path", "--json").output)
 
     assert document["peak_deg"] == 0.0
     assert document["first_segment"] == "none"

@@ -196,16 +196,11 @@ def test_the_table_says_it_in_words():
     assert "lets go" not in short
 
 
-def test_a_stable_vehicle_needs_a_limit(tmp_path):
-    file = tmp_path / "stable.toml"
-    assert CliRunner().invoke(app, ["init", str(file)]).exit_code == 0
-    text = file.read_text(encoding="utf-8")
-    file.write_text(text.replace("aerodynamic_arm_m = 9.5 ", "aerodynamic_arm_m = -2 "))
-
-    result = run(file)
+def test_a_stable_vehicle_needs_a_limit(stable_vehicle):
+    result = run(stable_vehicle)
     assert result.exit_code == 2
     assert "--limit-deg" in result.output
-    found = document(file, "--limit-deg", "0.1")
+    found = document(stable_vehicle, "--limit-deg", "0.1")
     assert found["sufficient"] is True
     assert "oscillation" in found["verdict"]["left_over"]
 

@@ -5,18 +5,10 @@ import mpmath
 import numpy as np
 import pytest
 
+from tests.margin_numbers import NUMBERS
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
 
-NUMBERS = [
-    "aero_margin",
-    "gain_increase",
-    "phase_margin",
-    "delay_margin",
-    "disk_margin",
-    "peak_sensitivity",
-    "peak_complementary_sensitivity",
-]
 OMEGA = np.geomspace(1e-4, 2e3, 9_000)
 COURSE = [1.317 * 1.59, 1.317 * 1.88], [1, 0, -0.228]
 

@@ -10,29 +10,12 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import tvclin as tv
-from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant, SampledWind, TriangularWind
+from tests.flying import BETA, COEFFICIENTS, GAINS, LAG, LAWS, MORE, PEAK, SERVO, WIND, B, plant_of
+from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, TriangularWind
 from tvclin.flights.closed_loop import continuous
 from tvclin.flights.closed_loop.equations import LinearEquations
 from tvclin.linear.plant import MODELS
 
-PEAK = 0.08
-COEFFICIENTS = Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
-BETA, B = float(COEFFICIENTS.beta), float(COEFFICIENTS.B)
-WIND = SampledWind(
-    time=[0.013, 2.0, 7.577, 7.577, 11.0], angle=PEAK * np.array([0, 0.3, 1, 0.8, 0])
-)
-GAINS = {"attitude_gain": 3 * B, "rate_gain": 3 * B / BETA}
-MORE = {"alpha_gain": 0.03, "integral_gain": 0.02}
-SERVO, LAG = Actuator(natural_frequency=20.0), Actuator(natural_frequency=8.0, damping=None)
-LAWS = {
-    "gains": lambda plant: tv.SaturatedLaw(Autopilot(**GAINS)),
-    "all gains": lambda plant: tv.SaturatedLaw(Autopilot(**GAINS, **MORE)),
-    "trim": lambda plant: tv.TrimLaw(plant_of(), gain=4.0),
-    "lean": lambda plant: tv.RecoverableAttitudeLaw(plant, gain=5.0, design_peak=PEAK),
-    "estimated": lambda plant: tv.RecoverableAttitudeLaw(
-        plant, reach=0.7, gain=4.0, estimator=tv.WindEstimator(bandwidth=6.0)
-    ),
-}
 CASES = [
     ("gains", "fixed-path", 1.1, {}),
     ("gains", "fixed-path", 1.1, {"actuator": SERVO, "rate_limit": 0.004}),
@@ -54,10 +37,6 @@ CORNERS = 10.0 * PROMISED
 """The same where a limit or the end of a lean leaves a corner inside a step, which only the error
 control sees; a corner costs the polynomial of a step about one more decimal."""
 EACH_CASE = pytest.mark.parametrize(("name", "model", "part", "hardware"), CASES)
-
-
-def plant_of(model="fixed-path"):
-    return Plant.from_coefficients(COEFFICIENTS, model)
 
 
 def asked(name, law, x, memory, wind, limit):

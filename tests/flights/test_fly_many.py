@@ -7,37 +7,20 @@ import pytest
 from scipy.linalg import expm
 
 import tvclin as tv
-from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant, SampledWind, TriangularWind
+from tests.flying import BETA, GAINS, LAG, MORE, PEAK, SERVO, WIND, B, plant_of
+from tests.flying import LAWS as FLOWN
+from tvclin import Autopilot, Coefficients, InputError, SampledWind, TriangularWind
 from tvclin.kernels.choice import available, pinned
 
-PEAK, LONG = 0.08, 12.0
-COEFFICIENTS = Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
-BETA, B = float(COEFFICIENTS.beta), float(COEFFICIENTS.B)
-WIND = SampledWind(
-    time=[0.013, 2.0, 7.577, 7.577, 11.0], angle=PEAK * np.array([0, 0.3, 1, 0.8, 0])
-)
-GAINS = {"attitude_gain": 3 * B, "rate_gain": 3 * B / BETA}
-MORE = {"alpha_gain": 0.03, "integral_gain": 0.02}
-SERVO, LAG = Actuator(natural_frequency=20.0), Actuator(natural_frequency=8.0, damping=None)
+LONG = 12.0
 GYRO = tv.WindEstimator(bandwidth=6.0, rate_noise=1e-4, seed=3)
-LAWS = {
-    "gains": lambda plant: tv.SaturatedLaw(Autopilot(**GAINS)),
-    "all gains": lambda plant: tv.SaturatedLaw(Autopilot(**GAINS, **MORE)),
-    "trim": lambda plant: tv.TrimLaw(plant_of(), gain=4.0),
+LAWS = FLOWN | {
     "dead band": lambda plant: tv.DeadBandLaw(plant_of()),
-    "lean": lambda plant: tv.RecoverableAttitudeLaw(plant, gain=5.0, design_peak=PEAK),
-    "estimated": lambda plant: tv.RecoverableAttitudeLaw(
-        plant, reach=0.7, gain=4.0, estimator=tv.WindEstimator(bandwidth=6.0)
-    ),
     "noisy": lambda plant: tv.RecoverableAttitudeLaw(plant, dead_band=0.001, estimator=GYRO),
 }
 HARDWARE = ({}, {"actuator": SERVO, "rate_limit": 0.006}, {"actuator": LAG, "rate_limit": 0.01})
 NEEDS_NUMBA = pytest.mark.skipif(not available(), reason="needs numba")
 EACH_WAY = pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=NEEDS_NUMBA)])
-
-
-def plant_of(model="fixed-path", coefficients=COEFFICIENTS):
-    return Plant.from_coefficients(coefficients, model)
 
 
 def shown(flown):

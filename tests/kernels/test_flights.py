@@ -6,6 +6,7 @@ import pytest
 import tvclin as tv
 from tvclin import Actuator, Autopilot, Coefficients, Plant
 from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.flights.closed_loop import sampled
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels.choice import available, pinned
@@ -168,3 +169,33 @@ def test_polynomial_pieces_are_the_wind(wind):
         found = sum(pieces[index, j] * u**j for j in range(c.shape[-1]))
         expected = np.atleast_2d(wind(times))[k]
         np.testing.assert_allclose(found, expected, atol=1e-11 * np.abs(expected).max())
+
+
+def test_flights_of_all_shapes_are_one_kind_of_arrays_so_that_they_are_compiled_once(monkeypatch):
+    kinds, made = set(), sampled.flights
+
+    def noted(*arguments, **options):
+        f = made(*arguments, **options)
+        arrays = [one for one in f if isinstance(one, np.ndarray)]
+        kinds.add(tuple((a.dtype, a.ndim, a.flags.carray) for a in arrays))
+        return f
+
+    monkeypatch.setattr(sampled, "flights", noted)
+    one = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    many = tv.Plant(tv.Coefficients.from_beta(beta=np.array([0.5, 0.4]), B=0.1))
+    law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.5))
+    wind = tv.TriangularWind(peak=0.05, duration=0.1)
+    winds = tv.TriangularWind(peak=[0.05, -0.02], duration=0.1)
+    short = {"sample_rate": 50, "until": 0.2}
+    for plant, laws, blown, limit in (
+        (one, law, wind, 0.02),
+        (one, law, winds, 0.02),
+        (one, law, wind, [0.02, 0.01]),
+        (one, law, winds, [[0.02], [0.01]]),
+        (one, np.array([law, tv.TrimLaw(one)]), wind, 0.02),
+        (many, law, wind, 0.02),
+        (many, law, winds, [[0.02], [0.01]]),
+    ):
+        tv.fly_many(plant, laws, blown, deflection_limit=limit, **short)
+    assert len(kinds) == 1
+    assert all(writable for *_, writable in kinds.pop())

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.sixty_digits import carried
 from tvclin.kernels.choice import pinned
 from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.threads import VARIABLE
@@ -155,35 +156,6 @@ def test_beyond_all_numbers_a_lost_attitude_is_infinite(model: str, run: None) -
     assert np.all(found[1:] == np.copysign(np.inf, found[0]))
 
 
-def carried(
-    plant: tv.Plant, inputs: list[tv.History], times: np.ndarray, matrices: list[np.ndarray]
-) -> np.ndarray:
-    """The outputs at rising times from zero on: a matrix exponential with sixty digits a step.
-
-    The inputs are straight lines between their knots; beside the states the exponential carries
-    their values and slopes.
-    """
-    A, B, C, D = (mp.matrix(m.tolist()) for m in matrices)
-    n = A.rows
-    big = mp.zeros(n + 4)
-    big[:n, :n], big[:n, n : n + 2] = A, B
-    big[n, n + 2] = big[n + 1, n + 3] = 1
-    edges = sorted({0.0, *times.tolist(), *(float(k) for h in inputs for k in h.knots)})
-    state, rows = mp.zeros(n, 1), []
-    for start, stop in pairwise([*edges, edges[-1] + 1.0]):
-        lines = mp.zeros(4, 1)
-        for i, history in enumerate(inputs):
-            piece = int(np.searchsorted(history.knots, start, side="right")) - 1
-            if piece >= 0:
-                value, slope = (mp.mpf(float(c)) for c in history.pieces.coefficients[piece, 0])
-                since = mp.mpf(start) - mp.mpf(float(history.knots[piece]))
-                lines[i], lines[i + 2] = value + slope * since, slope
-        if start in times:
-            rows.append([float(v) for v in C * state + D * lines[:2, 0]])
-        state = (mp.expm(big * (mp.mpf(stop) - mp.mpf(start))) * mp.matrix([*state, *lines]))[:n, 0]
-    return np.array(rows).T
-
-
 @pytest.mark.parametrize("model", MODELS)
 def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     plants = dispersed(model, 7, (3,))
@@ -194,7 +166,7 @@ def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     for k in range(3):
         matrices = [m[k] for m in plants.matrices()]
         with mp.workdps(60):
-            expected = carried(plants, [deflection, wind], times, matrices)
+            expected = carried([deflection, wind], times, matrices)
         scale = np.max(np.abs(expected), axis=-1, keepdims=True)
         assert np.max(np.abs(found[k] - expected) / scale) < AGREE
 

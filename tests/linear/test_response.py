@@ -176,15 +176,7 @@ def test_a_knot_on_the_grid_makes_forced_response_right_and_one_off_it_does_not(
 @pytest.mark.parametrize("model", MODELS)
 def test_a_batch_is_the_loop_over_its_elements(model: str) -> None:
     c = coefficients()
-    many = tv.Coefficients(
-        mu_alpha=c.mu_alpha * np.array([[1.0], [1.3]]),
-        mu_delta=c.mu_delta,
-        C1=c.C1,
-        C2=c.C2,
-        b1=c.b1,
-        b2=c.b2,
-        q=c.q,
-    )
+    many = c.replace(mu_alpha=c.mu_alpha * np.array([[1.0], [1.3]]))
     winds = tv.TriangularWind(peak=np.array([0.1, -0.05, 0.02]), duration=np.array([3.0, 7.0, 9.0]))
     held = tv.HeldDeflection(limit=np.array([-0.003, 0.002, -0.001]))
     times = np.linspace(-1.0, 12.0, 27)

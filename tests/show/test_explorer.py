@@ -99,30 +99,19 @@ def test_the_report_s_control_has_its_exact_response() -> None:
 
 @pytest.mark.parametrize("law", [law for law in LAWS if law != REPORT])
 @pytest.mark.parametrize("limit", [0.0052, 0.0078])
-def test_a_flight_and_its_fate_are_those_of_the_kernels(law: str, limit: float) -> None:
+def test_a_flight_and_its_outcome_are_those_of_the_kernels(law: str, limit: float) -> None:
     c = asked(law=law, limit=limit, model="fixed-path", attitude_gain=0.21, rate_gain=0.2)
     found = answer(c).motion
     assert found is not None
     numbers = (0.21, 0.2) if law == GAINS else (1.0,)
-    flown = tv.fly_many(
-        plant_of(c),
-        law_of(plant_of(c), law, numbers, c.peak),
-        wind_of(c),
-        deflection_limit=limit,
-        sample_rate=parts.SAMPLE_RATE,
-        until=float(found.time[-1]),
-    )
-    fate = tv.fly_many(
-        plant_of(c),
-        law_of(plant_of(c), law, numbers, c.peak),
-        wind_of(c),
-        deflection_limit=limit,
-        sample_rate=parts.SAMPLE_RATE,
-    )
+    case = plant_of(c), law_of(plant_of(c), law, numbers, c.peak), wind_of(c)
+    sampled = {"deflection_limit": limit, "sample_rate": parts.SAMPLE_RATE}
+    flown = tv.fly_many(*case, **sampled, until=float(found.time[-1]))
+    outcome = tv.fly_many(*case, **sampled)
 
     assert np.abs(found.attitude).max() == pytest.approx(float(flown.peak_attitude), rel=1e-6)
     assert np.abs(found.deflection).max() <= limit * (1.0 + 1e-12)
-    assert found.survived is (str(fate.status) == "survived")
+    assert found.survived is (str(outcome.status) == "survived")
 
 
 def test_what_did_not_change_is_not_computed_again() -> None:

@@ -37,7 +37,7 @@ pytestmark = [
     ),
 ]
 
-PATIENCE = 90.0
+LONGEST_WAIT = 90.0
 """Seconds; on a quiet machine each step takes a few."""
 _SEEN = """const seen = one => one ? one.getBoundingClientRect() : {width: 0, height: 0};
 const image = document.querySelector('.jp-OutputArea img.widget-image');
@@ -100,7 +100,7 @@ def answers(address: str) -> bool:
 
 def test_the_panel_follows_a_slider_in_the_browser(address: str, browser: Any) -> None:
     def until(what: Any) -> Any:
-        return WebDriverWait(browser, PATIENCE, 0.2, [WebDriverException]).until(what)
+        return WebDriverWait(browser, LONGEST_WAIT, 0.2, [WebDriverException]).until(what)
 
     def seen() -> Any:
         return browser.execute_script(_SEEN)

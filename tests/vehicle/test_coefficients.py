@@ -8,22 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tvclin
+from tests.vehicles import CONFIGURATION_I
 from tvclin import Coefficients, InputError
 
 G = 9.80665
 NAMES = ("mu_alpha", "mu_delta", "C1", "C2", "b1", "b2", "q")
 EXTENSIVE = ("weight", "moment_of_inertia", "normal_force_slope", "thrust", "axial_force")
-TABLE_I = {
-    "weight": 1.48e6,
-    "moment_of_inertia": 2.25e7,
-    "normal_force_slope": 6.67e5,
-    "thrust": 2.495e6,
-    "aerodynamic_arm": 9.45,
-    "control_arm": 23.56,
-    "axial_force": 8.07e4,
-    "velocity": 538.81,
-    "attitude": np.radians(44.83),
-}
 
 
 def as_row(coefficients):
@@ -31,39 +21,23 @@ def as_row(coefficients):
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "last_digit"),
+    ("name", "first", "second", "last_digits"),
     [
-        ("beta", 0.52928, 1e-5),
-        ("B", 0.107229, 1e-6),
-        ("C1", 0.0250613, 1e-7),
-        ("b1", 0.0283514, 1e-7),
-        ("b2", 0.0168588, 1e-7),
-        ("K1", 0.979390, 1e-6),
+        ("beta", 0.52928, 0.39570, (1e-5, 1e-5)),
+        ("B", 0.107229, 0.0965056, (1e-6, 1e-7)),
+        ("C1", 0.0250613, 0.0338274, (1e-7, 1e-7)),
+        ("b1", 0.0283514, 0.0375151, (1e-7, 1e-7)),
+        ("b2", 0.0168588, 0.0273860, (1e-7, 1e-7)),
+        ("K1", 0.979390, 0.976619, (1e-6, 1e-6)),
     ],
 )
-def test_configuration_i_has_the_coefficients_computed_by_hand(
-    configuration_i, name, value, last_digit
+def test_both_configurations_have_the_coefficients_computed_by_hand(
+    configuration_i, configuration_ii, name, first, second, last_digits
 ):
-    found = getattr(Coefficients.from_vehicle(configuration_i), name)
-    assert found == pytest.approx(value, abs=0.51 * last_digit)
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "last_digit"),
-    [
-        ("beta", 0.39570, 1e-5),
-        ("B", 0.0965056, 1e-7),
-        ("C1", 0.0338274, 1e-7),
-        ("b1", 0.0375151, 1e-7),
-        ("b2", 0.0273860, 1e-7),
-        ("K1", 0.976619, 1e-6),
-    ],
-)
-def test_configuration_ii_has_the_coefficients_computed_by_hand(
-    configuration_ii, name, value, last_digit
-):
-    found = getattr(Coefficients.from_vehicle(configuration_ii), name)
-    assert found == pytest.approx(value, abs=0.51 * last_digit)
+    both = zip((configuration_i, configuration_ii), (first, second), last_digits, strict=True)
+    for vehicle, value, last_digit in both:
+        found = getattr(Coefficients.from_vehicle(vehicle), name)
+        assert found == pytest.approx(value, abs=0.51 * last_digit)
 
 
 def test_c2_over_beta_squared_is_the_slow_root_of_the_report(configuration_i, configuration_ii):
@@ -92,10 +66,10 @@ def test_the_coefficients_are_the_formulas_of_appendix_b(configuration):
 
 @given(factor=st.floats(1e-6, 1e6))
 def test_a_common_factor_on_all_forces_and_the_inertia_changes_nothing(factor):
-    scaled = TABLE_I | {name: factor * TABLE_I[name] for name in EXTENSIVE}
+    scaled = CONFIGURATION_I | {name: factor * CONFIGURATION_I[name] for name in EXTENSIVE}
     np.testing.assert_allclose(
         as_row(Coefficients.from_vehicle(tvclin.Vehicle(**scaled))),
-        as_row(Coefficients.from_vehicle(tvclin.Vehicle(**TABLE_I))),
+        as_row(Coefficients.from_vehicle(tvclin.Vehicle(**CONFIGURATION_I))),
         rtol=1e-14,  # rounding of the factor itself
     )
 

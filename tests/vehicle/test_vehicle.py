@@ -6,20 +6,9 @@ import numpy as np
 import pytest
 
 import tvclin
+from tests.vehicles import CONFIGURATION_I
 
-NUMBERS = {
-    "weight": 1.48e6,
-    "moment_of_inertia": 2.25e7,
-    "normal_force_slope": 6.67e5,
-    "thrust": 2.495e6,
-    "aerodynamic_arm": 9.45,
-    "control_arm": 23.56,
-    "axial_force": 8.07e4,
-    "velocity": 538.81,
-    "attitude": 0.78,
-    "time": 66.0,
-    "control_force_slope": 1e6,
-}
+NUMBERS = CONFIGURATION_I | {"control_force_slope": 1e6}
 AERODYNAMICS = {
     "dynamic_pressure": 45_000.0,
     "reference_area": 34.0,

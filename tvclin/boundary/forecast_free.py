@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import InputError, broadcast, ending, instance, nonnegative, number, plain
 from tvclin.kernels.choice import run
+from tvclin.kernels.futures import largest_futures
 from tvclin.kernels.pieces import rows
-from tvclin.kernels.switches import largest_futures
 from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -34,8 +34,9 @@ FloatArray = NDArray[np.float64]
 EXACT = "exact"
 BOUND = "bound of the fast mode"
 _ROUNDING = 1e-12
+"""What a wind of one sign may be beyond zero, over its peak."""
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
-"""About what a knot of a case takes, in plain Python and as machine code."""
+"""About what a breakpoint of a case takes, in plain Python and as machine code."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     knots = which.size * winds[0].shape[-1]
     run(
         largest_futures,
-        (winds, which, pole.ravel(), found),
+        (winds, which, pole.flatten(), found),
         which.size,
         _SECONDS * knots,
         _COMPILED_SECONDS * knots,

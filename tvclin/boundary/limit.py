@@ -54,6 +54,7 @@ FloatArray = NDArray[np.float64]
 COMPARABLE = 0.05
 """Another unstable mode that grows at this part of the fastest one's rate counts beside it."""
 _TOGETHER = 1e-4
+"""Two real poles nearer than this part are together: one limit cannot meet both conditions."""
 
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
@@ -286,8 +287,8 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, NDArray[np.bool_]]:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
+    plant
+        As of `unstable_poles`.
 
     Returns
     -------

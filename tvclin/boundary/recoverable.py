@@ -27,7 +27,8 @@ from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
-_MOST_MODES = 2
+MOST_MODES = 2
+"""Unstable modes for which the set is known in closed form."""
 _SECONDS, _COMPILED_SECONDS = 5e-5, 5e-7
 """About what one reach takes, in plain Python and as machine code."""
 
@@ -96,12 +97,14 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     single("plant", plant.batch)
     poles = unstable_poles(plant)
-    if not poles.size or np.iscomplexobj(poles) or poles.size > _MOST_MODES:
+    if not poles.size or np.iscomplexobj(poles) or poles.size > MOST_MODES:
         raise InputError(
             "plant must have one or two real unstable poles, as the models fixed-path, drift and"
             f" mostly drift-exact of an unstable vehicle have; {plant.model} has here:"
             f" {poles_in_words(poles)}"
         )
+    # With l A = s l, z = c l x obeys z' = s z + c (l b) delta + c (l w) alpha_w. c (l b) = -s/B
+    # makes that s (z - delta/B - k alpha_w), k = -c (l w)/s.
     A, inputs, _, _ = plant.matrices()
     rows = [left_vector(A, pole) for pole in poles]
     scaled = np.array(

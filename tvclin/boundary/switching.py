@@ -28,7 +28,7 @@ from tvclin.winds.histories import History
 FloatArray = NDArray[np.float64]
 
 _SECONDS, _COMPILED_SECONDS = 6e-5, 3e-7
-"""About what a knot of a case takes, in plain Python and as machine code."""
+"""About what a breakpoint of a case takes, in plain Python and as machine code."""
 
 
 @dataclass(frozen=True)

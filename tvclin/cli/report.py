@@ -35,7 +35,7 @@ def report(
     from tvclin.show.report.page import page_of
 
     plan = example_plan() if source is None else load_study(source)
-    doubts = plan.sizing.doubts if plan.sizing is not None else []
+    doubts = plan.sizing.warnings if plan.sizing is not None else []
     findings: list[Findings] = []
 
     # The page is made within, so that a place that cannot be written is told before the work.

@@ -153,9 +153,9 @@ def size(
 
         save_figure(sizing_chart(found, asked.limit), plot)
     if as_json:
-        print_json(sizing_document(found, total, [*asked.doubts, *asked.notes]))
+        print_json(sizing_document(found, total, [*asked.warnings, *asked.notes]))
     else:
-        print_sizing(found, total, source, asked.counted, [*asked.doubts, *asked.notes])
+        print_sizing(found, total, source, asked.counted, [*asked.warnings, *asked.notes])
     if asked.limit is not None and not total.sufficient:
         raise typer.Exit(1)
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import within
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 FloatArray = NDArray[np.float64]
 
@@ -25,7 +26,6 @@ LOWEST = -5_000.0
 _BEYOND = 14_000.0
 """So far [m] the ends of the range are continued; farther off the air stays what it is there."""
 _EARTH_RADIUS = 6_356_766.0
-_GRAVITY = 9.80665
 _GAS_CONSTANT = 8.31432 / 28.9644e-3
 _HEAT_RATIO = 1.4
 _BASES = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3])
@@ -97,7 +97,7 @@ def density_at(altitude: float) -> float:
     above = height - bottom
     ratio = lapse * above / base
     mean = log1p(ratio) / ratio if ratio else 1.0
-    pressure *= exp(-_GRAVITY * above / (_GAS_CONSTANT * base) * mean)
+    pressure *= exp(-STANDARD_GRAVITY * above / (_GAS_CONSTANT * base) * mean)
     return pressure / (_GAS_CONSTANT * (base + lapse * above))
 
 
@@ -106,7 +106,7 @@ def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
     ratio = lapse * above / base
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(ratio == 0.0, 1.0, np.log1p(ratio) / ratio)
-    return _GRAVITY * above / (_GAS_CONSTANT * base) * mean
+    return STANDARD_GRAVITY * above / (_GAS_CONSTANT * base) * mean
 
 
 @cache

@@ -48,7 +48,8 @@ SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
 _FLY: dict[str, Callable[..., TimeResponseData]] = {"planar": fly_planar, "sixdof": fly_sixdof}
 _HIGHEST = 4.0
-_HAIR = 1e-9
+"""Limits that are tried, over the largest trim deflection; what needs more is refused."""
+_AT_LIMIT = 1e-9
 """A deflection so near the limit, over the limit, is at it."""
 
 
@@ -204,7 +205,7 @@ def _let_go(
 ) -> float:
     """When the limit is let go; the rows become NaN from there on."""
     flown = np.flatnonzero(np.isfinite(rows[0]))
-    if not flown.size or abs(rows[-1, flown[-1]]) < limit * (1.0 - _HAIR):
+    if not flown.size or abs(rows[-1, flown[-1]]) < limit * (1.0 - _AT_LIMIT):
         return np.inf
     when = let_go(plant, wind, times, rows[0])
     rows[:, times > when] = np.nan

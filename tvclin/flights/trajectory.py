@@ -35,7 +35,9 @@ from tvclin.winds.sampled import straight_lines
 FloatArray = NDArray[np.float64]
 
 _RTOL = 1e-11
+"""Of the solver: the nominal flight enters all others, which are exact to about 1e-9."""
 _STEEP = np.radians(89.9)
+"""The path at which a nominal flight ends: straight up or down it has no plane."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,7 +81,10 @@ def asked(law: Any, measured: Any, states: Any, limit: float) -> float:
 
 @inlined
 def leaning(law: Any, theta: float, rate: float, path: float, wind: float, limit: float) -> float:
-    """Return u = z - k w + gain (z - Z), as a deflection; `wind` counts from the path too."""
+    """Return u = z - k w + gain (z - Z), as a deflection; `wind` counts from the path too.
+
+    With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z.
+    """
     wind = wind - path
     size = max(abs(wind) - law.dead_band, 0.0)
     felt = law.wind * (-size if wind < 0.0 else size)
@@ -93,7 +96,12 @@ def leaning(law: Any, theta: float, rate: float, path: float, wind: float, limit
 
 @inlined
 def leant(law: Any, slow: float, felt: float, wind: float, D: float) -> float:
-    """Return Z: the lean that the wind, the recoverable set and the design wind allow."""
+    """Return Z: the lean that the wind, the recoverable set and the design wind allow.
+
+    Z = k w + 3 z2, no further than M = min(reach D, k max(A, 1.1 |w|) - trust D) and beyond that by
+    as much as the slow coordinate z2 asks for on its side. Z lags behind k w by 0.9 D at the most,
+    so that the fast mode is held with what is left; and Z lies in the recoverable set with z2.
+    """
     reach = law.reach * D
     most = reach
     if law.peak < math.inf:

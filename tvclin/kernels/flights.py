@@ -225,7 +225,10 @@ def about(f: Flights, i: int, now: float) -> None:
 def polynomial(
     pieces: FloatArray, knots: FloatArray, w: int, j: int, now: float, here: FloatArray
 ) -> None:
-    """Write the coefficients of a piece of a wind about a time; zeros before the first."""
+    """Write the coefficients of a piece of a wind about a time; zeros before the first.
+
+    The Taylor shift c(v) -> c(u + v), by Horner's scheme again and again.
+    """
     terms = here.size
     if j < 0:
         for r in range(terms):
@@ -241,7 +244,11 @@ def polynomial(
 
 @inlined
 def judged(f: Flights, i: int) -> None:
-    """Decide a flight after its wind, if that can be done; one that was saved may yet be lost."""
+    """Decide a flight after its wind, if that can be done; one that was saved may yet be lost.
+
+    Lost outside the recoverable set |z1| < D, slow_ends(z1) about z2 (see `boundary.recoverable`,
+    whose rows times the states are z1 and z2); saved when both stay below a part of D for a while.
+    """
     p, n = f.vehicle[i], f.A.shape[1]
     reach, ratio = f.reach[p] * f.limit[i], f.ratio[p]
     if not reach > 0.0:
@@ -264,7 +271,11 @@ def judged(f: Flights, i: int) -> None:
 
 @inlined
 def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
-    """Move a flight by a sample."""
+    """Move a flight by a sample.
+
+    The command of sample k acts from k + late on, or where the delay is no whole number of samples
+    within that step: its first part (1) still has the command before, its second (0) this one.
+    """
     p, limit, measured = f.vehicle[i], f.limit[i], f.measured[i]
     mode = switched(engage * limit, release * limit, demand, f.mode[i])
     f.mode[i] = mode
@@ -328,7 +339,11 @@ def freely(f: Flights, i: int, J: FloatArray, c: float) -> None:
 
 @inlined
 def held_back(f: Flights, i: int, part: int, c: float) -> bool:
-    """Return whether rate or stop bound the nozzle in a part, and bound where it comes to."""
+    """Return whether rate or stop bound the nozzle in a part, and bound where it comes to.
+
+    One of first order sets out with omega (c - s) and is slower ever after: `quick` is omega times
+    the length of the part, so that it is compared with what the limited rate covers in it.
+    """
     p, n, y, new, most = f.vehicle[i], f.A.shape[1], f.y[i], f.next[i], f.rate_limit[i]
     reach = most * f.lengths[p, 1 + part]
     bounded = abs(c - y[n]) * f.quick[p, part] > reach
@@ -345,7 +360,10 @@ def held_back(f: Flights, i: int, part: int, c: float) -> bool:
 
 @inlined
 def evenly(f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, last: float) -> None:
-    """Write the states of the vehicle where the deflection goes evenly from first to last."""
+    """Write the states of the vehicle where the deflection goes evenly from first to last.
+
+    x <- Phi x + ramp [first, last] + the wind's part of J.
+    """
     n, y, here, new = f.A.shape[1], f.y[i], f.here[i], f.next[i]
     for r in range(n):
         total = ramp[r, 0] * first + ramp[r, 1] * last

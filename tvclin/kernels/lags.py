@@ -111,7 +111,10 @@ def _particular(c: NDArray[Any], gap: NDArray[Any]) -> NDArray[Any]:
 
 
 def _resonant(c: NDArray[Any], gap: NDArray[Any], degree: int) -> NDArray[Any]:
-    """The polynomial, times e^(pole u), that answers a rate on or near the pole."""
+    """The polynomial, times e^(pole u), that answers a rate on or near the pole.
+
+    integral from 0 to u of c v^k e^(gap v) dv = sum over j of c gap^j/j! u^(k+j+1)/(k + j + 1).
+    """
     gap = gap[..., np.newaxis, :]
     result = np.zeros((*c.shape[:-1], degree + 1), dtype=np.result_type(c, gap))
     for k in range(c.shape[-1]):

@@ -15,11 +15,12 @@ FloatArray = NDArray[np.float64]
 
 _EVEN = 401
 """Logarithmic frequencies over the whole range."""
-_BELOW, _BEYOND = 1e-3, 1e2
+BELOW, BEYOND = 1e-3, 1e2
 """The range begins so far below the smallest root and ends so far beyond the largest."""
-_AROUND = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
+AROUND = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
 """Around a root, in units of its distance from the axis."""
 _ON_AXIS = 1e-6
+"""The least distance from the axis by which points are spread around a root, over its size."""
 _FAR, _ZERO = 1e7, 1e-12
 """Over the fastest pole: a zero farther out is rounding, and so is a smaller root."""
 _BESIDE, _FARTHEST = 1e-3, 1e30
@@ -53,12 +54,12 @@ def frequencies(loop: Rational, found: Stability) -> FloatArray:
     size = np.abs(roots)
     largest = np.nan_to_num(size).max(axis=-1)
     counted = size > _ZERO * fastest
-    low = _BELOW * np.where(counted, size, np.inf).min(axis=-1)
+    low = BELOW * np.where(counted, size, np.inf).min(axis=-1)
     low = np.where(np.isfinite(low), low, 1e-3)
-    high = np.maximum(_BEYOND * largest, 1e3 * low)
+    high = np.maximum(BEYOND * largest, 1e3 * low)
     steps = np.geomspace(low, high, _EVEN, axis=-1)
     width = np.maximum(np.abs(roots.real), _ON_AXIS * size)
-    offsets = np.concatenate([-_AROUND[:0:-1], _AROUND])
+    offsets = np.concatenate([-AROUND[:0:-1], AROUND])
     near = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
     turning = np.sqrt(_real_crossings(loop))
     parts = [steps, near.reshape(len(near), roots.shape[-1] * offsets.size), found.crossovers]

@@ -24,9 +24,10 @@ _TOGETHER = 512
 _AT_CROSSING = 1e-3
 """The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
 _AT_INFINITY = np.array([1.0, 0.0, 0.5])
-"""What |S|, |T| and |S - T|/2 tend to."""
+"""What |S|, |T| and |S - T|/2 tend to, as L tends to zero."""
 _WORTH = 0.3
-"""Samples that stand above their neighbours are refined if they reach this part of the highest."""
+"""Samples that stand above their neighbours are refined if they reach this part of the highest: a
+lower one could overtake it only if the grid had missed more than two thirds of its height."""
 _SHARP = 1e-11
 """The part of its frequency that may be missing at a summit: light damping makes them sharp."""
 
@@ -74,6 +75,8 @@ def classical_margins(found: LoopFindings) -> FloatArray:
     Aero margin and gain increase as factors, phase margin [rad] and delay margin [s]; infinite,
     and their frequencies [rad/s] NaN, where there is none.
     """
+    # k L is -1 for k = 1/|L| where L is real and negative: the gain may fall by 1/k where k < 1 and
+    # rise to k where k > 1. L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n.
     factors, at = found.factors, found.phase_frequencies
     omega, phases = found.gain_frequencies, found.phases
     with np.errstate(divide="ignore"):
@@ -131,6 +134,7 @@ def _phase_crossovers(
     found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
     true = np.abs(angle(found, case)) < _AT_CROSSING
     true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
+    # L(0) = N(0)/D(0), the last coefficients, is a crossing that no change of sign shows.
     at_zero = np.flatnonzero(loop.numerator[:, -1] * loop.denominator[:, -1] < 0.0)
     case = np.concatenate([at_zero, case[true]])
     found = np.concatenate([np.zeros(at_zero.size), found[true]])
@@ -145,7 +149,7 @@ def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:
 
 
 def _angle(above: ComplexArray, below: ComplexArray) -> FloatArray:
-    """How far N/D may lag more [rad] until it is real and negative."""
+    """How far N/D may lag more [rad] until it is real and negative: arg(-N conj(D))."""
     real = -(above.real * below.real + above.imag * below.imag)
     return np.arctan2(_imaginary(above, below), real)
 
@@ -189,7 +193,11 @@ def _peaks(
 
 
 def _sizes(above: ComplexArray, below: ComplexArray) -> list[FloatArray]:
-    """The sizes of S = D/(D + N), T = N/(D + N) and (S - T)/2."""
+    """The sizes of S = 1/(1 + L) = D/(D + N), T = L/(1 + L) = N/(D + N) and (S - T)/2.
+
+    One over the largest of the last is the disk margin: L f is stable for all f in the disk
+    (1 + d/2)/(1 - d/2), |d| < alpha, exactly if alpha |S - T|/2 < 1 everywhere.
+    """
     over = inverse(below + above)
     S, T = product(below, over), product(above, over)
     return [np.sqrt(of.real**2 + of.imag**2) for of in (S, T, 0.5 * (S - T))]

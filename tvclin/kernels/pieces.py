@@ -67,14 +67,15 @@ def rows(
 ) -> tuple[tuple[NDArray[Any], NDArray[Any], NDArray[Any]], NDArray[np.intp]]:
     """Return knots, coefficients and rates for kernels, and which row each case of `shape` takes.
 
-    Histories on one axis, as many as there are; the cases that share one share its row.
+    Histories on one axis, as many as there are; the cases that share one share its row. All can be
+    written to, for a kernel is compiled anew for arrays that can not.
     """
     own = spread(pieces, pieces.batch)
     kind = np.result_type(pieces.coefficients, pieces.rates, float)
     coefficients, rates = flat(own.coefficients, 3, kind), flat(own.rates, 1, kind)
     arrays = flat(own.knots, 1, np.dtype(float)), coefficients, rates
     which = np.arange(arrays[0].shape[0]).reshape(pieces.batch)
-    return arrays, np.broadcast_to(which, shape).ravel()
+    return arrays, np.broadcast_to(which, shape).flatten()
 
 
 def value(pieces: Pieces, t: NDArray[np.float64]) -> NDArray[Any]:

@@ -13,6 +13,7 @@ from tvclin.kernels import polynomials
 FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-13
+"""A value below this part of the sum of its terms is their rounding: a zero on the axis."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,9 +26,11 @@ LOSS = 4.0
 MORE = 47
 """No series has so many terms beyond those of its input."""
 SEPARATE = 1e-3
-"""Poles nearer to each other than this, over the largest or over the time, count as near."""
+"""Poles nearer to each other than this, over the largest or over the time, count as near: their
+residues are large and cancel, by about one over it."""
 FORWARD = 20.0
-"""A plant that grows by no more than e^20 may be carried forward."""
+"""A plant that grows by no more than e^20 may be carried forward, which loses as many digits as
+e^20 has; one that grows more keeps its modes although two poles are near."""
 EPS, ROUNDINGS, DEAD = 2.0**-52, 32.0, 750.0
 """As in `residues`: of numbers, in one term of a transform, and an exponent that ends it."""
 
@@ -184,6 +186,8 @@ def carry(times: Any, plant: Any, case: Any, even: Any, span: Any, table: Any, o
             span.lengths[q] = 0
         for m in range(plant.poles.size):
             pole, ahead = plant.poles[m], width if span.backward[m] else reach
+            # z(u) - a(u) = w e^(p u), with w from the end at which z is known: from the left
+            # z(0) - a(0) (lead), or for what grows from the right z(width) - a(width) (tail).
             start, stop = follow(pole, plant.gains[m], case, i, ahead, span)
             if span.backward[m]:
                 span.lead[m] = 0.0
@@ -245,7 +249,11 @@ def follow(pole: Any, gain: Any, case: Any, i: Any, width: Any, span: Any) -> An
 
 @kernel
 def foresee(pole: Any, gain: Any, case: Any, mode: Any, span: Any) -> Any:
-    """Write what a mode that grows is at each knot if it stays bounded; False if it cannot."""
+    """Write what a mode that grows is at each knot if it stays bounded; False if it cannot.
+
+    After the last knot a bounded z is the answer a alone; before it, from the right,
+    z(0) = a(0) + e^(-p width) [z(width) - a(width)].
+    """
     last = case.knots.size - 2
     for q in range(case.rates.size):
         if case.lengths[last, q] > 0 and not (case.rates[q] - pole).real < 0.0:

@@ -173,7 +173,11 @@ def add_modes(
 
 @kernel
 def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Any) -> Any:
-    """Return how much of e^(pole (t - u)) there is from u on, real and imaginary part."""
+    """Return how much of e^(pole (t - u)) there is from u on, real and imaginary part.
+
+    lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): the shares that are counted
+    from the left end, from the right end, and from the first knot of all.
+    """
     real, imaginary = 0.0, 0.0
     for part in range(3):
         share, time = span.lead[mode], u

@@ -7,11 +7,14 @@ import numpy as np
 from tvclin.kernels.source import bare, kernel
 
 _STEPS = 60
+"""Of an iteration, which takes ten or so; a cluster more."""
 _POLISHED = 2
+"""Steps of Newton on the polynomial itself: one, and one for what it leaves."""
 _ALONE = 1e-3
 """A root is moved by no more than this part of its distance from the next one: the errors of a
 cluster belong together, and moving them one by one would spoil what they have in common."""
 _ROUNDING = 4.0 * 2.0**-52
+"""An iteration ends where a step is below this part of the root."""
 
 
 @kernel

@@ -103,12 +103,7 @@ def triangular_attitude_with_drift(
     Returns
     -------
     float or ndarray
-        (Theta - Theta_n)/(-alpha_w,max).
-
-    Raises
-    ------
-    InputError
-        As `triangular_attitude`.
+        As of `triangular_attitude`, and so is what is refused.
 
     Notes
     -----

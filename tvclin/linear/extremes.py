@@ -15,7 +15,12 @@ from tvclin.winds.histories import History
 FloatArray = NDArray[np.float64]
 Function = Callable[[FloatArray], FloatArray]
 
-_COARSE, _BETWEEN, _FINE, _ROUNDS = 2001, 100, 41, 5
+_COARSE, _BETWEEN = 2001, 100
+"""Times at which extremes are looked for: even ones over all, and ones between two breakpoints. A
+swing that is shorter than both is not seen."""
+_FINE, _ROUNDS = 41, 5
+"""Times between two samples beside the highest, and how often: 20^-5 of the interval is left, and a
+summit is flat, so that its height is known to rounding."""
 _NOTHING = 1e-9
 """An attitude error below this part of the wind's peak is rounding."""
 _FLOWN = 1e-3
@@ -192,7 +197,7 @@ def _over(times: FloatArray, towards: FloatArray, wind: History, smallest: float
 
 
 def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
-    """Return times [s] from `start` to `stop`, even, and more of them around the knots."""
+    """Return times [s] from `start` to `stop`, even, and more of them around the breakpoints."""
     near = np.concatenate([history.probe_times(_BETWEEN).ravel() for history in histories])
     near = near[(near >= start) & (near <= stop)]
     return np.unique(np.concatenate([np.linspace(start, stop, _COARSE), near]))

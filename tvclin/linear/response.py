@@ -1,7 +1,7 @@
 """The forced response of a plant, exact at any time and on the stability boundary.
 
 The response is taken apart into the modes of the plant. A mode that does not grow is the
-discounted past of its inputs, carried from knot to knot. A mode that grows is written as
+discounted past of its inputs, carried from breakpoint to breakpoint. One that grows is written as
 
     z(t) = R e^(p t) - (discounted future of its inputs),
 
@@ -74,7 +74,7 @@ def attitude_response(
     deflection, wind : History
         Any two histories, not batches.
     timepts : array_like
-        Times [s], ``(n,)``, in any order and spacing; knots need not be among them.
+        Times [s], ``(n,)``, in any order and spacing; breakpoints need not be among them.
 
     Returns
     -------

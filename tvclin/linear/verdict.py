@@ -33,7 +33,8 @@ class Verdict:
         True when every residue is zero within `tolerance`, ``(...)``.
     residues : ndarray
         Residue of the attitude [rad] at each unstable pole, ``(..., N)``, with the time counted
-        from the first knot of the two histories, so that it means the same however late they are.
+        from the first breakpoint of the two histories, so that it means the same however late they
+        are.
     tolerance : ndarray
         The rounding [rad] to which each residue is known, ``(..., N)``.
     left_over : LeftOver
@@ -92,10 +93,8 @@ def residues(plant: Plant, deflection: History, wind: History) -> NDArray[Any]:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
-    deflection, wind : History
-        Any two histories; their batches broadcast with the plant's.
+    plant, deflection, wind
+        As of `attitude_responses`.
 
     Notes
     -----
@@ -116,10 +115,8 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
-    deflection, wind : History
-        Any two histories; their batches broadcast with the plant's.
+    plant, deflection, wind
+        As of `attitude_responses`.
     """
     modes = unstable_modes(plant)
     start = first_time(deflection, wind)

@@ -161,21 +161,12 @@ def _draw_contours(axes: "Axes") -> None:
 def bode_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     """Draw magnitude and phase of the loop, with its exact delay, against frequency.
 
+    A margin at zero frequency is marked on the left edge.
+
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
-
-    Raises
-    ------
-    InputError
-        For a batch.
-
-    Notes
-    -----
-    A margin at zero frequency is marked on the left edge.
+    autopilot, plant
+        As of `nichols_chart`.
     """
     import matplotlib.pyplot as plt
 

@@ -95,8 +95,8 @@ def figure_5(
 
     Parameters
     ----------
-    tau_beta : array_like, optional
-        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given.
+    tau_beta
+        As of `boundary_chart`.
     dead_bands : sequence of float
         K, one for each panel.
     vehicles : sequence of Vehicle or str

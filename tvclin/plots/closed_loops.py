@@ -51,23 +51,14 @@ _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder
 def step_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     """Draw attitude and deflection after a step of the attitude command.
 
-    Parameters
-    ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
-
-    Raises
-    ------
-    InputError
-        For a batch.
-
-    Notes
-    -----
     The loop is linear: deg per deg are rad per rad. A delay is its Pade approximation, as in
     `Autopilot.close`. The horizon is the time in which the closed-loop modes die down, but very
     slow ones are not followed to their end; what is approached is marked on the right edge.
+
+    Parameters
+    ----------
+    autopilot, plant
+        As of `nichols_chart`.
     """
     import control
     import matplotlib.pyplot as plt
@@ -126,17 +117,10 @@ def wind_chart(autopilot: Autopilot, plant: Plant, wind: History) -> "ControlPlo
 
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
+    autopilot, plant
+        As of `nichols_chart`.
     wind : History
         One wind angle of attack [rad].
-
-    Raises
-    ------
-    InputError
-        For a batch.
 
     Notes
     -----
@@ -185,7 +169,7 @@ def _wind_curves(
 
 
 def _times(start: float, stop: float, wind: History) -> FloatArray:
-    """Even times, and both sides of every knot of the wind."""
+    """Even times, and both sides of every breakpoint of the wind."""
     sides = np.concatenate([np.nextafter(wind.knots, -np.inf), wind.knots])
     sides = sides[(sides >= start) & (sides <= stop)]
     return np.unique(np.concatenate([np.linspace(start, stop, _POINTS), sides]))
@@ -200,18 +184,18 @@ def _wind_horizon(
     system = autopilot.close(plant)[list(_STEP), "wind"]
     if margins.status == "unstable":
         return first, first + _rounded(_horizon(system, np.inf))
-    patience = max(2.0 * (last - first), _FEW / margins.crossover_frequency)
-    return first, first + _rounded(last - first + _horizon(system, patience))
+    longest = max(2.0 * (last - first), _FEW / margins.crossover_frequency)
+    return first, first + _rounded(last - first + _horizon(system, longest))
 
 
-def _horizon(system: "control.StateSpace", patience: float) -> float:
+def _horizon(system: "control.StateSpace", longest: float) -> float:
     """Return the time [s] in which all modes that count die down, or one of them grows.
 
     Parameters
     ----------
     system : control.StateSpace
         The closed loop, with the outputs and the one input in question.
-    patience : float
+    longest : float
         The longest time [s] for which slow modes are followed; NaN for no end.
     """
     poles, vectors = np.linalg.eig(system.A)
@@ -227,7 +211,7 @@ def _horizon(system: "control.StateSpace", patience: float) -> float:
         rest = min(_GROWN / float(poles.real.max()), 10.0 * rest)
     elif turning.size:
         rest = _FEW / float(turning.min())
-    return float(np.fmin(rest if np.isfinite(rest) else _FEW / scale, patience))
+    return float(np.fmin(rest if np.isfinite(rest) else _FEW / scale, longest))
 
 
 def _rounded(time: float) -> float:

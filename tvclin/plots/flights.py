@@ -40,18 +40,14 @@ def flight_curves(flight: FlightBeside, name: str, parameters: str) -> Curves:
     return Curves(name, parameters, "time [s]", flight.times, (*columns, wind))
 
 
-def flight_chart(curves: Curves, title: str, calm: float = np.inf) -> "ControlPlot":
+def flight_chart(curves: Curves, title: str, wind_end: float = np.inf) -> "ControlPlot":
     """Draw the curves of `flight_curves`, a panel for each.
 
     Parameters
     ----------
-    curves : Curves
-        The numbers.
-    title : str
-        Title of the figure.
-    calm : float
-        Time [s] at which the wind ends. What is exceeded later leaves the frame.
+    curves, title, wind_end
+        As of `response_chart`.
     """
     ordinates = {panel: f"{panel} [deg]" for panel in _PANELS}
     ordinates["wind"] = "wind angle of attack [deg]"
-    return draw(curves, Look(title, ordinates, _STYLES, limits=frames(curves, calm)))
+    return draw(curves, Look(title, ordinates, _STYLES, limits=frames(curves, wind_end)))

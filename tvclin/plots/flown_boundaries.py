@@ -69,42 +69,39 @@ def figure_10(
     assumed. Along the trajectory planar equations are flown, and what the report does not give is
     assumed too.
     """
-    return _figure(10, vehicle, dead_bands, (tau_beta, along), engine)
+    return _figure(10, vehicle, dead_bands, tau_beta=tau_beta, along=along, engine=engine)
 
 
 def figure_11(
-    vehicle: str = "configuration-ii",
-    dead_bands: Sequence[float] = (1.0, 0.5),
-    *,
-    tau_beta: ArrayLike = TAU_BETA,
-    along: ArrayLike = 4.0,
-    engine: str | None = None,
+    vehicle: str = "configuration-ii", dead_bands: Sequence[float] = (1.0, 0.5), **options: Any
 ) -> ControlPlot:
     """Draw the report's figure 11: the boundary of configuration II, theoretical and flown.
 
     Parameters
     ----------
-    vehicle, dead_bands, tau_beta, along, engine
+    vehicle, dead_bands, **options
         As of `figure_10`.
     """
-    return _figure(11, vehicle, dead_bands, (tau_beta, along), engine)
+    return _figure(11, vehicle, dead_bands, **options)
 
 
 def _figure(
     number: int,
     name: str,
     dead_bands: Sequence[float],
-    durations: tuple[ArrayLike, ArrayLike],
-    engine: str | None,
+    *,
+    tau_beta: ArrayLike = TAU_BETA,
+    along: ArrayLike = 4.0,
+    engine: str | None = None,
 ) -> ControlPlot:
     flies = chosen_engine(engine)
-    frozen, along = (positive("tau_beta", np.atleast_1d(b)) for b in durations)
-    x = np.unique(np.concatenate([_CURVES, frozen, along]))
+    durations = [positive("tau_beta", np.atleast_1d(b)) for b in (tau_beta, along)]
+    x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
     columns = [
         column
         for letter, K in zip("abcdefghij", dead_bands, strict=False)
-        for column in _panel(f"({letter}) K = {K:g}", name, K, x, (frozen, along), flies)
+        for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, flies)
     ]
     c = Coefficients.from_vehicle(vehicle)
     what = (
@@ -130,7 +127,7 @@ def _panel(
     name: str,
     K: float,
     x: FloatArray,
-    durations: tuple[FloatArray, FloatArray],
+    durations: Sequence[FloatArray],
     engine: str,
 ) -> list[Column]:
     c = Coefficients.from_vehicle(load_vehicle(name))

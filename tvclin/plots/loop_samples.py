@@ -124,15 +124,8 @@ def sampled(what: str, autopilot: Autopilot, plant: Plant) -> LoopSamples:
     ----------
     what : str
         Name of the figure, for the refusals.
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
-
-    Raises
-    ------
-    InputError
-        For a batch.
+    autopilot, plant
+        As of `nichols_chart`.
     """
     require_one(what, autopilot, plant)
     loop = autopilot.rational_loop(plant)

@@ -26,23 +26,14 @@ _ARC = 181
 def nyquist_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     """Draw the Nyquist curve of the loop, the whole of it and the surroundings of -1.
 
-    Parameters
-    ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
-
-    Raises
-    ------
-    InputError
-        For a batch.
-
-    Notes
-    -----
     The delay is exact. Around poles of the loop on the imaginary axis the contour is indented to
     the right, and what lies far out is drawn nearer, dash-dotted. The disk is the one of the disk
     margin: the curve touches it and does not enter.
+
+    Parameters
+    ----------
+    autopilot, plant
+        As of `nichols_chart`.
     """
     import matplotlib.pyplot as plt
 

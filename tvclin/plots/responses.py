@@ -120,11 +120,7 @@ def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
 
 
 def figure_6(
-    vehicle: Vehicle | str = "configuration-i",
-    dead_band: float = 1.0,
-    *,
-    engine: str | None = None,
-    **options: Any,
+    vehicle: Vehicle | str = "configuration-i", dead_band: float = 1.0, **options: Any
 ) -> "ControlPlot":
     """Draw the report's figure 6: attitude of configuration I with drift, K = 1, and flown.
 
@@ -134,10 +130,9 @@ def figure_6(
         One vehicle, or what `load_vehicle` finds it by.
     dead_band : float
         K.
-    engine : {"sixdof", "planar"}, optional
-        What flies; JSBSim where it is installed, else "planar".
     **options
-        tau_beta, factors, until and points, as of `attitude_chart`.
+        tau_beta, factors, until and points, as of `attitude_chart`; and engine, what flies:
+        "sixdof", which is JSBSim and stands where it is installed, or "planar".
 
     Notes
     -----
@@ -145,58 +140,46 @@ def figure_6(
     report are not printed as numbers; these are frozen at the vehicle's own time, and the size
     of the wind is assumed.
     """
-    return _with_drift(6, vehicle, dead_band, engine, options)
+    return _with_drift(6, vehicle, dead_band, **options)
 
 
 def figure_7(
-    vehicle: Vehicle | str = "configuration-i",
-    dead_band: float = 0.5,
-    *,
-    engine: str | None = None,
-    **options: Any,
+    vehicle: Vehicle | str = "configuration-i", dead_band: float = 0.5, **options: Any
 ) -> "ControlPlot":
     """Draw the report's figure 7: attitude of configuration I with drift, K = 0.5, and flown.
 
     Parameters
     ----------
-    vehicle, dead_band, engine, **options
+    vehicle, dead_band, **options
         As of `figure_6`.
     """
-    return _with_drift(7, vehicle, dead_band, engine, options)
+    return _with_drift(7, vehicle, dead_band, **options)
 
 
 def figure_8(
-    vehicle: Vehicle | str = "configuration-ii",
-    dead_band: float = 1.0,
-    *,
-    engine: str | None = None,
-    **options: Any,
+    vehicle: Vehicle | str = "configuration-ii", dead_band: float = 1.0, **options: Any
 ) -> "ControlPlot":
     """Draw the report's figure 8: attitude of configuration II with drift, K = 1, and flown.
 
     Parameters
     ----------
-    vehicle, dead_band, engine, **options
+    vehicle, dead_band, **options
         As of `figure_6`.
     """
-    return _with_drift(8, vehicle, dead_band, engine, options)
+    return _with_drift(8, vehicle, dead_band, **options)
 
 
 def figure_9(
-    vehicle: Vehicle | str = "configuration-ii",
-    dead_band: float = 0.5,
-    *,
-    engine: str | None = None,
-    **options: Any,
+    vehicle: Vehicle | str = "configuration-ii", dead_band: float = 0.5, **options: Any
 ) -> "ControlPlot":
     """Draw the report's figure 9: attitude of configuration II with drift, K = 0.5, and flown.
 
     Parameters
     ----------
-    vehicle, dead_band, engine, **options
+    vehicle, dead_band, **options
         As of `figure_6`.
     """
-    return _with_drift(9, vehicle, dead_band, engine, options)
+    return _with_drift(9, vehicle, dead_band, **options)
 
 
 def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
@@ -209,8 +192,9 @@ def _with_drift(
     number: int,
     vehicle: Vehicle | str,
     dead_band: float,
-    engine: str | None,
-    options: dict[str, Any],
+    *,
+    engine: str | None = None,
+    **options: Any,
 ) -> "ControlPlot":
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
     flies = chosen_engine(engine)

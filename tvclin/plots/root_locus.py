@@ -41,10 +41,8 @@ def root_locus_chart(
 
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
+    autopilot, plant
+        As of `nichols_chart`.
     gains : array_like, optional
         Factors on the loop gain, zero or positive, ``(n,)``; from zero to beyond the
         gain-increase margin where not given. The factor 1 is the loop as it is.
@@ -52,7 +50,7 @@ def root_locus_chart(
     Raises
     ------
     InputError
-        For a batch, and factors that are no row of numbers above or at zero.
+        As `nichols_chart`, and for factors that are no row of numbers above or at zero.
 
     Notes
     -----

@@ -53,7 +53,7 @@ def response_curves(
 
 
 def response_chart(
-    curves: Curves, title: str, calm: float = np.inf, across: int = 2
+    curves: Curves, title: str, wind_end: float = np.inf, across: int = 2
 ) -> "ControlPlot":
     """Draw the curves of `response_curves`: angles, rate, deflection and wind.
 
@@ -63,22 +63,22 @@ def response_chart(
         The numbers.
     title : str
         Title of the figure.
-    calm : float
-        Time [s] at which the wind ends. What the response exceeds later leaves the frame.
+    wind_end : float
+        Time [s]. What the response exceeds later leaves the frame.
     across : int
         Panels in one row.
     """
     return draw(
-        curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves, calm), across=across)
+        curves, Look(title, _ORDINATES, _STYLES, limits=frames(curves, wind_end), across=across)
     )
 
 
-def frames(curves: Curves, calm: float) -> dict[str, tuple[float, float]]:
+def frames(curves: Curves, until: float) -> dict[str, tuple[float, float]]:
     """Return the ends of the ordinate of each panel, by what it shows up to a time [s].
 
     What exceeds that later leaves the frame.
     """
-    before = curves.abscissa <= calm
+    before = curves.abscissa <= until
     limits = {}
     for panel, columns in curves.panels.items():
         values = np.stack([column.values for column in columns])

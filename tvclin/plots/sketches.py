@@ -159,7 +159,7 @@ def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> No
 
 
 def _times_with_jumps(*histories: History) -> FloatArray:
-    """Times from before the wind to after it, with both sides of every knot."""
+    """Times from before the wind to after it, with both sides of every breakpoint."""
     knots = np.concatenate([history.knots.ravel() for history in histories])
     knots = knots[(knots >= 0.0) & (knots <= 1.5)]
     even = np.linspace(-0.25, 1.5, 351)

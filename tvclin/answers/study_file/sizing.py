@@ -233,7 +233,7 @@ class SizingAsked:
         )
 
     @property
-    def doubts(self) -> list[str]:
+    def warnings(self) -> list[str]:
         """Why the flight may not be what was meant; nothing where it is the study's own."""
         if not self.another:
             return []

@@ -73,9 +73,9 @@ class Constraints:
         return self.in_rows(-column * np.exp(-column * u))
 
     def moments(self, knots: FloatArray) -> FloatArray:
-        """Return the integrals of e_i between the knots ``(k + 1,)``, shape ``(n, k)``.
+        """Return the integrals of e_i between the times ``(k + 1,)``, shape ``(n, k)``.
 
-        The last knot may be infinite.
+        The last may be infinite.
         """
         column = self.poles[:, np.newaxis]
         width = np.diff(knots)

@@ -7,7 +7,10 @@ A small linear program on a grid finds where the sign changes, Newton's iteratio
 
     L1(lambda)^2/2 - lambda . d  ->  min,      at the minimum L1 = peak,
 
-whose gradient and Hessian follow from the zeros of the sum, takes it to rounding.
+takes it to rounding. With m = integral e sgn(lambda . e), the gradient of L1, and the zeros t_j of
+the sum, its gradient is L1 m - d and its Hessian
+
+    m m' + L1 sum over j of 2 e(t_j) e(t_j)'/|slope of the sum at t_j| .
 """
 
 from __future__ import annotations
@@ -18,18 +21,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.boundary.optimum.constraints import Constraints
-from tvclin.boundary.optimum.exponential_sums import SignedSum, Window
+from tvclin.boundary.optimum.exponential_sums import TRUNCATED, SignedSum, Window, even_for
 
 FloatArray = NDArray[np.float64]
 
-_EPS = float(np.finfo(float).eps)
 _NEWTON_STEPS = 60
+"""Beyond those that a quadratic end takes, for a start with several small multipliers; where they
+do not suffice the grid is refined, and a result that does not arrive says so."""
 _HALVINGS = 12
+"""Of a step that makes the conditions worse: 1/2048 of it is the last that is tried."""
 _FAINT = 1e-6
 """What is below this part of the largest counts as lost in the tolerance of a linear program."""
 _ARRIVED = 1e-13
+"""Violation of a condition over the sizes of its terms: some hundred roundings."""
 _LOST = 1e-200
+"""Multipliers so far below the largest are not told from zero: e^-460."""
 _SINGULAR = 1e-13
+"""Singular values of a Newton step below this part of the largest are rounding: no step along."""
 _ROUNDS = 4
 """So often the grid of the linear program is refined if Newton's iteration does not arrive."""
 
@@ -84,6 +92,8 @@ def _slowest_last(window: Window) -> SignedSum | None:
     pole, end = float(c.decays[row]), window.end
     moments = c.moments(np.concatenate([[0.0], found.zeros, [end]]))[row]
     side = found.signs[-1]
+    # The switch at t takes 2 side times the integral of e^(-p u) from t to the end off the moment,
+    # which shall be d/L1: that integral is `beyond` = (e^(-p t) - e^(-p end))/p.
     beyond = 0.5 * side * (moments @ found.signs - c.demands[row] / found.norm)
     if not 0.0 < beyond < moments[-1]:
         return None
@@ -143,6 +153,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     again for the cells from there on: the poles whose multipliers are known are served best,
     under the conditions at the others.
     """
+    # The largest t for which some |v_j| <= 1 have the moments t d: then 1/t is the peak.
     moments = constraints.moments(cells)
     sizes = np.abs(moments).sum(axis=1)
     demands = constraints.demands / np.abs(constraints.demands / sizes).max()
@@ -190,12 +201,11 @@ def _linear_program(
 def _first_cells(window: Window) -> FloatArray:
     """Cells as even as can be for every pole: in e^(-p u/4), and within each period."""
     c = window.constraints
-    last = min(window.end, 34.0 / c.decays.min())
+    last = min(window.end, TRUNCATED / c.decays.min())
     parts = [np.array([0.0, last])]
     for pole in c.poles:
         decay = np.real(pole)
-        reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
-        parts.append(-4.0 / decay * np.log1p(-np.linspace(0.0, reach, 150)))
+        parts.append(even_for(decay, last, 150))
         if np.imag(pole):
             count = min(last * np.imag(pole) / np.pi * 24.0, 4000.0)
             parts.append(np.linspace(0.0, last, int(count) + 2))
@@ -329,6 +339,7 @@ def _in_logarithms(
 
 def _newton_step(window: Window, found: SignedSum) -> FloatArray:
     """The step of Newton's iteration, with columns scaled: multipliers differ by many decades."""
+    # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = window.constraints
     slopes = np.abs(found.multipliers @ c.slopes(found.zeros))
     weights = np.sqrt(2.0 * found.norm / np.maximum(slopes, 1e-200 * found.norm + 1e-300))

@@ -17,11 +17,15 @@ FloatArray = NDArray[np.float64]
 
 _FADED = 60.0
 """Past this many e-folding times of the slowest real pole a change of sign is not sought."""
-_TRUNCATED = 34.0
+TRUNCATED = 34.0
 """Where a complex pair never stops to change sign, it is followed for so many e-folding times."""
 _GEOMETRIC = 600
+"""Points of the grid, evenly spaced in their logarithm: fifty or so a decade. Two zeros between
+neighbours are found by the dip between them; two dips there would be missed."""
 _PER_HALF_PERIOD = 16
+"""Points of the grid for each half wave of a complex pole."""
 _MOST_POINTS = 200_000
+"""Points for one complex pole, which bounds the memory: beyond, half waves are sampled coarsely."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,7 @@ class Window:
         c = self.constraints
         if c.real or np.isfinite(c.horizon):
             return float(c.horizon)
-        return float(_TRUNCATED / c.decays.min())
+        return float(TRUNCATED / c.decays.min())
 
     @cached_property
     def grid(self) -> FloatArray:
@@ -131,6 +135,12 @@ class SignedSum:
     signs: FloatArray
     norm: float
     moments: FloatArray
+
+
+def even_for(decay: float, last: float, count: int) -> FloatArray:
+    """Return times [s] from zero on, even in e^(-decay u/4), up to `last` or 100 decay times."""
+    reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
+    return -4.0 / decay * np.log1p(-np.linspace(0.0, reach, count))
 
 
 def _refined(

@@ -16,8 +16,8 @@ from tvclin.base.errors import InputError, broadcast, ending, instance
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
+from tvclin.kernels.futures import from_onset
 from tvclin.kernels.pieces import rows
-from tvclin.kernels.switches import from_onset
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -25,7 +25,7 @@ from tvclin.winds.histories import History
 FloatArray = NDArray[np.float64]
 
 _SECONDS, _COMPILED_SECONDS = 3e-5, 1e-7
-"""About what a knot takes for each pole, in plain Python and as machine code."""
+"""About what a breakpoint takes for each pole, in plain Python and as machine code."""
 _SPANS, _MARGIN = (3.0, 5.0, 8.0, 12.0, 18.0, 25.0), 1e-10
 """Times p T that are tried for a proof that a peak is enough, and what is left to rounding."""
 _CLOSER = tuple(float(span) for span in range(1, 31))
@@ -148,6 +148,8 @@ def _proved(
         died, turned = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
         fits = np.ones(p.shape, dtype=bool)
         for side in (-1.0, 1.0):
+            # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p; for the others c (1 - e^(-s T))/s is done,
+            # and the rest is counted from T.
             c = (p * np.real(demands[:, 0]) + side * peak * died) / (1.0 - died)
             done = c[:, np.newaxis] * (1.0 - turned) / others
             rest = (demands[:, 1:] - done) / turned

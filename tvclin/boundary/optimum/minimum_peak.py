@@ -23,7 +23,9 @@ STABLE = "no unstable pole: no deflection is needed"
 UNTOUCHED = "the wind excites no unstable pole: no deflection is needed"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 _GAP = 1e-9
+"""Relative gap and residual of a certificate up to which a peak is proved; else it is said."""
 _ROUNDING = 1e-14
+"""A switch so near the horizon, relative, is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,6 +228,8 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
 
     Times that come from nearly dependent conditions (a short horizon) are made exact to rounding.
     """
+    # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
+    # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
     limit = _limit(window, switches)
     violation = _violation(window, switches, limit)
     for _ in range(3 if switches.size else 0):

@@ -19,6 +19,7 @@ from tvclin.base.errors import (
     shown,
 )
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
+from tvclin.boundary.optimum.exponential_sums import even_for
 from tvclin.boundary.optimum.minimum_peak import OK, STABLE, UNTOUCHED, optimum_deflection
 from tvclin.boundary.optimum.rate_program import RateProgram
 from tvclin.linear.plant import Plant
@@ -31,10 +32,17 @@ _RATES = (1e-15, 1e9)
 _FEWEST_STEPS, _MOST_STEPS = 10, 10_000
 """Steps of the program."""
 _REFINEMENTS = 8
+"""Programs on nodes that are made finer; `change` says how far the last one moved the peak."""
 _SETTLED = 1e-8
+"""A peak that changes by less than this part is found."""
 _ACTIVE = 1e-7
+"""A value so near to the peak, or a change so near to the full rate, is at it: the tolerance of a
+linear program."""
 _DECAYED = 20.0
+"""Nodes reach so many times as far as the slowest pole decays in: what comes later changes the peak
+by e^-20."""
 _MOST_SPLIT = 40
+"""Intervals that are split at a time, those of the highest price, which bounds the program."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +163,7 @@ def _refined(
         if change < _SETTLED:
             break
         nodes = _with_corners(program, *found)
-    values = None if best is None else best.calmest(reached * (1.0 + _SETTLED))
+    values = None if best is None else best.least_motion(reached * (1.0 + _SETTLED))
     if best is None or values is None:
         raise _refusal(constraints, nodes, rate, unit)
     return best, values * unit, max(change, 0.0)
@@ -175,9 +183,7 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
     share = max(steps // constraints.poles.size, 8)
     parts = [np.array([0.0, last]), switches[switches < last]]
     for pole in constraints.poles:
-        decay = np.real(pole)
-        reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
-        parts.append(-4.0 / decay * np.log1p(-np.linspace(0.0, reach, share)))
+        parts.append(even_for(np.real(pole), last, share))
         if np.imag(pole):
             parts.append(np.linspace(0.0, last, share))
     return _apart(np.minimum(np.concatenate(parts), last), 1e-9 / np.abs(constraints.poles).max())
@@ -191,7 +197,7 @@ def _apart(nodes: FloatArray, gap: float) -> FloatArray:
 
 
 def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
-    """The nodes, and more in those pieces that are neither held at the peak nor at full rate.
+    """The nodes, and more in those intervals that are neither held at the peak nor at full rate.
 
     But not where the prices say that nothing can be gained.
     """

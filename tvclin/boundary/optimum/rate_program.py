@@ -16,6 +16,7 @@ FloatArray = NDArray[np.float64]
 
 _PEAK, _MOTION, _RATE = "peak", "motion", "rate"
 _MAGNIFIED = 1e8
+"""What a linear program leaves is enlarged by this and solved for again: its tolerance is 1e-7."""
 _MENDINGS = (1e5, 1e2, 1e2)
 """How far a solution is moved to mend it, in units of 1/_MAGNIFIED."""
 
@@ -44,6 +45,8 @@ class RateProgram:
     @cached_property
     def moments(self) -> FloatArray:
         """Moments of the deflection that is one at a node and zero at the others, ``(n, k)``."""
+        # On an interval of width h from t, with x = (u - t)/h, a node's share is x or 1 - x, and
+        # integral e^(-p u) x du = e^(-p t) h M_1(p h), with the moments M_k of `kernels.moments`.
         c, widths = self.constraints, np.diff(self.nodes)
         column = c.poles[:, np.newaxis]
         both = moments(column * widths, 1)
@@ -61,7 +64,7 @@ class RateProgram:
 
     @property
     def steps(self) -> FloatArray:
-        """The largest change of the deflection in each piece, in units."""
+        """The largest change of the deflection in each interval, in units."""
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:
@@ -78,7 +81,7 @@ class RateProgram:
         prices = found.eqlin.marginals[-self.sizes.size :] / self.sizes
         return self._values(found.x), prices
 
-    def calmest(self, peak: float) -> FloatArray | None:
+    def least_motion(self, peak: float) -> FloatArray | None:
         """Values within a peak, in units, that move as little as can be, to rounding ``(k,)``.
 
         The tolerance of a linear program is mended by another, for 1e8 times what is left.

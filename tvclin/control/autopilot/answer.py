@@ -18,6 +18,7 @@ FloatArray = NDArray[np.float64]
 _SETTLED = 40.0
 """The last piece is followed until the slowest mode has decayed by e^-40."""
 _JUMP = 1e-9
+"""A step of the wind above this part of its largest value is one; less is its rounding."""
 
 
 @dataclass(frozen=True, eq=False)

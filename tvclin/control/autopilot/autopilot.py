@@ -28,7 +28,7 @@ from tvclin.control.autopilot.diagram import with_diagram
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.systems import closed_loop, open_loop, wind_response
 from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback
-from tvclin.control.autopilot.wiring import closed, rational_loop
+from tvclin.control.autopilot.wiring import ClosedLoop, closed, rational_loop
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.plant import Plant
@@ -125,8 +125,8 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant : Plant
-            One plant of any model.
+        plant
+            As of `loop`.
 
         Returns
         -------
@@ -144,37 +144,14 @@ class Autopilot(Feedback):
         UserWarning
             As `loop`. An unstable closed loop is returned like any other: ask for its poles.
         """
-        self._require_single("close", plant)
-        warn_of_feedback(self, plant)
-        system = closed_loop(self, plant)
-        if pade_misleads(self, plant, system.A):
-            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
-        return system
+        return closed_loop(plant, self._closed("close", plant))
 
     def closed_loop_poles(self, plant: Plant) -> NDArray[np.complex128]:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
-        Parameters
-        ----------
-        plant : Plant
-            One plant of any model.
-
-        Raises
-        ------
-        InputError
-            For a batch.
-
-        Warns
-        -----
-        UserWarning
-            As `close`.
+        What it takes, refuses and warns of is as of `close`.
         """
-        self._require_single("closed_loop_poles", plant)
-        warn_of_feedback(self, plant)
-        A = closed(self, plant)[1]
-        if pade_misleads(self, plant, A):
-            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=2)
-        return np.linalg.eigvals(A).astype(complex)
+        return np.linalg.eigvals(self._closed("closed_loop_poles", plant).A).astype(complex)
 
     def rational_loop(self, plant: Plant) -> Loop:
         """Return the loop as polynomials and an exact delay, for one plant or a batch.
@@ -198,8 +175,8 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant : Plant
-            One plant or a batch of any model; it broadcasts with the gains.
+        plant
+            As of `rational_loop`.
 
         Returns
         -------
@@ -271,15 +248,7 @@ class Autopilot(Feedback):
     def in_winds(self, plant: Plant) -> Callable[[History], WindAnswer]:
         """Return the function that gives the `answer` to one wind after another.
 
-        Parameters
-        ----------
-        plant : Plant
-            One plant of any model.
-
-        Raises
-        ------
-        InputError
-            As `answer`.
+        What it takes and refuses is as of `answer`.
         """
         self._require_single("answer", plant)
         _, A, B, C, D = closed(self, plant)
@@ -293,17 +262,15 @@ class Autopilot(Feedback):
 
         Parameters
         ----------
-        plant : Plant
-            One plant of any model.
-        wind : History
-            One wind angle of attack [rad].
+        plant, wind
+            As of `answer`.
         timepts : array_like
-            Times [s], ``(n,)``; knots of the wind need not be among them.
+            Times [s], ``(n,)``; breakpoints of the wind need not be among them.
 
         Returns
         -------
         control.TimeResponseData
-            Outputs those of the plant, and the deflection [rad, rad/s]; input wind [rad].
+            The outputs of `close` [rad, rad/s]; input wind [rad].
 
         Raises
         ------
@@ -316,6 +283,15 @@ class Autopilot(Feedback):
         name = f"{plant.model} with autopilot"
         title = f"Response to wind, {name}"
         return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
+
+    def _closed(self, what: str, plant: Plant) -> ClosedLoop:
+        """The closed loop, with warnings that point at the caller of the method that asks."""
+        self._require_single(what, plant)
+        warn_of_feedback(self, plant, stacklevel=4)
+        found = closed(self, plant)
+        if pade_misleads(self, plant, found.A):
+            warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=3)
+        return found
 
     def _require_single(self, what: str, plant: Plant) -> None:
         instance("plant", plant, Plant, "see Plant.from_vehicle")

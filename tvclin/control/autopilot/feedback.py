@@ -15,6 +15,7 @@ FloatArray = NDArray[np.float64]
 
 GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
 _HIGHEST_PADE = 10
+"""Beyond, the coefficients of the approximation span more decades than a number has digits."""
 
 
 @dataclass(frozen=True, kw_only=True)

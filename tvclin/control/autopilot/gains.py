@@ -196,11 +196,8 @@ def load_minimum_gains(
     ----------
     coefficients : Coefficients
         Those of one vehicle or of a batch.
-    natural_frequency, damping : array_like
-        Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
-        of an aerodynamically stable vehicle itself.
-    **options
-        The other arguments of `Autopilot`: actuator, delay, and so on.
+    natural_frequency, damping, **options
+        As of `drift_minimum_gains`.
 
     Raises
     ------

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wiring import closed, wired
+from tvclin.control.autopilot.wiring import ClosedLoop, wired
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -39,21 +39,20 @@ def open_loop(autopilot: Feedback, plant: Plant) -> control.StateSpace:
     )
 
 
-def closed_loop(autopilot: Feedback, plant: Plant) -> control.StateSpace:
+def closed_loop(plant: Plant, loop: ClosedLoop) -> control.StateSpace:
     """Return the closed loop from the three disturbances to the plant's outputs and deflection."""
     import control
 
-    states, A, B, C, D = closed(autopilot, plant)
     return control.StateSpace(
-        A,
-        B,
-        C,
-        D,
+        loop.A,
+        loop.B,
+        loop.C,
+        loop.D,
         0,
         name=f"{plant.model} with autopilot",
         inputs=list(_DISTURBANCES),
         outputs=[*plant.outputs, "deflection"],
-        states=states,
+        states=loop.states,
     )
 
 

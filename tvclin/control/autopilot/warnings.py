@@ -14,12 +14,12 @@ from tvclin.kernels.stability import stability
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 
-_OUTSIDE = 3
-"""The warning points at the caller of the method that asks."""
 
+def warn_of_feedback(autopilot: Feedback, plant: Plant, stacklevel: int = 3) -> None:
+    """Warn of zero gains, positive feedback, and an actuator slower than the plant.
 
-def warn_of_feedback(autopilot: Feedback, plant: Plant) -> None:
-    """Warn of zero gains, positive feedback, and an actuator slower than the plant."""
+    The warning points at the caller of the method that asks, which is three levels up.
+    """
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
     name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
@@ -40,10 +40,10 @@ def warn_of_feedback(autopilot: Feedback, plant: Plant) -> None:
             warnings.warn(
                 f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
                 f" mu_delta = {per[worst]:.6g} 1/s^2; give it the sign of mu_delta",
-                stacklevel=_OUTSIDE,
+                stacklevel=stacklevel,
             )
         elif gain[worst] == has[worst] == 0.0:
-            warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=_OUTSIDE)
+            warnings.warn(f"{name} is zero: nothing {does} the attitude", stacklevel=stacklevel)
     if autopilot.actuator is None:
         return
     poles = np.real(unstable_modes(plant).poles)
@@ -54,7 +54,7 @@ def warn_of_feedback(autopilot: Feedback, plant: Plant) -> None:
         warnings.warn(
             f"the actuator, natural_frequency = {frequency:.6g} rad/s, is slower than the"
             f" fastest unstable pole of the plant, {np.max(fastest):.6g} 1/s",
-            stacklevel=_OUTSIDE,
+            stacklevel=stacklevel,
         )
 
 

@@ -11,6 +11,7 @@ from tvclin.control.autopilot.wiring import wind_numerator
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
 from tvclin.kernels import polynomials
+from tvclin.kernels.loop_grid import AROUND, BELOW, BEYOND
 from tvclin.linear.plant import Plant
 
 if TYPE_CHECKING:
@@ -20,9 +21,8 @@ FloatArray = NDArray[np.float64]
 
 _EVEN = 801
 """Logarithmic frequencies from far below the smallest root to far beyond the largest."""
-_BELOW, _BEYOND, _ZERO = 1e-3, 1e2, 1e-12
-_AROUND = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.5, 5.0])
-"""Around a root, in units of its distance from the axis."""
+_ZERO = 1e-12
+"""A root that is smaller, over the largest, is one at zero, of which there are no surroundings."""
 _BESIDE = np.geomspace(1e-8, 0.3, 24)
 """Around a frequency at which |L| = 1, where a delay may leave little damping; relative."""
 _PHASE_STEP, _MOST_STEPS = np.pi / 8.0, 20_000
@@ -70,9 +70,9 @@ def _samples(loop: Loop, above: FloatArray, crossovers: FloatArray) -> FloatArra
     roots = np.concatenate([polynomials.roots(part) for part in parts if part.size])
     sizes = np.abs(roots)
     counted = sizes[sizes > _ZERO * sizes.max()]
-    low, high = _BELOW * counted.min(), _BEYOND * counted.max()
+    low, high = BELOW * counted.min(), BEYOND * counted.max()
     widths = np.maximum(np.abs(roots.real), _BESIDE[0] * sizes)
-    offsets = np.concatenate([-_AROUND[1:], _AROUND])
+    offsets = np.concatenate([-AROUND[1:], AROUND])
     every = [
         np.geomspace(low, high, _EVEN),
         (np.abs(roots.imag) + np.multiply.outer(offsets, widths)).ravel(),

@@ -5,6 +5,8 @@ Both say the same blocks, those of `diagram`; tests hold them to each other.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,16 +64,24 @@ def wired(
     return names, motion, np.vstack([seen, deflection]), returned
 
 
-def closed(
-    autopilot: Feedback, plant: Plant
-) -> tuple[list[str], FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the names of the states, and A, B, C, D of the closed loop of one plant."""
+class ClosedLoop(NamedTuple):
+    """Names of the states, and the matrices of x' = A x + B w, y = C x + D w."""
+
+    states: list[str]
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+
+
+def closed(autopilot: Feedback, plant: Plant) -> ClosedLoop:
+    """Return the closed loop of one plant."""
     states, motion, outputs, returned = wired(autopilot, plant)
     n = len(states)
     # No plant passes its deflection on at once, so the returned command does not contain the
     # deflection command, and to put the one for the other closes the loop.
     motion, outputs = (rows[:, :-1] + rows[:, -1:] @ returned[:, :-1] for rows in (motion, outputs))
-    return states, motion[:, :n], motion[:, n:], outputs[:, :n], outputs[:, n:]
+    return ClosedLoop(states, motion[:, :n], motion[:, n:], outputs[:, :n], outputs[:, n:])
 
 
 def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:

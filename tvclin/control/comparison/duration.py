@@ -26,7 +26,7 @@ FloatArray = NDArray[np.float64]
 
 _DURATIONS, _EACH_SWING, _MOST_IN_A_SWING = 41, 16, 2000
 """Durations tried first: over the whole range, in each swing of a mode, and at most for one."""
-_RINGING = 5.0
+_DECAYED = 5.0
 """The swings of a mode are counted until it has fallen to e^-5."""
 _NEAR = 1e-6
 """To which a worst duration is sought, over the shortest."""
@@ -152,10 +152,10 @@ def _summits(x: FloatArray, values: FloatArray) -> list[int]:
 
 
 def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
-    """Durations [s] between which no swing of the closed loop A is lost, as long as it rings."""
+    """Durations [s] between which no swing of the closed loop A is lost, until it has decayed."""
     parts = [np.geomspace(low, high, _DURATIONS)]
     for pole in np.linalg.eigvals(A):
-        last = min(_RINGING / -pole.real, high)
+        last = min(_DECAYED / -pole.real, high)
         if pole.imag > 0.0 and last > low:
             count = int((last - low) * pole.imag / (2.0 * np.pi) * _EACH_SWING) + 2
             parts.append(np.linspace(low, last, min(count, _MOST_IN_A_SWING)))

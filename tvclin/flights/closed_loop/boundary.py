@@ -61,6 +61,7 @@ ABOVE, PARTS, LEVELS = 4, 16, 3
 _LIMITS = (1e-6, 1e6)
 """Limits that may be tried, over the largest trim deflection."""
 _MOST_CUTS = 1000
+"""Times at which a wind may be cut off; each is a wind of its own to be flown."""
 _SAMPLES = 5_000_000
 """Of all winds that are flown together: some hundred megabytes."""
 _CREEPS = 1e-5

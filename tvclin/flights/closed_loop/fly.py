@@ -60,7 +60,7 @@ def fly(
     wind : History
         One wind that ends.
     timepts : array_like
-        Times [s], ``(n,)``; knots and switches need not be among them.
+        Times [s], ``(n,)``; breakpoints and switches need not be among them.
     deflection_limit : float
         Largest deflection [rad], positive.
     rate_limit : float
@@ -89,12 +89,12 @@ def fly(
 
     Notes
     -----
-    Without pause, the knots of the wind, the limit, the switches of the law, and the rate limit and
-    the stop of an actuator are hit by the solver, which runs anew from each to the next, however
-    short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to 1e-8
-    with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a step
-    is exact in which the nozzle meets no limit; in one in which its rate or its stop bounds it the
-    deflection goes evenly from where it begins to where it ends, which is exact while it stays
+    Without pause, the breakpoints of the wind, the limit, the switches of the law, and the rate
+    limit and the stop of an actuator are hit by the solver, which runs anew from each to the next,
+    however short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to
+    1e-8 with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a
+    step is exact in which the nozzle meets no limit; in one in which its rate or its stop bounds it
+    the deflection goes evenly from where it begins to where it ends, which is exact while it stays
     bounded. Either way a late gust is never missed.
 
     Examples

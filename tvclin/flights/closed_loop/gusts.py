@@ -19,8 +19,9 @@ _TERMS = 10
 
 
 def polynomial_pieces(wind: History) -> tuple[FloatArray, FloatArray]:
-    """Return knots ``(winds, k)`` and coefficients ``(winds, k, degree + 1)`` of a batch of winds.
+    """Return a batch of winds as polynomials between breakpoints.
 
+    Breakpoints ``(winds, k)`` and coefficients ``(winds, k, degree + 1)``, lowest power first.
     Winds of straight lines stay exact; pieces with exponentials are cut until a polynomial
     stands for them to 2e-11 of their size.
     """

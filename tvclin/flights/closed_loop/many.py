@@ -153,7 +153,7 @@ def fly_many(
 
     Notes
     -----
-    A step is exact, the wind with all its knots included, in which the nozzle meets no limit.
+    A step is exact, the wind with all its breakpoints included, in which the nozzle meets no limit.
     In one in which its rate or its stop bounds it the deflection goes evenly from where it begins
     to where it ends, which is exact while it stays bounded. Laws of the package are compiled
     (extra `fast`); without numba a second of flight at 100 Hz takes some milliseconds. A law

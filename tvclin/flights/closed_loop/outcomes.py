@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.boundary.recoverable import MOST_MODES
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import Plant
 
@@ -16,7 +17,6 @@ SETTLING = 5.0
 """Saved: settled for so long, over the fastest pole."""
 WAITING = 60.0
 """A flight that is neither lost nor saved by so long after the wind, over the slowest pole."""
-_MOST_MODES = 2
 
 
 class Judging(NamedTuple):
@@ -50,9 +50,9 @@ def judging(plant: Plant) -> Judging:
     columns = np.ascontiguousarray(poles.T)
     real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
     count = np.sum(~np.isnan(columns), axis=0)
-    known = real & (count > 0) & (count <= _MOST_MODES)
-    s = np.full((_MOST_MODES, len(poles)), np.nan)
-    width = min(_MOST_MODES, poles.shape[-1])
+    known = real & (count > 0) & (count <= MOST_MODES)
+    s = np.full((MOST_MODES, len(poles)), np.nan)
+    width = min(MOST_MODES, poles.shape[-1])
     s[:width] = np.real(columns[:width])
     fast, slow = np.where(known, s[0], 1.0), s[1]
     two = known & ~np.isnan(slow)

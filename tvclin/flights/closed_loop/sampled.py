@@ -84,7 +84,10 @@ class Batch:
 
 
 def flights(batch: Batch, *, track: bool = False) -> Flights:
-    """Return the flights of a batch at their start, at rest; of one alone with its track."""
+    """Return the flights of a batch at their start, at rest; of one alone with its track.
+
+    All arrays can be written to: the kernel is compiled anew for those that can not.
+    """
     shape, m = batch.shape, int(np.prod(batch.shape))
     hardware = () if batch.actuator is None else batch.actuator.batch
     own = np.broadcast_shapes(batch.plant.batch, hardware, batch.length.shape, batch.delay.shape)
@@ -117,7 +120,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     return Flights(
         vehicle=vehicle,
         wind=wind,
-        law=np.ascontiguousarray(batch.laws.which),
+        law=batch.laws.which.copy(),
         joint=joint,
         ramp=ramp,
         lengths=lengths,
@@ -236,7 +239,7 @@ def _table(laws: list[LawNumbers]) -> NDArray[Any]:
 def _places(own: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:
     """The position of each element of a batch in a smaller one that broadcasts to it."""
     index = np.arange(int(np.prod(own)), dtype=np.int64).reshape(own)
-    return np.broadcast_to(index, shape).ravel()
+    return np.broadcast_to(index, shape).flatten()
 
 
 def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
@@ -246,8 +249,7 @@ def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
 def _spread(array: FloatArray, shape: tuple[int, ...], trailing: int) -> FloatArray:
     """An array whose leading axes are a batch, spread to a shape and flattened."""
     rest = array.shape[array.ndim - trailing :]
-    spread = np.broadcast_to(array, (*shape, *rest)).reshape(-1, *rest)
-    return np.ascontiguousarray(spread, dtype=float)
+    return np.array(np.broadcast_to(array, (*shape, *rest)).reshape(-1, *rest), float, order="C")
 
 
 def _samples(span: FloatArray, length: FloatArray) -> IntArray:
@@ -289,8 +291,10 @@ def _steps(
 ) -> tuple[FloatArray, FloatArray]:
     """J and ramp of `Flights`.
 
-    d/dt [x, s, c, w0, w1, ...] is constant in these, the wind being w0' = w1, w1' = 2 w2, ...;
-    and so is that of x with a deflection that goes evenly.
+    d/dt [x, s, c, w0, w1, ...] is linear in these, the wind being w0' = w1, w1' = 2 w2, ..., and J
+    the upper rows of the exponential of its matrix. With a deflection that goes evenly from a to b
+    in h, d' = (b - a)/h beside x' = A x + B d: what d = 1 does, less what a rise by one does, is
+    the factor of a, and the latter that of b.
     """
     p, n = A.shape[:2]
     q = 1 if servo is None else servo.shape[1]

@@ -37,7 +37,8 @@ from tvclin.winds.histories import History
 FloatArray = NDArray[np.float64]
 
 _RTOL, _ATOL = 1e-9, 1e-12
-_HAIR = 1e-6
+"""Of the solver, for each step of a flight without a law; angles [rad] are some hundredths."""
+_FURTHER = 1e-6
 """A flight is followed so little further than its end, over the attitude there."""
 
 
@@ -184,7 +185,7 @@ class _TrimThenHold(TrimLaw):
 def _far(t: float, x: FloatArray, *inputs: Any) -> float:
     """What falls through zero where the attitude leaves the range of the model."""
     del t, inputs
-    return FARTHEST * (1.0 + _HAIR) - abs(float(x[0]))
+    return FARTHEST * (1.0 + _FURTHER) - abs(float(x[0]))
 
 
 _far.terminal = True  # type: ignore[attr-defined]

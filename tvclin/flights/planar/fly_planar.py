@@ -80,8 +80,8 @@ def fly_planar(
 
     Notes
     -----
-    Knots of the wind, the limit and the switches of a law are hit by the solver; see `fly`. The
-    nominal deflection, some thousandths of a degree, is not counted against the limit.
+    Breakpoints of the wind, the limit and the switches of a law are hit by the solver; see `fly`.
+    The nominal deflection, some thousandths of a degree, is not counted against the limit.
 
     Examples
     --------

@@ -232,6 +232,7 @@ def _held(on_lean: float, on_rate: float) -> Steering:
 _Case = tuple[Vehicle, str, bool, float, Place]
 _IDLE: dict[_Case, list[Airframe]] = {}
 _KEPT = 8
+"""Cases of which airframes are kept; the oldest goes, as an engine holds some megabytes."""
 
 
 @contextmanager

@@ -36,6 +36,7 @@ from tvclin.winds.histories import History
 FloatArray = NDArray[np.float64]
 
 _SHORTEST, _LONGEST = 1e-4, 0.02
+"""Steps of the engine [s] that are taken."""
 _PER_STEP = 0.05
 """Most that the airframe's own motion may go on in a step; errors are of its square."""
 _PER_SERVO = 0.5

@@ -98,12 +98,9 @@ def fly_sixdof(
     >>> import numpy as np, tvclin as tv
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
-    >>> control = tv.ReportControl(dead_band=1.0)
-    >>> for limit in (0.00120, 0.00126):
-    ...     flown = tv.fly_sixdof(vehicle, control, wind, [0, 15], deflection_limit=limit)
-    ...     print(flown.outputs["attitude"][-1].round(3))
-    -0.092
-    0.092
+    >>> above = {"control": tv.ReportControl(dead_band=1.0), "deflection_limit": 0.00126}
+    >>> tv.fly_sixdof(vehicle, wind=wind, timepts=[0, 15], **above).outputs["attitude"].round(3)
+    array([0.   , 0.092])
     """
     case = SixDof(vehicle, plane, drift, step, earth, condition)
     times = times_row("timepts", timepts)

@@ -33,15 +33,8 @@ def sixdof_verdict(
 
     Parameters
     ----------
-    vehicle, wind, control, plane, drift, step, earth, condition, actuator, rate_limit
-        As of `fly_sixdof`; the wind ends.
-    frozen : bool
-        Whether parameters are frozen; if not, they vary along the nominal flight of `condition`.
-
-    Raises
-    ------
-    InputError
-        As `fly_sixdof`, and for an aerodynamically stable vehicle.
+    step, earth
+        As of `fly_sixdof`, which says what is refused; all others as of `planar_verdict`.
     """
     check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)

@@ -37,7 +37,7 @@ def over_flight(found: Findings) -> Section | None:
         if varying:
             blocks.append(_varying(sizing, j, wind, varying))
     blocks += [_total(total, found.plan.sizing.counted), *_verdict(total)]
-    notes = [Check("doubt", (f"{note}.",)) for note in (*found.plan.sizing.doubts, *sizing.notes)]
+    notes = [Check("doubt", (f"{note}.",)) for note in (*found.plan.sizing.warnings, *sizing.notes)]
     notes += [Check("reader", (f"{note}.",)) for note in found.plan.sizing.notes]
     return Section("flight", _TITLE, (*blocks, *([Checks(tuple(notes))] if notes else [])))
 

@@ -113,7 +113,7 @@ def basis(found: Findings) -> Line:
         kept = ", and a reserve" if found.flight[1].reserve else ""
         line += (f" The flight counts all else that the nozzle has to do{kept}.",)
     if found.flight is not None and found.plan.sizing is not None:
-        line += tuple(f" Beware: {doubt}." for doubt in found.plan.sizing.doubts)
+        line += tuple(f" Beware: {doubt}." for doubt in found.plan.sizing.warnings)
     if found.dispersed is None or found.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")

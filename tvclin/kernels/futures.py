@@ -1,0 +1,82 @@
+"""What is still to come of a wind, discounted: at its onset, and at its largest.
+
+W(t) = p integral from t on of e^(-p (r - t)) f(r) dr is the demand of `excess` for a wind that is
+trimmed at once, so W' = p (W - f).
+"""
+
+from typing import Any
+
+import numpy as np
+
+from tvclin.kernels.excess import ENOUGH, RISES, carry, cells, changes, demand, driver, onset, root
+from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.terms import future
+
+
+@kernel
+def largest_futures(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
+    """Write p times a wind's discounted future, over its peak, where it is largest.
+
+    At the onset, the largest, and its time [s], to ``out (n, 3)``, for ``poles (n,)`` [1/s]. It
+    rises as long as it is above the wind, W' = p (W - f): it is largest at a knot, or where a wind
+    that rises comes up to it.
+    """
+    knots, coefficients, rates = winds
+    kept = np.empty((3, knots.shape[1]))
+    work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
+    for case in range(first, last):
+        i = which[case]
+        wind = (knots[i], coefficients[i], rates[i], kept, work)
+        law = (poles[case], 1.0, 0.0, 0.0, 0.0, False)
+        carry(wind, law)
+        most, time = _largest_future(wind, law)
+        out[case, 0], out[case, 1], out[case, 2] = demand(wind, law, onset(wind), 0.0), most, time
+
+
+@kernel
+def from_onset(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
+    """Write the discounted futures of winds at their onset to ``out (n, m)``.
+
+    For ``poles (n, m)`` [1/s], which may be complex.
+    """
+    knots, c, rates = winds
+    for case in range(first, last):
+        i = which[case]
+        for k in range(poles.shape[1]):
+            p, ahead = poles[case, k], 0.0 * (poles[case, k] * c[i, 0, 0, 0])
+            begin = onset((knots[i], c[i], rates[i], knots, knots))
+            for j in range(knots.shape[1] - 2, begin - 1, -1):
+                width = knots[i, j + 1] - knots[i, j]
+                part = future(c[i, j], rates[i], 0.0, width, p)
+                ahead = np.exp(-p * width) * ahead + part
+            out[case, k] = ahead
+
+
+@bare
+def _largest_future(wind: Any, law: Any) -> tuple[float, float]:
+    """Return the largest demand of the wind itself, and its time."""
+    knots = wind[0]
+    most, time = -np.inf, 0.0
+    for i in range(knots.size - 1):
+        width = knots[i + 1] - knots[i]
+        here = demand(wind, law, i, 0.0)
+        if here > most:
+            most, time = here, knots[i]
+        if width <= 0.0:
+            continue
+        count = cells(wind, law, i)
+        for cell in range(count):
+            a, end = width * cell / count, width * (cell + 1) / count
+            turns, first, second = changes(RISES, wind, law, i, a, end)
+            for part in range(turns + 1):
+                b = end if part == turns else (first if part == 0 else second)
+                top = driver(wind, law, i, b)[0]
+                before = driver(wind, law, i, a)[0] - demand(wind, law, i, a)
+                after = top - demand(wind, law, i, b)
+                if before < 0.0 < after and top > most:
+                    u = root(ENOUGH, -np.inf, wind, law, i, a, before, b, after)
+                    here = demand(wind, law, i, u)
+                    if here > most:
+                        most, time = here, knots[i] + u
+                a = b
+    return most, time
