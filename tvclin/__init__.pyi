@@ -49,7 +49,6 @@ from .boundary.optimum.rate_limit import RateLimitedOptimum as RateLimitedOptimu
 from .boundary.optimum.rate_limit import optimum_with_rate_limit as optimum_with_rate_limit
 from .boundary.optimum.two_poles import single_pole_validity as single_pole_validity
 from .control.autopilot.actuator import Actuator as Actuator
-from .control.autopilot.asked import GainsAsked as GainsAsked
 from .control.autopilot.autopilot import Autopilot as Autopilot
 from .control.autopilot.gains import canonical_gains as canonical_gains
 from .control.autopilot.gains import design_gains as design_gains
@@ -57,6 +56,7 @@ from .control.autopilot.gains import drift_minimum_gains as drift_minimum_gains
 from .control.autopilot.gains import load_minimum_gains as load_minimum_gains
 from .control.autopilot.gains import relief_gains as relief_gains
 from .control.autopilot.optimal import lqr_gains as lqr_gains
+from .control.autopilot.rules import GainsAsked as GainsAsked
 from .control.autopilot.schedule import GainSchedule as GainSchedule
 from .control.comparison.duration import WorstDuration as WorstDuration
 from .control.comparison.duration import worst_duration as worst_duration

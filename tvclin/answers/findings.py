@@ -146,7 +146,7 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
 
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
-    from tvclin.control.autopilot.asked import GainsAsked
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import compare_with_trim
 
     asked = plan.gains or GainsAsked()

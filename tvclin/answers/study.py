@@ -216,6 +216,14 @@ class Study:
         """The deflection [rad] that is required at the verdict's model and dead band, a size."""
         return abs(float(self.requirement.deflection))
 
+    @property
+    def gust_words(self) -> str:
+        """What is to be said of a gust on top of the wind; nothing where there is none."""
+        gust = self.gust
+        if gust is None:
+            return ""
+        return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
+
     def _repr_html_(self) -> str:
         deg, wind = np.degrees, self.wind
         rows: list[Row] = [

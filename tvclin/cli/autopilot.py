@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions, described, gains_document, takes_gains
+from tvclin.cli.gains import GainOptions, gains_document, takes_gains
 from tvclin.cli.inputs import peak_angle
 from tvclin.cli.margins import CriteriaName, poles, wanted_criteria
 from tvclin.cli.options import (
@@ -154,10 +154,10 @@ def _print(
 ) -> None:
     import numpy as np
 
-    from tvclin.cli.output import print_pairs, print_table
+    from tvclin.cli.output import print_pairs, print_table, shown
 
     title = f"{vehicle.name}, {found.plant.model}: {wind}, {document['wind_peak_deg']:.4g} deg"
-    pairs = [*described(found.autopilot)]
+    pairs = shown(found.autopilot.rows())
     pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
     if not found.margins.stable:

@@ -52,12 +52,12 @@ class GainOptions:
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
         from tvclin.base.errors import nonnegative, number
-        from tvclin.control.autopilot.rules import designed_autopilot
+        from tvclin.control.autopilot.rules import GainsAsked
 
         asked = dict(vars(self))
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
         number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
-        return designed_autopilot(plant, delay=delay / 1000.0, **asked)
+        return GainsAsked(delay=delay / 1000.0, **asked).autopilot(plant)
 
 
 def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
@@ -75,27 +75,6 @@ def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
-
-
-def described(autopilot: "Autopilot") -> list[tuple[str, str]]:
-    """Return the numbers of an autopilot as names and values."""
-    actuator = autopilot.actuator
-    engine = (
-        "none"
-        if actuator is None
-        else f"{actuator.natural_frequency:.4g} rad/s, damping {actuator.damping:.3g}"
-    )
-    pairs = [
-        ("attitude gain a0", f"{autopilot.attitude_gain:.5g}"),
-        ("rate gain a1", f"{autopilot.rate_gain:.5g} s"),
-        ("actuator", engine),
-        ("delay", f"{1000.0 * float(autopilot.delay):.4g} ms"),
-    ]
-    if autopilot.alpha_gain:
-        pairs.append(("alpha gain b0", f"{autopilot.alpha_gain:.5g}"))
-    if autopilot.integral_gain:
-        pairs.append(("integral gain aI", f"{autopilot.integral_gain:.5g} 1/s"))
-    return pairs
 
 
 def gains_document(autopilot: "Autopilot") -> dict[str, Any]:

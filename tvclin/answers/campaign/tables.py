@@ -23,7 +23,7 @@ from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import known
-from tvclin.control.autopilot.asked import AUTOPILOT_TABLE
+from tvclin.control.autopilot.rules import AUTOPILOT_TABLE
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
 from tvclin.vehicle.vehicle import Vehicle

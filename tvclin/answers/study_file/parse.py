@@ -10,7 +10,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import one_of
-from tvclin.control.autopilot.asked import AUTOPILOT_TABLE, GainsAsked
+from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import gust_of, winds_of
 
@@ -55,7 +55,4 @@ def _criteria(table: dict[str, Any]) -> Criteria:
     if name is None:
         return Criteria.own("own", "the study file", **limits)
     named = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
-    if not limits:
-        return named
-    limits = {one.margin: one.limit for one in named.requirements} | limits
-    return Criteria.own(f"{name} as changed", "the study file", **limits)
+    return named.changed("the study file", **limits)

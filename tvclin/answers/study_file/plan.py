@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from tvclin.answers.campaign.dispersions import Dispersions
     from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.trials import LawsAsked
-    from tvclin.control.autopilot.asked import GainsAsked
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.margins.criteria import Criteria
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
@@ -123,7 +123,7 @@ class StudyPlan:
         from tvclin.answers.campaign.dispersions import Dispersions
         from tvclin.answers.sizing.asked import SizingAsked
         from tvclin.answers.trials import LawsAsked
-        from tvclin.control.autopilot.asked import GainsAsked
+        from tvclin.control.autopilot.rules import GainsAsked
         from tvclin.control.margins.criteria import Criteria
 
         kinds = LawsAsked, GainsAsked, Criteria, Dispersions, SizingAsked

@@ -20,6 +20,7 @@ from tvclin.kernels.rational import Rational
 if TYPE_CHECKING:
     import control
 
+_STEPS, _BESIDE = 20, 0.05
 _FASTEST = 1e15
 """Frequencies beyond this [rad/s] would overflow in polynomials."""
 
@@ -106,6 +107,22 @@ class Loop(Rational):
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one loop."""
         return self.delay.shape
+
+    def has_poles_beside(self, found: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return which poles, found with an approximate delay, lie beside one with the exact delay.
+
+        Newton's steps go from each [1/s] to a zero of ``D(s) + N(s) e^(-s delay)``, of one loop; it
+        is beside where it is away by at most a twentieth of the pole's size.
+        """
+        s = found.astype(complex)
+        with np.errstate(all="ignore"):
+            for _ in range(_STEPS):
+                late = np.exp(-s * self.delay)
+                above, below = np.polyval(self.numerator, s), np.polyval(self.denominator, s)
+                slope = np.polyval(np.polyder(self.numerator), s) - self.delay * above
+                slope = np.polyval(np.polyder(self.denominator), s) + slope * late
+                s = s - (below + above * late) / slope
+            return np.asarray(np.abs(s - found) <= _BESIDE * np.abs(found))
 
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.

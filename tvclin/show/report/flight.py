@@ -5,7 +5,16 @@ from tvclin.answers.sizing.record import STEADY, VARYING, Sizing
 from tvclin.answers.sizing.total import DeflectionTotal
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.plots import sizing_chart
-from tvclin.show.report.blocks import Block, Check, Checks, Figure, Paragraph, Section, Table
+from tvclin.show.report.blocks import (
+    Block,
+    Check,
+    Checks,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+    no_answer,
+)
 from tvclin.show.report.figures import inline_svg
 
 _TITLE = "The whole flight"
@@ -14,8 +23,7 @@ _TITLE = "The whole flight"
 def over_flight(found: Findings) -> Section | None:
     """Return required deflections by flight time and wind, and the worst total."""
     if "flight" in found.reasons:
-        words = f"There is no answer: {found.reasons['flight']}."
-        return Section("flight", _TITLE, (Paragraph((words,)),))
+        return no_answer("flight", _TITLE, found.reasons["flight"])
     if found.flight is None or found.plan.sizing is None:
         return None
     sizing, total = found.flight
