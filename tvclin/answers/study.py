@@ -217,6 +217,12 @@ class Study:
         return abs(float(self.requirement.deflection))
 
     @property
+    def needs(self) -> dict[str, dict[str, float]]:
+        """Sizes [rad] by model: what no law without a forecast undercuts, and what no control."""
+        free = {name: abs(float(one.deflection)) for name, one in self.forecast_free.items()}
+        return {"forecast_free": free, "minimum": self.minima}
+
+    @property
     def gust_words(self) -> str:
         """What is to be said of a gust on top of the wind; nothing where there is none."""
         gust = self.gust

@@ -12,42 +12,37 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.linear.plant import Plant
 
-Design = Annotated[
-    str | None,
-    typer.Option(
-        help="Rule for the gains: canonical, poles, drift-minimum, load-minimum or lqr;"
-        " canonical if nothing is given."
-    ),
-]
-NaturalFrequency = Annotated[
-    float | None, typer.Option(help="Of the closed loop, in rad/s; with it the rule is poles.")
-]
-Damping = Annotated[float | None, typer.Option(help="Damping ratio of the closed loop; 0.7.")]
-AttitudeGain = Annotated[float | None, typer.Option(help="a0, in place of a rule.")]
-RateGain = Annotated[float | None, typer.Option(help="a1, in s, in place of a rule.")]
-AlphaGain = Annotated[float | None, typer.Option(help="b0, on the angle of attack.")]
-IntegralGain = Annotated[float, typer.Option(help="aI, in 1/s, on the integrated attitude.")]
-ActuatorFrequency = Annotated[
-    float, typer.Option(help="Natural frequency of the actuator, in rad/s; 0: no actuator.")
-]
-ActuatorDamping = Annotated[float, typer.Option(help="Damping ratio of the actuator.")]
-DelayMs = Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")]
-
 
 @dataclass(frozen=True)
 class GainOptions:
     """The options in one place; `takes_gains` gives them to a command."""
 
-    design: Design = None
-    natural_frequency: NaturalFrequency = None
-    damping: Damping = None
-    attitude_gain: AttitudeGain = None
-    rate_gain: RateGain = None
-    alpha_gain: AlphaGain = None
-    integral_gain: IntegralGain = 0.0
-    actuator_frequency: ActuatorFrequency = 25.1
-    actuator_damping: ActuatorDamping = 0.7
-    delay_ms: DelayMs = 0.0
+    design: Annotated[
+        str | None,
+        typer.Option(
+            help="Rule for the gains: canonical, poles, drift-minimum, load-minimum or lqr;"
+            " canonical if nothing is given."
+        ),
+    ] = None
+    natural_frequency: Annotated[
+        float | None, typer.Option(help="Of the closed loop, in rad/s; with it the rule is poles.")
+    ] = None
+    damping: Annotated[
+        float | None, typer.Option(help="Damping ratio of the closed loop; 0.7.")
+    ] = None
+    attitude_gain: Annotated[float | None, typer.Option(help="a0, in place of a rule.")] = None
+    rate_gain: Annotated[float | None, typer.Option(help="a1, in s, in place of a rule.")] = None
+    alpha_gain: Annotated[float | None, typer.Option(help="b0, on the angle of attack.")] = None
+    integral_gain: Annotated[
+        float, typer.Option(help="aI, in 1/s, on the integrated attitude.")
+    ] = 0.0
+    actuator_frequency: Annotated[
+        float, typer.Option(help="Natural frequency of the actuator, in rad/s; 0: no actuator.")
+    ] = 25.1
+    actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
+    delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
+        0.0
+    )
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""

@@ -10,6 +10,8 @@ from tvclin.cli.options import (
     VEHICLE_HELP,
     AsJson,
     Gust,
+    LimitDeg,
+    OtherPlane,
     PeakDeg,
     PeakSpeed,
     Plot,
@@ -43,13 +45,9 @@ def study(
             help="Dead band K of the verdict, from 0 to 1; 1, as without, needs no forecast."
         ),
     ] = None,
-    limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
-    ] = None,
+    limit_deg: LimitDeg = None,
     model: Annotated[str | None, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = None,
-    plane: Annotated[
-        str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
-    ] = None,
+    plane: OtherPlane = None,
     switch: Annotated[
         str | None,
         typer.Option(help="What leaves the dead band: report (the wind) or literal (trim)."),

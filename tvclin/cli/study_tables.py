@@ -103,18 +103,19 @@ def print_dispersed(found: "DispersedStudy") -> None:
     """Print the deflection that covers the dispersed cases, and what drives it."""
     import numpy as np
 
+    from tvclin.answers.campaign.statistics import shares
     from tvclin.cli.output import print_pairs
 
     required, drivers = found.required, list(found.drivers.items())[:3]
-    percent, sure = f"{100 * required.probability:g} %", f"{100 * required.confidence:g} %"
+    of_cases, of_flights = shares(required.probability, required.confidence)
     covers = f"{np.degrees(required.upper):.4f} deg"
     if np.isinf(required.upper):
         covers = "too few cases to say: give more --cases"
     pairs = [
         ("dispersions", "assumed: " + ", ".join(found.dispersions.parameters)),
         ("median", f"{np.degrees(np.nanmedian(found.deflection)):.4f} deg"),
-        (f"{percent} of the cases", f"{np.degrees(required.estimate):.4f} deg"),
-        (f"{percent} of flights, {sure} sure", covers),
+        (of_cases, f"{np.degrees(required.estimate):.4f} deg"),
+        (of_flights, covers),
         ("driven by", ", ".join(f"{name} ({rank:+.2f})" for name, rank in drivers)),
     ]
     if found.success is not None:
@@ -232,13 +233,10 @@ def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[s
     """The least of any law without a forecast, and of any control that knows the wind."""
     import numpy as np
 
-    needs = {
-        "no forecast, bound": {k: abs(one.deflection) for k, one in result.forecast_free.items()},
-        "wind known": result.minima,
-    }
+    labels = {"forecast_free": "no forecast, bound", "minimum": "wind known"}
     rows = []
-    for label, deflections in needs.items():
-        row = [label]
+    for key, deflections in result.needs.items():
+        row = [labels[key]]
         for name in names:
             if name in deflections and result.trim_deflection:
                 part = deflections[name] / result.trim_deflection

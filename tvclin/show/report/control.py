@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tvclin.answers.campaign.statistics import shares
 from tvclin.answers.findings import Findings
 from tvclin.answers.trials import LawTrial, standard_winds
 from tvclin.base.errors import InputError
@@ -108,17 +109,17 @@ def dispersed(found: Findings) -> Section | None:
     if d is None:
         return None
     r = d.required
-    sure = f"{100 * r.confidence:g} % sure"
+    of_cases, of_flights = shares(r.probability, r.confidence)
     rows: list[tuple[Line, ...]] = [
         (("cases",), significant("dispersed.cases", r.cases, 9)),
         (("seed",), significant("dispersed.seed", d.seed, 9)),
         (("median",), degrees("dispersed.median", float(np.nanmedian(d.deflection)), unit="deg")),
         (
-            (f"{100 * r.probability:g} % of the cases",),
+            (of_cases,),
             degrees("dispersed.estimate", r.estimate, unit="deg"),
         ),
         (
-            (f"{100 * r.probability:g} % of flights, {sure}",),
+            (of_flights,),
             ("too few cases to say",)
             if np.isinf(r.upper)
             else degrees("dispersed.upper", r.upper, unit="deg"),

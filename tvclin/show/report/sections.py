@@ -72,12 +72,8 @@ def boundaries(found: Findings) -> Section:
             row.append(least(number(f"{key}.limit", one.limit[i])))
             row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
-    free = {name: abs(one.deflection) for name, one in s.forecast_free.items()}
-    for label, key, needs in (
-        ("no forecast, any law", "forecast_free", free),
-        ("minimum, wind known", "minimum", s.minima),
-    ):
-        rows.append(((label,), *_parts(found, key, needs)))
+    labels = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
+    rows += [((labels[key],), *_parts(found, key, needs)) for key, needs in s.needs.items()]
     trim = dict.fromkeys(names, s.trim_deflection)
     rows.insert(0, (("ideal trim",), *_parts(found, "trim", trim)))
     head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
