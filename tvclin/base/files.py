@@ -63,13 +63,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_new(path: Path, text: str) -> None:
-    """Write a text into a file that is not there yet, or is empty; see `write_whole`.
-
-    Raises
-    ------
-    InputError
-        When the file holds something, and as `write_whole`.
-    """
+    """Write a text into a file; `InputError` where it holds something already."""
     if exists(path) and path.is_file() and path.stat().st_size > 0:
         raise InputError(f"{called(path)} exists already; name another file or move it away")
     write_text(path, text)

@@ -130,9 +130,11 @@ def poles(autopilot: "Autopilot", plant: "Plant") -> str:
     """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
     import numpy as np
 
+    from tvclin.control.margins.loop import beside_exact
+
     every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
-        every = every[(every.real > 0.0) | autopilot.rational_loop(plant).has_poles_beside(every)]
+        every = every[(every.real > 0.0) | beside_exact(every, autopilot.rational_loop(plant))]
     shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 

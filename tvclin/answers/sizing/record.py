@@ -136,8 +136,8 @@ class Sizing:
     @property
     def law_words(self) -> str:
         """What stands for laws without a forecast, in words."""
-        flown = "the recoverable-attitude law"
-        return "the bound of all such laws" if self.law == "bound" else flown
+        words = {"bound": "the bound of all such laws", "flown": "the recoverable-attitude law"}
+        return words[self.law]
 
     @property
     def worst(self) -> dict[str, Worst]:

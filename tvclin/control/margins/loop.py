@@ -108,22 +108,6 @@ class Loop(Rational):
         """Shape of the batch; ``()`` for one loop."""
         return self.delay.shape
 
-    def has_poles_beside(self, found: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return which poles, found with an approximate delay, lie beside one with the exact delay.
-
-        Newton's steps go from each [1/s] to a zero of ``D(s) + N(s) e^(-s delay)``, of one loop; it
-        is beside where it is away by at most a twentieth of the pole's size.
-        """
-        s = found.astype(complex)
-        with np.errstate(all="ignore"):
-            for _ in range(_STEPS):
-                late = np.exp(-s * self.delay)
-                above, below = np.polyval(self.numerator, s), np.polyval(self.denominator, s)
-                slope = np.polyval(np.polyder(self.numerator), s) - self.delay * above
-                slope = np.polyval(np.polyder(self.denominator), s) + slope * late
-                s = s - (below + above * late) / slope
-            return np.asarray(np.abs(s - found) <= _BESIDE * np.abs(found))
-
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
 
@@ -143,3 +127,20 @@ class Loop(Rational):
         with np.errstate(divide="ignore", invalid="ignore"):
             values = np.where(pole, np.inf, above / below)
         return np.asarray(values.reshape((*self.batch, *frequencies.shape)))
+
+
+def beside_exact(found: NDArray[np.complex128], loop: Loop) -> NDArray[np.bool_]:
+    """Return which poles of one loop, found with an approximate delay, lie beside an exact one.
+
+    Newton's steps go from each [1/s] to a zero of ``D(s) + N(s) e^(-s delay)``; it is beside where
+    it is away by at most a twentieth of the pole's size.
+    """
+    s = found.astype(complex)
+    with np.errstate(all="ignore"):
+        for _ in range(_STEPS):
+            late = np.exp(-s * loop.delay)
+            above, below = np.polyval(loop.numerator, s), np.polyval(loop.denominator, s)
+            slope = np.polyval(np.polyder(loop.numerator), s) - loop.delay * above
+            slope = np.polyval(np.polyder(loop.denominator), s) + slope * late
+            s = s - (below + above * late) / slope
+        return np.asarray(np.abs(s - found) <= _BESIDE * np.abs(found))
