@@ -224,6 +224,9 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Criteria, {"name": "own", "requirements": tv.CRITERIA["classic"].requirements}
         ),
         "Criteria.are_met": Door(tv.CRITERIA["classic"].are_met, {"margins": margins}),
+        "Criteria.changed": Door(
+            tv.CRITERIA["classic"].changed, {"source": "us", "phase_margin_deg": 20.0}
+        ),
         "Criteria.judge": Door(tv.CRITERIA["classic"].judge, {"margins": margins}),
         "Criteria.own": Door(
             tv.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}

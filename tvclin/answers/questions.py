@@ -7,7 +7,7 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
-from tvclin.base.lines import Line, degrees, number
+from tvclin.base.lines import Line, degrees, number, text
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Question:
     @property
     def text(self) -> str:
         """Return why, as plain text."""
-        return "".join(part if isinstance(part, str) else part.text for part in self.line)
+        return text(self.line)
 
 
 def questions(found: Findings) -> tuple[Question, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,15 @@ _FEW = 6
 """An array of so many numbers at most is shown in full, a longer one by its range."""
 
 Row = tuple[str, Any, str]
+
+
+class Quantity(NamedTuple):
+    """A number of a record as every table shows it: its key among others, label, value and unit."""
+
+    key: str
+    label: str
+    value: Any
+    unit: str
 
 
 def card(title: str, rows: Iterable[Row]) -> str:

@@ -62,6 +62,13 @@ def write_text(path: Path, text: str) -> None:
     write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
 
 
+def write_new(path: Path, text: str) -> None:
+    """Write a text into a file; `InputError` where it holds something already."""
+    if exists(path) and path.is_file() and path.stat().st_size > 0:
+        raise InputError(f"{called(path)} exists already; name another file or move it away")
+    write_text(path, text)
+
+
 def read_text(path: Path, kind: str, start: str = "") -> str:
     """Return the text of a file in UTF-8, with or without a byte order mark.
 

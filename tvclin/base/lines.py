@@ -30,7 +30,14 @@ Line = tuple[Inline, ...]
 """A run of text with numbers in it; a table's cell is one too."""
 
 
+Row = tuple[str, Line]
+"""What records yield for tables on a page and in a terminal: a label, and what is beside it."""
 _UNLIMITED = "unlimited"
+
+
+def text(line: Line) -> str:
+    """Return a line as it is shown."""
+    return "".join(part if isinstance(part, str) else part.text for part in line)
 
 
 def number(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:

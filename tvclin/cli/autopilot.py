@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions, described, gains_document, takes_gains
+from tvclin.cli.gains import GainOptions, gains_document, takes_gains
 from tvclin.cli.inputs import peak_angle
 from tvclin.cli.margins import CriteriaName, poles, wanted_criteria
 from tvclin.cli.options import (
@@ -52,16 +52,16 @@ def autopilot(
     Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
     loop nothing is drawn.
     """
-    from tvclin.answers.study import SHAPES
     from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.file import load_vehicle
+    from tvclin.winds.shaped import PULSES
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    shape = SHAPES[one_of("--wind", wind, SHAPES)]
+    shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria, None, None, None)
     plant = Plant.from_vehicle(loaded, model, plane)
@@ -154,10 +154,10 @@ def _print(
 ) -> None:
     import numpy as np
 
-    from tvclin.cli.output import print_pairs, print_table
+    from tvclin.cli.output import print_pairs, print_table, shown
 
     title = f"{vehicle.name}, {found.plant.model}: {wind}, {document['wind_peak_deg']:.4g} deg"
-    pairs = [*described(found.autopilot)]
+    pairs = shown(found.autopilot.rows())
     pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
     if not found.margins.stable:

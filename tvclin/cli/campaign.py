@@ -42,12 +42,9 @@ def init(
 ) -> None:
     """Write a commented campaign file to fill in."""
     from tvclin.answers.campaign.file import template
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, exists, write_text
+    from tvclin.base.files import called, write_new
 
-    if exists(file) and not file.is_dir():
-        raise InputError(f"{called(file)} exists already; name another file or move it away")
-    write_text(file, template())
+    write_new(file, template())
     name = called(file)
     typer.echo(f"Wrote {name}. Change what differs, then: tvclin campaign run {name} -o results")
 

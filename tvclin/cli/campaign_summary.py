@@ -67,17 +67,19 @@ def summary(
 
 def print_summary(d: dict[str, Any]) -> None:
     """Print that document."""
+    from tvclin.answers.campaign.statistics import shares
     from tvclin.cli.output import print_pairs, print_table
 
     lost = bool(d["output"].startswith("flight_") and d["flights"]["lost"])
+    of_cases, of_flights = shares(d["probability"], d["confidence"])
     percent, sure = f"{100 * d['probability']:g} %", f"{100 * d['confidence']:g} %"
     pairs = [
         ("cases", f"{d['cases']} of {d['cases_planned']}{'' if d['complete'] else ', unfinished'}"),
         *((f"  {said.split(';')[0]}", str(count)) for said, count in d["statuses"].items()),
         *([("nominal", _angle(d["nominal_deg"]))] if d["nominal_deg"] is not None else []),
         ("median", _angle(d["median_deg"])),
-        (f"{percent} of the cases", _angle(d["estimate_deg"])),
-        (f"{percent} of flights, {sure} sure", _bound(d["upper_deg"], lost)),
+        (of_cases, _angle(d["estimate_deg"])),
+        (of_flights, _bound(d["upper_deg"], lost)),
     ]
     said = {
         "success": f"{d['limit_deg'] or 0.0:.4f} deg are enough in",

@@ -7,7 +7,18 @@ import typer
 
 from tvclin.cli.flight_cases import FlightCase, flight_case, flight_wind
 from tvclin.cli.inputs import peak_angle
-from tvclin.cli.options import AsJson, Duration, PeakDeg, PeakSpeed, Plane, Plot, Vehicle, Wind
+from tvclin.cli.options import (
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Points,
+    Until,
+    Vehicle,
+    Wind,
+)
 from tvclin.cli.progress import waiting
 
 if TYPE_CHECKING:
@@ -49,8 +60,8 @@ def fly(
         bool, typer.Option("--boundary", help="Also find the boundary by flying.")
     ] = False,
     plane: Plane = "pitch",
-    until: Annotated[float, typer.Option(help="Length in units of the wind's duration.")] = 2.0,
-    points: Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")] = 401,
+    until: Until = 2.0,
+    points: Points = 401,
     csv: Annotated[
         Path | None, typer.Option(help="Also write the flight into this CSV file.")
     ] = None,

@@ -12,52 +12,47 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.linear.plant import Plant
 
-Design = Annotated[
-    str | None,
-    typer.Option(
-        help="Rule for the gains: canonical, poles, drift-minimum, load-minimum or lqr;"
-        " canonical if nothing is given."
-    ),
-]
-NaturalFrequency = Annotated[
-    float | None, typer.Option(help="Of the closed loop, in rad/s; with it the rule is poles.")
-]
-Damping = Annotated[float | None, typer.Option(help="Damping ratio of the closed loop; 0.7.")]
-AttitudeGain = Annotated[float | None, typer.Option(help="a0, in place of a rule.")]
-RateGain = Annotated[float | None, typer.Option(help="a1, in s, in place of a rule.")]
-AlphaGain = Annotated[float | None, typer.Option(help="b0, on the angle of attack.")]
-IntegralGain = Annotated[float, typer.Option(help="aI, in 1/s, on the integrated attitude.")]
-ActuatorFrequency = Annotated[
-    float, typer.Option(help="Natural frequency of the actuator, in rad/s; 0: no actuator.")
-]
-ActuatorDamping = Annotated[float, typer.Option(help="Damping ratio of the actuator.")]
-DelayMs = Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")]
-
 
 @dataclass(frozen=True)
 class GainOptions:
     """The options in one place; `takes_gains` gives them to a command."""
 
-    design: Design = None
-    natural_frequency: NaturalFrequency = None
-    damping: Damping = None
-    attitude_gain: AttitudeGain = None
-    rate_gain: RateGain = None
-    alpha_gain: AlphaGain = None
-    integral_gain: IntegralGain = 0.0
-    actuator_frequency: ActuatorFrequency = 25.1
-    actuator_damping: ActuatorDamping = 0.7
-    delay_ms: DelayMs = 0.0
+    design: Annotated[
+        str | None,
+        typer.Option(
+            help="Rule for the gains: canonical, poles, drift-minimum, load-minimum or lqr;"
+            " canonical if nothing is given."
+        ),
+    ] = None
+    natural_frequency: Annotated[
+        float | None, typer.Option(help="Of the closed loop, in rad/s; with it the rule is poles.")
+    ] = None
+    damping: Annotated[
+        float | None, typer.Option(help="Damping ratio of the closed loop; 0.7.")
+    ] = None
+    attitude_gain: Annotated[float | None, typer.Option(help="a0, in place of a rule.")] = None
+    rate_gain: Annotated[float | None, typer.Option(help="a1, in s, in place of a rule.")] = None
+    alpha_gain: Annotated[float | None, typer.Option(help="b0, on the angle of attack.")] = None
+    integral_gain: Annotated[
+        float, typer.Option(help="aI, in 1/s, on the integrated attitude.")
+    ] = 0.0
+    actuator_frequency: Annotated[
+        float, typer.Option(help="Natural frequency of the actuator, in rad/s; 0: no actuator.")
+    ] = 25.1
+    actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
+    delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
+        0.0
+    )
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
         from tvclin.base.errors import nonnegative, number
-        from tvclin.control.autopilot.rules import designed_autopilot
+        from tvclin.control.autopilot.rules import GainsAsked
 
         asked = dict(vars(self))
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
         number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
-        return designed_autopilot(plant, delay=delay / 1000.0, **asked)
+        return GainsAsked(delay=delay / 1000.0, **asked).autopilot(plant)
 
 
 def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
@@ -75,27 +70,6 @@ def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
-
-
-def described(autopilot: "Autopilot") -> list[tuple[str, str]]:
-    """Return the numbers of an autopilot as names and values."""
-    actuator = autopilot.actuator
-    engine = (
-        "none"
-        if actuator is None
-        else f"{actuator.natural_frequency:.4g} rad/s, damping {actuator.damping:.3g}"
-    )
-    pairs = [
-        ("attitude gain a0", f"{autopilot.attitude_gain:.5g}"),
-        ("rate gain a1", f"{autopilot.rate_gain:.5g} s"),
-        ("actuator", engine),
-        ("delay", f"{1000.0 * float(autopilot.delay):.4g} ms"),
-    ]
-    if autopilot.alpha_gain:
-        pairs.append(("alpha gain b0", f"{autopilot.alpha_gain:.5g}"))
-    if autopilot.integral_gain:
-        pairs.append(("integral gain aI", f"{autopilot.integral_gain:.5g} 1/s"))
-    return pairs
 
 
 def gains_document(autopilot: "Autopilot") -> dict[str, Any]:

@@ -38,15 +38,6 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
 
 
-def gust_words(gust: "History | None") -> str:
-    """Return what to say of a gust on top of a wind; nothing where there is none."""
-    import numpy as np
-
-    if gust is None:
-        return ""
-    return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
-
-
 def changed_plan(
     plan: "StudyPlan",
     wind: str | None,

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions, described, gains_document, takes_gains
+from tvclin.cli.gains import GainOptions, gains_document, takes_gains
 from tvclin.cli.options import MODELS_HELP, AsJson, Plane, Plot, Vehicle
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria, Judgement
-    from tvclin.control.margins.loop import Loop
     from tvclin.control.margins.record import Margins
     from tvclin.linear.plant import Plant
 
@@ -26,8 +25,8 @@ PhaseDeg = Annotated[
     float | None, typer.Option(help="Phase margin asked for, in deg, in its place.")
 ]
 DelayMarginMs = Annotated[float | None, typer.Option(help="Delay margin asked for as well, in ms.")]
-_STEPS, _BESIDE = 20, 0.05
-"""Newton's steps to an exact pole, and how far it may be away, over the size of the pole."""
+_DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
+"""Behind the point, of a margin in each unit."""
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
@@ -78,12 +77,10 @@ def wanted_criteria(
 ) -> "Criteria":
     """Return the named criteria, or with other numbers those of the user."""
     from tvclin.base.errors import nonnegative, one_of
-    from tvclin.control.margins.criteria import CRITERIA, Criteria
+    from tvclin.control.margins.criteria import CRITERIA
 
     named = CRITERIA[one_of("--criteria", name, CRITERIA)]
-    if gain_db is None and phase_deg is None and delay_ms is None:
-        return named
-    limits = {one.margin: one.limit for one in named.requirements}
+    limits: dict[str, float] = {}
     if gain_db is not None:
         gain = float(nonnegative("--gain-db", gain_db, "dB"))
         limits |= {"aero_margin_dB": gain, "gain_increase_dB": gain}
@@ -91,7 +88,7 @@ def wanted_criteria(
         limits["phase_margin_deg"] = float(nonnegative("--phase-deg", phase_deg, "deg"))
     if delay_ms is not None:
         limits["delay_margin"] = float(nonnegative("--delay-margin-ms", delay_ms, "ms")) / 1000.0
-    return Criteria.own(f"{name} as changed", "the command line", **limits)
+    return named.changed("the command line", **limits)
 
 
 def _draw(
@@ -111,9 +108,9 @@ def _draw(
 def _print(
     title: str, autopilot: "Autopilot", plant: "Plant", found: "Margins", asked: "Criteria"
 ) -> None:
-    from tvclin.cli.output import print_pairs, print_table
+    from tvclin.cli.output import print_pairs, print_table, shown
 
-    pairs = [*described(autopilot), ("closed-loop poles [1/s]", poles(autopilot, plant))]
+    pairs = [*shown(autopilot.rows()), ("closed-loop poles [1/s]", poles(autopilot, plant))]
     print_pairs(title, pairs, columns=1)
     if not found.stable:
         typer.echo(_lines(f"NO MARGINS: {found.reason}"))
@@ -133,26 +130,13 @@ def poles(autopilot: "Autopilot", plant: "Plant") -> str:
     """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
     import numpy as np
 
+    from tvclin.control.margins.loop import beside_exact
+
     every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
-        every = every[(every.real > 0.0) | _are_exact(every, autopilot.rational_loop(plant))]
+        every = every[(every.real > 0.0) | beside_exact(every, autopilot.rational_loop(plant))]
     shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
-
-
-def _are_exact(found: Any, loop: "Loop") -> Any:
-    """Return which poles lie beside a zero of D + N e^(-s delay), by Newton's steps from there."""
-    import numpy as np
-
-    s = found.astype(complex)
-    with np.errstate(all="ignore"):
-        for _ in range(_STEPS):
-            late = np.exp(-s * loop.delay)
-            above, below = np.polyval(loop.numerator, s), np.polyval(loop.denominator, s)
-            slope = np.polyval(np.polyder(loop.numerator), s) - loop.delay * above
-            slope = np.polyval(np.polyder(loop.denominator), s) + slope * late
-            s = s - (below + above * late) / slope
-        return np.abs(s - found) <= _BESIDE * np.abs(found)
 
 
 def _lines(text: str) -> str:
@@ -161,44 +145,30 @@ def _lines(text: str) -> str:
 
 
 def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
-    m = found
-    fall = f"{m.aero_margin_dB:.2f} dB ({m.aero_margin:.3g}x)"
-    rise = f"{m.gain_increase_dB:.2f} dB ({m.gain_increase:.3g}x)"
-    both = f"{m.disk_margin_dB:.2f} dB, {m.disk_phase_deg:.1f} deg"
-    lines = [
-        ("aero_margin_dB", "aero: gain may fall", fall, m.aero_frequency),
-        ("gain_increase_dB", "gain may rise", rise, m.gain_increase_frequency),
-        ("phase_margin_deg", "phase", f"{m.phase_margin_deg:.2f} deg", m.crossover_frequency),
-        ("delay_margin", "delay", f"{1000 * m.delay_margin:.1f} ms", m.delay_margin_frequency),
-        ("disk_margin", "disk", f"{m.disk_margin:.3f}", m.disk_frequency),
-        ("", "  gain and phase", both, m.disk_frequency),
-        (
-            "peak_sensitivity",
-            "peak of S",
-            f"{m.peak_sensitivity:.3f}",
-            m.peak_sensitivity_frequency,
-        ),
-        (
-            "peak_complementary_sensitivity",
-            "peak of T",
-            f"{m.peak_complementary_sensitivity:.3f}",
-            m.peak_complementary_sensitivity_frequency,
-        ),
-    ]
-    return [
-        (name, [label, value, f"{at:.4g}" if at >= 0.0 else "-"])
-        for name, label, value, at in lines
-    ]
+    beside = {
+        "aero_margin_dB": f" ({found.aero_margin:.3g}x)",
+        "gain_increase_dB": f" ({found.gain_increase:.3g}x)",
+    }
+    rows = []
+    for name, label, value, unit, at in found.rows():
+        shown = f"{value:.{_DIGITS[unit]}f} {unit}".strip() + beside.get(name, "")
+        when = f"{at:.4g}" if at >= 0.0 else "-"
+        rows.append((name, [label, shown, when]))
+        if name == "disk_margin":
+            both = f"{found.disk_margin_dB:.2f} dB, {found.disk_phase_deg:.1f} deg"
+            rows.append(("", ["  gain and phase", both, when]))
+    return rows
 
 
 def _judged(one: "Judgement | None") -> list[str]:
+    from tvclin.control.margins.record import factor_to
+
     if one is None:
         return ["", ""]
-    requirement = one.requirement
-    times = 1000.0 if requirement.unit == "s" else 1.0
-    unit = "ms" if requirement.unit == "s" else requirement.unit
-    limit = f"{'at most ' if requirement.at_most else ''}{times * requirement.limit:g} {unit}"
-    return [limit.strip(), f"{times * one.surplus:+.3g} {'met' if one.met else 'NOT MET'}"]
+    limit, unit = one.requirement.shown
+    asked = f"{'at most ' if one.requirement.at_most else ''}{limit:g} {unit}"
+    by = f"{factor_to(unit) * one.surplus:+.3g}"
+    return [asked.strip(), f"{by} {'met' if one.met else 'NOT MET'}"]
 
 
 def margins_document(

@@ -18,6 +18,14 @@ PeakSpeed = Annotated[
     float | None, typer.Option(help="Peak wind speed, in m/s, in its place, by eq (B1e).")
 ]
 Plane = Annotated[str, typer.Option(help="Plane of the motion: pitch or yaw.")]
+LimitDeg = Annotated[
+    float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
+]
+OtherPlane = Annotated[
+    str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
+]
+Until = Annotated[float, typer.Option(help="Length in units of the wind's duration.")]
+Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Plot = Annotated[
     Path | None, typer.Option(help="Also draw a figure into this file (png, pdf, svg).")

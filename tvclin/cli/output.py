@@ -2,9 +2,12 @@
 
 import json
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from tvclin.base.lines import Row
 
 
 def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -40,6 +43,13 @@ def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) 
     for start in range(0, len(cells), 2 * columns):
         table.add_row("", *cells[start : start + 2 * columns])
     Console(highlight=False).print(table)
+
+
+def shown(rows: "Iterable[Row]") -> list[tuple[str, str]]:
+    """Return the rows of a record as names and values for `print_pairs`."""
+    from tvclin.base.lines import text
+
+    return [(label, text(line)) for label, line in rows]
 
 
 def limit_cell(number: float, digits: int = 4, unit: str = "") -> str:

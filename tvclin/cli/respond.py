@@ -16,6 +16,8 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plane,
     Plot,
+    Points,
+    Until,
     Vehicle,
     Wind,
 )
@@ -49,8 +51,8 @@ def respond(
     ] = None,
     model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "fixed-path",
     plane: Plane = "pitch",
-    until: Annotated[float, typer.Option(help="Length in units of the wind's duration.")] = 3.0,
-    points: Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")] = 301,
+    until: Until = 3.0,
+    points: Points = 301,
     csv: Annotated[
         Path | None, typer.Option(help="Also write the response into this CSV file.")
     ] = None,

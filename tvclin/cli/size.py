@@ -6,12 +6,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import gust_of
-from tvclin.cli.options import MODELS_HELP, AsJson, Gust, PeakDeg, PeakSpeed, Plot
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Gust,
+    LimitDeg,
+    OtherPlane,
+    PeakDeg,
+    PeakSpeed,
+    Plot,
+)
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
+    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
     from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.study_file.sizing import SizingAsked, SoundingAsked
 
 _SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
@@ -63,9 +72,7 @@ def size(
     model: Annotated[
         str | None, typer.Option(help=f"Model: {MODELS_HELP} drift-exact, as without a study file.")
     ] = None,
-    plane: Annotated[
-        str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
-    ] = None,
+    plane: OtherPlane = None,
     law: Annotated[
         str | None,
         typer.Option(
@@ -75,9 +82,7 @@ def size(
     varying: Annotated[
         bool, typer.Option("--varying", help="Let parameters vary while the wind blows as well.")
     ] = False,
-    limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
-    ] = None,
+    limit_deg: LimitDeg = None,
     count: Annotated[
         str | None, typer.Option(help="Requirement that counts as the wind's: K = 1, trim, ...")
     ] = None,
@@ -191,7 +196,7 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
     """The soundings of the files by name."""
     import numpy as np
 
-    from tvclin.answers.study_file.sizing import SoundingAsked
+    from tvclin.answers.sizing.asked import SoundingAsked
     from tvclin.base.errors import InputError, number
     from tvclin.winds.soundings.read import read_sounding
 

@@ -29,9 +29,8 @@ def print_sizing(
         )
     if len(found.winds) > 1:
         _print_by_wind(found, frozen, counted)
-    law = "the bound of all such laws" if found.law == "bound" else "the recoverable-attitude law"
     trusts = "; K below 1 trusts a forecast" if (found.dead_bands < 1.0).any() else ""
-    typer.echo(f"no forecast: {law}; minimum: the wind known, appendix C{trusts}")
+    typer.echo(f"no forecast: {found.law_words}; minimum: the wind known, appendix C{trusts}")
     _print_total(total)
     for note in (*found.notes, *said):
         typer.echo(f"Note: {note}.")
@@ -87,11 +86,10 @@ def _print_total(total: "DeflectionTotal") -> None:
     if total.reserve:
         said = f"{np.degrees(total.required):.4f} deg"
         pairs.append((f"limit that keeps {100 * total.reserve:g} % in reserve", said))
-    known = " of those that are known" if total.not_sized else ""
-    print_pairs(f"\nThe worst flight time{known}, {total.time:g} s", pairs, columns=1)
+    at, kept = total.words
+    print_pairs(f"\nThe {at}", pairs, columns=1)
     if total.limit is not None and total.left is not None:
         left, short = np.degrees(abs(total.left)), np.degrees(total.required - total.limit)
-        kept = " beside the reserve" if total.reserve else ""
         said = f"SUFFICIENT, {left:.4f} deg left{kept}"
         if total.sufficient is None:
             said = (

@@ -10,6 +10,8 @@ from tvclin.cli.options import (
     VEHICLE_HELP,
     AsJson,
     Gust,
+    LimitDeg,
+    OtherPlane,
     PeakDeg,
     PeakSpeed,
     Plot,
@@ -43,13 +45,9 @@ def study(
             help="Dead band K of the verdict, from 0 to 1; 1, as without, needs no forecast."
         ),
     ] = None,
-    limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
-    ] = None,
+    limit_deg: LimitDeg = None,
     model: Annotated[str | None, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = None,
-    plane: Annotated[
-        str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
-    ] = None,
+    plane: OtherPlane = None,
     switch: Annotated[
         str | None,
         typer.Option(help="What leaves the dead band: report (the wind) or literal (trim)."),
@@ -72,7 +70,6 @@ def study(
     """
     from dataclasses import replace
 
-    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
     from tvclin.answers.findings import find
     from tvclin.answers.questions import all_yes
     from tvclin.answers.study_file.read import load_study
@@ -104,6 +101,8 @@ def study(
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
     if disperse and plan.dispersions is None:
+        from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
     if plan.dispersions is None and (cases, seed) != (None, None):
         raise InputError("--cases and --seed need --disperse, or a study file with dispersions")

@@ -4,8 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_words
-
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
@@ -14,25 +12,12 @@ if TYPE_CHECKING:
 
 def print_study(result: "Study", source: str) -> None:
     """Print the vehicle, its coefficients and poles, the boundaries and the verdict."""
-    import numpy as np
-
     from tvclin.cli.output import print_pairs
 
-    v, c, deg = result.vehicle, result.coefficients, np.degrees
+    v, c = result.vehicle, result.coefficients
     print_pairs(
         f"Vehicle: {v.name or source}",
-        [
-            ("weight W", f"{v.weight:.4g} N"),
-            ("thrust T", f"{v.thrust:.4g} N"),
-            ("inertia I", f"{v.moment_of_inertia:.4g} kg m2"),
-            ("normal force N", f"{v.normal_force_slope:.4g} N/rad"),
-            ("aerodynamic arm l_a", f"{v.aerodynamic_arm:.4g} m"),
-            ("axial force F_A", f"{v.axial_force:.4g} N"),
-            ("control arm l_c", f"{v.control_arm:.4g} m"),
-            ("velocity V_n", f"{v.velocity:.5g} m/s"),
-            ("attitude Theta_n", f"{deg(v.attitude):.4g} deg"),
-            ("time", "-" if v.time is None else f"{v.time:g} s"),
-        ],
+        [(label, f"{value:.5g} {unit}") for _, label, value, unit in v.quantities()],
     )
     print_pairs(
         f"\nCoefficients, {result.plane} plane",
@@ -118,18 +103,19 @@ def print_dispersed(found: "DispersedStudy") -> None:
     """Print the deflection that covers the dispersed cases, and what drives it."""
     import numpy as np
 
+    from tvclin.answers.campaign.statistics import shares
     from tvclin.cli.output import print_pairs
 
     required, drivers = found.required, list(found.drivers.items())[:3]
-    percent, sure = f"{100 * required.probability:g} %", f"{100 * required.confidence:g} %"
+    of_cases, of_flights = shares(required.probability, required.confidence)
     covers = f"{np.degrees(required.upper):.4f} deg"
     if np.isinf(required.upper):
         covers = "too few cases to say: give more --cases"
     pairs = [
         ("dispersions", "assumed: " + ", ".join(found.dispersions.parameters)),
         ("median", f"{np.degrees(np.nanmedian(found.deflection)):.4f} deg"),
-        (f"{percent} of the cases", f"{np.degrees(required.estimate):.4f} deg"),
-        (f"{percent} of flights, {sure} sure", covers),
+        (of_cases, f"{np.degrees(required.estimate):.4f} deg"),
+        (of_flights, covers),
         ("driven by", ", ".join(f"{name} ({rank:+.2f})" for name, rank in drivers)),
     ]
     if found.success is not None:
@@ -209,7 +195,7 @@ def _print_boundaries(result: "Study") -> None:
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
     print_table(
         f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
-        f"{gust_words(result.gust)}"
+        f"{result.gust_words}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
         ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
         rows,
@@ -247,13 +233,10 @@ def _without_and_with_forecast(result: "Study", names: list[str]) -> list[list[s
     """The least of any law without a forecast, and of any control that knows the wind."""
     import numpy as np
 
-    needs = {
-        "no forecast, bound": {k: abs(one.deflection) for k, one in result.forecast_free.items()},
-        "wind known": result.minima,
-    }
+    labels = {"forecast_free": "no forecast, bound", "minimum": "wind known"}
     rows = []
-    for label, deflections in needs.items():
-        row = [label]
+    for key, deflections in result.needs.items():
+        row = [labels[key]]
         for name in names:
             if name in deflections and result.trim_deflection:
                 part = deflections[name] / result.trim_deflection

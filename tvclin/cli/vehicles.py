@@ -36,13 +36,10 @@ def init(
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
     from tvclin.answers.study_file.read import example
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, exists, write_text
+    from tvclin.base.files import called, write_new
     from tvclin.vehicle.file import template
 
-    if exists(file) and file.is_file() and file.stat().st_size > 0:
-        raise InputError(f"{called(file)} exists already; name another file or move it away")
-    write_text(file, example() if study else template())
+    write_new(file, example() if study else template())
     name = called(file)
     then = f"tvclin report {name}" if study else f"tvclin study {name}"
     typer.echo(f"Wrote {name}. Fill in what differs, then: {then}")

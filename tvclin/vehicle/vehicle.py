@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -105,18 +105,25 @@ class Vehicle:
             _plausible(name, array)
             object.__setattr__(self, name, plain(array))
 
+    def quantities(self) -> list[Quantity]:
+        """Return its numbers as tables show them, the attitude in degrees."""
+        every = (
+            Quantity("weight", "gross weight W", self.weight, "N"),
+            Quantity("thrust", "thrust T", self.thrust, "N"),
+            Quantity("inertia", "moment of inertia I", self.moment_of_inertia, "kg m²"),
+            Quantity("slope", "normal force slope N", self.normal_force_slope, "N/rad"),
+            Quantity("axial_force", "axial force F_A", self.axial_force, "N"),
+            Quantity("l_a", "aerodynamic arm l_a", self.aerodynamic_arm, "m"),
+            Quantity("l_c", "control arm l_c", self.control_arm, "m"),
+            Quantity("velocity", "velocity V_n", self.velocity, "m/s"),
+            Quantity("attitude_deg", "attitude Theta_n", np.degrees(self.attitude), "deg"),
+            Quantity("time", "time of flight", self.time, "s"),
+            Quantity("control_slope", "control force slope", self.control_force_slope, "N/rad"),
+        )
+        return [one for one in every if one.value is not None]
+
     def _repr_html_(self) -> str:
-        rows: list[Row] = [
-            (name.replace("_", " "), getattr(self, name), unit)
-            for name, _, unit in _CHECKS
-            if name != "attitude"
-        ]
-        rows.append(("attitude", np.degrees(self.attitude), "deg"))
-        if self.time is not None:
-            rows.append(("time", self.time, "s"))
-        if self.control_force_slope is not None:
-            rows.append(("control force slope", self.control_force_slope, "N/rad"))
-        return card(self.name or "Vehicle", rows)
+        return card(self.name or "Vehicle", [one[1:] for one in self.quantities()])
 
     @classmethod
     def from_aerodynamics(

@@ -19,6 +19,12 @@ _ROUNDING = 1e-12
 """A probability that is so near to a confidence is equal to it."""
 
 
+def shares(probability: float, confidence: float) -> tuple[str, str]:
+    """Return what tables call a quantile of a sample, and its upper bound."""
+    percent = f"{100 * probability:g} %"
+    return f"{percent} of the cases", f"{percent} of flights, {100 * confidence:g} % sure"
+
+
 @dataclass(frozen=True)
 class Quantile:
     """A quantile of a sample with its confidence bounds, by order statistics.

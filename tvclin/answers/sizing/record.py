@@ -134,6 +134,12 @@ class Sizing:
         return np.asarray((self.change <= STEADY) & self.covered)
 
     @property
+    def law_words(self) -> str:
+        """What stands for laws without a forecast, in words."""
+        words = {"bound": "the bound of all such laws", "flown": "the recoverable-attitude law"}
+        return words[self.law]
+
+    @property
     def worst(self) -> dict[str, Worst]:
         """The largest of each requirement, by name; those defined nowhere are left out."""
         return self._largest(range(len(self.winds)))

@@ -128,6 +128,14 @@ class DeflectionTotal:
         return None if enough and self.not_sized else enough
 
     @property
+    def words(self) -> tuple[str, str]:
+        """At which flight time it is, and beside what a limit leaves something, as all say it."""
+        known = " of those that are known" if self.not_sized else ""
+        return f"worst flight time{known}, {self.time:g} s", (
+            " beside the reserve" if self.reserve else ""
+        )
+
+    @property
     def left(self) -> float | None:
         """What of the limit total and reserve leave [rad]; negative if it is too little."""
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total

@@ -8,12 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, broadcast, nonnegative, plain, shown
+from tvclin.base.lines import Line, Row, significant
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, zero_or_sized
 
 FloatArray = NDArray[np.float64]
 
-GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
+GAINS = {
+    "attitude_gain": "number",
+    "rate_gain": "time",
+    "alpha_gain": "number",
+    "integral_gain": "per time",
+}
+"""The gains, and of what kind of `UNITS` each is."""
 _HIGHEST_PADE = 10
 """Beyond, the coefficients of the approximation span more decades than a number has digits."""
 
@@ -50,6 +57,25 @@ class Feedback:
             raise InputError(
                 f"pade_order must be an integer from 1 to {_HIGHEST_PADE}; got {shown(order)}"
             )
+
+    def rows(self) -> list[Row]:
+        """Return the numbers of one autopilot as tables show them; gains of zero are left out."""
+        rows = [
+            ("attitude gain a0", significant("gains.attitude", self.attitude_gain, 5)),
+            ("rate gain a1", significant("gains.rate", self.rate_gain, 5, "s")),
+        ]
+        if self.alpha_gain:
+            rows.append(("alpha gain b0", significant("gains.alpha", self.alpha_gain, 5)))
+        if self.integral_gain:
+            integral = significant("gains.integral", self.integral_gain, 5, "1/s")
+            rows.append(("integral gain aI", integral))
+        engine: Line = ("none",)
+        if self.actuator is not None:
+            frequency, damping = self.actuator.natural_frequency, self.actuator.damping
+            engine = significant("gains.actuator_frequency", frequency, 4, "rad/s, damping ")
+            engine = (*engine, *significant("gains.actuator_damping", damping, 3))
+        delay = significant("gains.delay_ms", 1000.0 * np.asarray(self.delay), 4, "ms")
+        return [*rows, ("actuator", engine), ("delay", delay)]
 
     @property
     def batch(self) -> tuple[int, ...]:

@@ -1,18 +1,16 @@
 """One door to all rules for gains: a rule by its name, or gains of one's own."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    nonnegative,
-    number,
-    one_of,
-    single,
-)
+from tvclin.base.errors import InputError, instance, nonnegative, number, one_of, single
+from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
@@ -20,7 +18,7 @@ from tvclin.control.autopilot.gains import (
     load_minimum_gains,
 )
 from tvclin.control.autopilot.optimal import lqr_gains
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import MODELS, Plant
 
 DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
 _BY_POLES: dict[str, Callable[..., Autopilot]] = {
@@ -29,27 +27,21 @@ _BY_POLES: dict[str, Callable[..., Autopilot]] = {
     "load-minimum": load_minimum_gains,
 }
 _DAMPING = 0.7
+_RULE = {"natural_frequency": "natural frequency", "damping": "number"}
+_ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
+AUTOPILOT_TABLE = Table(
+    "[autopilot]", {**_RULE, **GAINS, **_ACTUATOR, "delay": "delay"}, words=("design", "model")
+)
 
 
-def designed_autopilot(
-    plant: Plant,
-    *,
-    design: str | None = None,
-    natural_frequency: float | None = None,
-    damping: float | None = None,
-    attitude_gain: float | None = None,
-    rate_gain: float | None = None,
-    alpha_gain: float | None = None,
-    actuator_frequency: float = 25.1,
-    actuator_damping: float = 0.7,
-    **options: Any,
-) -> Autopilot:
-    """Return the autopilot with gains by a rule, or with those that are given.
+@dataclass(frozen=True, kw_only=True)
+class GainsAsked:
+    """An autopilot that is asked for: by its gains, or by a rule for them.
 
-    Parameters
+    Attributes
     ----------
-    plant : Plant
-        The plant that the rule is for.
+    model : str
+        The model that is controlled.
     design : str, optional
         One of `DESIGNS`; "poles" where a frequency or a damping is given, else "canonical".
     natural_frequency, damping : float, optional
@@ -57,36 +49,71 @@ def designed_autopilot(
         given.
     attitude_gain, rate_gain, alpha_gain : float, optional
         As of `Autopilot`, in place of a rule.
+    integral_gain : float
+        On the integrated attitude [1/s].
     actuator_frequency, actuator_damping : float
         Natural frequency [rad/s] and damping ratio of the actuator; no actuator at zero.
-    **options
-        The other arguments of `Autopilot`: delay, integral_gain.
-
-    Raises
-    ------
-    InputError
-        For a rule and gains together, one gain alone, an unknown rule, a rule with too few numbers
-        or too many, and as the rule itself.
+    delay : float
+        Between sensors and actuator [s].
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
-    single("plant", plant.batch)
-    options["actuator"] = _actuator(actuator_frequency, actuator_damping)
-    rule = design, natural_frequency, damping
-    if all(gain is None for gain in (attitude_gain, rate_gain, alpha_gain)):
-        return _by_rule(plant, *rule, options)
-    if any(part is not None for part in rule):
-        raise InputError("give gains or a rule for them (design, natural_frequency), not both")
-    if attitude_gain is None or rate_gain is None:
-        raise InputError("gains of your own need attitude_gain and rate_gain, both")
-    return Autopilot(
-        attitude_gain=attitude_gain, rate_gain=rate_gain, alpha_gain=alpha_gain or 0.0, **options
-    )
 
+    model: str = "drift"
+    design: str | None = None
+    natural_frequency: float | None = None
+    damping: float | None = None
+    attitude_gain: float | None = None
+    rate_gain: float | None = None
+    alpha_gain: float | None = None
+    integral_gain: float = 0.0
+    actuator_frequency: float = 25.1
+    actuator_damping: float = 0.7
+    delay: float = 0.0
 
-def _actuator(frequency: float, damping: float) -> Actuator | None:
-    if number("actuator_frequency", frequency, nonnegative, "rad/s") == 0.0:
-        return None
-    return Actuator(natural_frequency=frequency, damping=damping)
+    def __post_init__(self) -> None:
+        one_of("model of the autopilot", self.model, MODELS)
+        if self.design is not None:
+            one_of("design", self.design, DESIGNS)
+        for name in ("actuator_frequency", "delay"):
+            object.__setattr__(self, name, number(name, getattr(self, name), nonnegative))
+        for name in (*_RULE, *GAINS, "actuator_damping"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, number(name, getattr(self, name)))
+
+    def autopilot(self, plant: Plant) -> Autopilot:
+        """Return the autopilot for a plant.
+
+        Raises
+        ------
+        InputError
+            For a rule and gains together, one gain alone, a rule with too few numbers or too many,
+            and as the rule itself.
+        """
+        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        single("plant", plant.batch)
+        options: dict[str, Any] = {
+            "actuator": self._actuator,
+            "integral_gain": self.integral_gain,
+            "delay": self.delay,
+        }
+        rule = self.design, self.natural_frequency, self.damping
+        if all(gain is None for gain in (self.attitude_gain, self.rate_gain, self.alpha_gain)):
+            return _by_rule(plant, *rule, options)
+        if any(part is not None for part in rule):
+            raise InputError("give gains or a rule for them (design, natural_frequency), not both")
+        if self.attitude_gain is None or self.rate_gain is None:
+            raise InputError("gains of your own need attitude_gain and rate_gain, both")
+        return Autopilot(
+            attitude_gain=self.attitude_gain,
+            rate_gain=self.rate_gain,
+            alpha_gain=self.alpha_gain or 0.0,
+            **options,
+        )
+
+    @property
+    def _actuator(self) -> Actuator | None:
+        if self.actuator_frequency == 0.0:
+            return None
+        return Actuator(natural_frequency=self.actuator_frequency, damping=self.actuator_damping)
 
 
 def _by_rule(

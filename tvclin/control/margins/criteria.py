@@ -15,17 +15,15 @@ from tvclin.base.errors import (
     plain,
     text,
 )
-from tvclin.control.margins.record import Margins
+from tvclin.base.tables import Table
+from tvclin.control.margins.record import MARGINS, Margins, factor_to
 
-_UNITS = {
-    "aero_margin_dB": "dB",
-    "gain_increase_dB": "dB",
-    "phase_margin_deg": "deg",
-    "delay_margin": "s",
-    "disk_margin": "",
-    "peak_sensitivity": "",
-    "peak_complementary_sensitivity": "",
-}
+_UNITS = {name: "s" if unit == "ms" else unit for name, (_, unit, _) in MARGINS.items()}
+CRITERIA_TABLE = Table(
+    "[criteria]",
+    {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
+    words=("name",),
+)
 _AT_MOST = ("peak_sensitivity", "peak_complementary_sensitivity")
 _LAUNCH_VEHICLE = (
     "customary for the rigid-body attitude loop of launch vehicles, on both sides of the gain"
@@ -64,6 +62,12 @@ class Requirement:
     def unit(self) -> str:
         """Unit of the number."""
         return _UNITS[self.margin]
+
+    @property
+    def shown(self) -> tuple[float, str]:
+        """The limit in the unit that tables show, and that unit."""
+        unit = MARGINS[self.margin][1]
+        return factor_to(unit) * self.limit, unit
 
     @property
     def at_most(self) -> bool:
@@ -144,6 +148,26 @@ class Criteria:
         for key in limits:
             one_of("a limit", key, _UNITS)
         return cls(name, tuple(Requirement(key, value, source) for key, value in limits.items()))
+
+    def changed(self, source: str, **limits: float) -> "Criteria":
+        """Return the criteria with other limits, or further ones, that come from a source.
+
+        Parameters
+        ----------
+        source : str
+            Where the numbers come from.
+        **limits
+            As of `own`; without any these criteria are as they were.
+
+        Raises
+        ------
+        InputError
+            As `own`.
+        """
+        if not limits:
+            return self
+        held = {one.margin: one.limit for one in self.requirements}
+        return Criteria.own(f"{self.name} as changed", source, **(held | limits))
 
     def judge(self, margins: Margins) -> tuple[Judgement, ...]:
         """Return each margin beside what is asked for.

@@ -20,6 +20,7 @@ from tvclin.kernels.rational import Rational
 if TYPE_CHECKING:
     import control
 
+_STEPS, _BESIDE = 20, 0.05
 _FASTEST = 1e15
 """Frequencies beyond this [rad/s] would overflow in polynomials."""
 
@@ -126,3 +127,20 @@ class Loop(Rational):
         with np.errstate(divide="ignore", invalid="ignore"):
             values = np.where(pole, np.inf, above / below)
         return np.asarray(values.reshape((*self.batch, *frequencies.shape)))
+
+
+def beside_exact(found: NDArray[np.complex128], loop: Loop) -> NDArray[np.bool_]:
+    """Return which poles of one loop, found with an approximate delay, lie beside an exact one.
+
+    Newton's steps go from each [1/s] to a zero of ``D(s) + N(s) e^(-s delay)``; it is beside where
+    it is away by at most a twentieth of the pole's size.
+    """
+    s = found.astype(complex)
+    with np.errstate(all="ignore"):
+        for _ in range(_STEPS):
+            late = np.exp(-s * loop.delay)
+            above, below = np.polyval(loop.numerator, s), np.polyval(loop.denominator, s)
+            slope = np.polyval(np.polyder(loop.numerator), s) - loop.delay * above
+            slope = np.polyval(np.polyder(loop.denominator), s) + slope * late
+            s = s - (below + above * late) / slope
+        return np.asarray(np.abs(s - found) <= _BESIDE * np.abs(found))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,37 @@ FloatArray = NDArray[np.float64]
 OK = "ok"
 UNSTABLE = "unstable"
 MARGINAL = "marginal"
+
+
+MARGINS = {
+    "aero_margin_dB": ("aero: gain may fall", "dB", "aero_frequency"),
+    "gain_increase_dB": ("gain may rise", "dB", "gain_increase_frequency"),
+    "phase_margin_deg": ("phase", "deg", "crossover_frequency"),
+    "delay_margin": ("delay", "ms", "delay_margin_frequency"),
+    "disk_margin": ("disk", "", "disk_frequency"),
+    "peak_sensitivity": ("peak of S", "", "peak_sensitivity_frequency"),
+    "peak_complementary_sensitivity": (
+        "peak of T",
+        "",
+        "peak_complementary_sensitivity_frequency",
+    ),
+}
+"""Of what criteria are asked: a label, the unit that is shown, and where the frequency stands."""
+
+
+class MarginRow(NamedTuple):
+    """A margin as tables show it: its name in `Margins`, and at what frequency [rad/s] it is."""
+
+    name: str
+    label: str
+    value: Any
+    unit: str
+    frequency: Any
+
+
+def factor_to(unit: str) -> float:
+    """Return what a margin is multiplied with to be shown in a unit."""
+    return 1000.0 if unit == "ms" else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +130,13 @@ float or ndarray
     peak_complementary_sensitivity: Any
     peak_complementary_sensitivity_frequency: Any
     crossings: Crossings
+
+    def rows(self) -> list[MarginRow]:
+        """Return the margins that criteria are asked of, as tables show them."""
+        return [
+            MarginRow(name, label, factor_to(unit) * getattr(self, name), unit, getattr(self, at))
+            for name, (label, unit, at) in MARGINS.items()
+        ]
 
     def _repr_html_(self) -> str:
         rows = [

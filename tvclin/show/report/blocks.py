@@ -1,8 +1,9 @@
 """What a page is made of: paragraphs, checks, tables, figures."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from tvclin.base.lines import Line
+from tvclin.base.lines import Line, Row
 
 
 @dataclass(frozen=True)
@@ -59,3 +60,13 @@ class Section:
     name: str
     title: str
     blocks: tuple[Block, ...]
+
+
+def no_answer(name: str, title: str, reason: str) -> Section:
+    """Return the section of what has a reason in place of an answer."""
+    return Section(name, title, (Paragraph((f"There is no answer: {reason}.",)),))
+
+
+def pairs(rows: Iterable[Row]) -> tuple[tuple[Line, ...], ...]:
+    """Return rows of a label and a value as those of a table."""
+    return tuple(((label,), line) for label, line in rows)

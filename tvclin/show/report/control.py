@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tvclin.answers.campaign.statistics import shares
 from tvclin.answers.findings import Findings
 from tvclin.answers.trials import LawTrial, standard_winds
 from tvclin.base.errors import InputError
@@ -12,30 +13,14 @@ from tvclin.control.comparison.trim import TrimComparison
 from tvclin.flights.closed_loop.boundary import OK
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
-from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, no_answer, pairs
 from tvclin.show.report.figures import inline_svg
-
-_MARGINS = (
-    ("aero: gain may fall", "aero_margin_dB", "aero_frequency", 1.0, "dB"),
-    ("gain may rise", "gain_increase_dB", "gain_increase_frequency", 1.0, "dB"),
-    ("phase", "phase_margin_deg", "crossover_frequency", 1.0, "deg"),
-    ("delay", "delay_margin", "delay_margin_frequency", 1000.0, "ms"),
-    ("disk", "disk_margin", "disk_frequency", 1.0, ""),
-    ("peak of S", "peak_sensitivity", "peak_sensitivity_frequency", 1.0, ""),
-    (
-        "peak of T",
-        "peak_complementary_sensitivity",
-        "peak_complementary_sensitivity_frequency",
-        1.0,
-        "",
-    ),
-)
 
 
 def laws(found: Findings) -> Section | None:
     """Return what each law needs in each wind, beside trim and the minimum."""
     if "trials" in found.reasons:
-        return _without("laws", "Control laws", found.reasons["trials"])
+        return no_answer("laws", "Control laws", found.reasons["trials"])
     if not found.trials or found.plan.laws is None:
         return None
     asked, s = found.plan.laws, found.study
@@ -79,7 +64,7 @@ def laws(found: Findings) -> Section | None:
 def autopilot(found: Findings) -> Section | None:
     """Return gains, margins beside their criteria, and what the autopilot asks of the nozzle."""
     if "comparison" in found.reasons:
-        return _without("margins", "Autopilot and margins", found.reasons["comparison"])
+        return no_answer("margins", "Autopilot and margins", found.reasons["comparison"])
     c = found.comparison
     if c is None:
         return None
@@ -90,7 +75,7 @@ def autopilot(found: Findings) -> Section | None:
     )
     blocks: list[Block] = [
         Paragraph((words,)),
-        Table("Autopilot", ("quantity", "value"), _gains(c)),
+        Table("Autopilot", ("quantity", "value"), pairs(c.autopilot.rows())),
         _margins(found, c),
     ]
     if c.margins.stable:
@@ -119,22 +104,22 @@ def dispersed(found: Findings) -> Section | None:
     """Return what covers a dispersed vehicle in a dispersed wind."""
     title = "Dispersed vehicle and wind"
     if "dispersed" in found.reasons:
-        return _without("dispersed", title, found.reasons["dispersed"])
+        return no_answer("dispersed", title, found.reasons["dispersed"])
     d = found.dispersed
     if d is None:
         return None
     r = d.required
-    sure = f"{100 * r.confidence:g} % sure"
+    of_cases, of_flights = shares(r.probability, r.confidence)
     rows: list[tuple[Line, ...]] = [
         (("cases",), significant("dispersed.cases", r.cases, 9)),
         (("seed",), significant("dispersed.seed", d.seed, 9)),
         (("median",), degrees("dispersed.median", float(np.nanmedian(d.deflection)), unit="deg")),
         (
-            (f"{100 * r.probability:g} % of the cases",),
+            (of_cases,),
             degrees("dispersed.estimate", r.estimate, unit="deg"),
         ),
         (
-            (f"{100 * r.probability:g} % of flights, {sure}",),
+            (of_flights,),
             ("too few cases to say",)
             if np.isinf(r.upper)
             else degrees("dispersed.upper", r.upper, unit="deg"),
@@ -171,10 +156,6 @@ def dispersed(found: Findings) -> Section | None:
     return Section("dispersed", title, blocks)
 
 
-def _without(name: str, title: str, reason: str) -> Section:
-    return Section(name, title, (Paragraph((f"There is no answer: {reason}.",)),))
-
-
 def _both(key: str, parts: list[float], trim: float) -> list[Line]:
     """Cells of a deflection in each wind: over trim, and in degrees."""
     cells: list[Line] = []
@@ -198,44 +179,22 @@ def _no_forecast(plant: Plant, wind: object) -> float:
         return float(np.nan)
 
 
-def _gains(c: TrimComparison) -> tuple[tuple[Line, ...], ...]:
-    a = c.autopilot
-    rows: list[tuple[Line, ...]] = [
-        (("attitude gain a0",), significant("gains.attitude", float(a.attitude_gain), 5)),
-        (("rate gain a1",), significant("gains.rate", float(a.rate_gain), 5, "s")),
-    ]
-    if a.alpha_gain:
-        rows.append((("alpha gain b0",), significant("gains.alpha", float(a.alpha_gain), 5)))
-    if a.integral_gain:
-        integral = significant("gains.integral", a.integral_gain, 5, "1/s")
-        rows.append((("integral gain aI",), integral))
-    if a.actuator is not None:
-        motor = a.actuator
-        engine = (
-            *significant("gains.actuator_frequency", motor.natural_frequency, 4, "rad/s, damping "),
-            *significant("gains.actuator_damping", motor.damping, 3),
-        )
-        rows.append((("actuator",), engine))
-    rows.append((("delay",), significant("gains.delay_ms", 1000.0 * float(a.delay), 4, "ms")))
-    return tuple(rows)
-
-
 def _margins(found: Findings, c: TrimComparison) -> Block:
     if not c.margins.stable:
         return Paragraph((f"There are no margins: {c.margins.reason}.",))
     judged = {one.requirement.margin: one for one in found.criteria.judge(c.margins)}
     rows: list[tuple[Line, ...]] = []
-    for label, name, frequency, factor, unit in _MARGINS:
+    for name, label, value, unit, at in c.margins.rows():
         row = [
             (label,),
-            number(f"margin.{name}", factor * float(getattr(c.margins, name)), 3, unit),
-            number(f"margin.{name}.rad_per_s", float(getattr(c.margins, frequency)), 3),
+            number(f"margin.{name}", value, 3, unit),
+            number(f"margin.{name}.rad_per_s", at, 3),
         ]
         one = judged.get(name)
         if one is None:
             rows.append((*row, ("",), ("",)))
             continue
-        limit = significant(f"criteria.{name}", factor * one.requirement.limit, 4, unit)
+        limit = significant(f"criteria.{name}", one.requirement.shown[0], 4, unit)
         most = ("at most ",) if one.requirement.at_most else ()
         rows.append((*row, (*most, *limit), ("met" if one.met else "not met",)))
     return Table("Margins", ("margin", "value", "at [rad/s]", "asked", "criterion"), tuple(rows))

@@ -5,7 +5,16 @@ from tvclin.answers.sizing.record import STEADY, VARYING, Sizing
 from tvclin.answers.sizing.total import DeflectionTotal
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.plots import sizing_chart
-from tvclin.show.report.blocks import Block, Check, Checks, Figure, Paragraph, Section, Table
+from tvclin.show.report.blocks import (
+    Block,
+    Check,
+    Checks,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+    no_answer,
+)
 from tvclin.show.report.figures import inline_svg
 
 _TITLE = "The whole flight"
@@ -14,8 +23,7 @@ _TITLE = "The whole flight"
 def over_flight(found: Findings) -> Section | None:
     """Return required deflections by flight time and wind, and the worst total."""
     if "flight" in found.reasons:
-        words = f"There is no answer: {found.reasons['flight']}."
-        return Section("flight", _TITLE, (Paragraph((words,)),))
+        return no_answer("flight", _TITLE, found.reasons["flight"])
     if found.flight is None or found.plan.sizing is None:
         return None
     sizing, total = found.flight
@@ -49,11 +57,10 @@ def whose(found: Findings) -> str:
 
 
 def _words(s: Sizing, of: str) -> str:
-    law = "the bound of all such laws" if s.law == "bound" else "the recoverable-attitude law"
     return (
         f"The flight{of}: the vehicle at each of its times, on the {s.model} model in the"
         f" {s.plane} plane. The peak of a pulse meets each flight time. No forecast:"
-        f" {law}; minimum: the wind known; K below 1 trusts a forecast. One pole says"
+        f" {s.law_words}; minimum: the wind known; K below 1 trusts a forecast. One pole says"
         " whether the single-pole theory holds for the wind; change, by how much beta or"
         f" B changes while it blows: above {100 * STEADY:g} % frozen parameters are doubtful."
     )
@@ -103,8 +110,7 @@ def _total(total: DeflectionTotal, counted: str) -> Table:
     if total.reserve:
         kept = ("limit that keeps ", *number("total.reserve_percent", 100 * total.reserve, 1, "%"))
         rows.append(((*kept, " in reserve"), ("",), degrees("total.required", total.required)))
-    known = " of those that are known" if total.not_sized else ""
-    at = f"All that the nozzle has to do at the worst flight time{known}, {total.time:g} s"
+    at = f"All that the nozzle has to do at the {total.words[0]}"
     return Table(at, ("what", "kind", "[deg]"), tuple(rows))
 
 
@@ -113,13 +119,10 @@ def _verdict(total: DeflectionTotal) -> list[Paragraph]:
     if total.left is None or total.limit is None:
         return [Paragraph((unknown.strip(),))] if unknown else []
     line: Line
+    left, beside = degrees("total.left", abs(total.left), unit="deg"), total.words[1]
     if total.sufficient:
-        beside = " beside the reserve" if total.reserve else ""
-        left = degrees("total.left", abs(total.left), unit="deg")
         line = (f" is enough: it leaves{beside} ", *left)
     elif total.sufficient is None:
-        beside = " beside the reserve" if total.reserve else ""
-        left = degrees("total.left", abs(total.left), unit="deg")
         line = (f" is not known to be enough: where the winds are known it leaves{beside} ", *left)
     else:
         of = " of the limit that keeps the reserve" if total.reserve else ""

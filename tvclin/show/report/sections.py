@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.answers.findings import Findings, blown
-from tvclin.answers.study import Study
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
@@ -14,7 +13,7 @@ from tvclin.linear.loads import wind_loads
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.plots import response_chart, response_curves, study_chart
-from tvclin.show.report.blocks import Figure, Paragraph, Section, Table
+from tvclin.show.report.blocks import Figure, Paragraph, Section, Table, pairs
 from tvclin.show.report.figures import inline_svg
 from tvclin.winds.histories import History
 
@@ -30,23 +29,11 @@ _ABOVE = 1.1
 def inputs(found: Findings) -> Section:
     """Return what went in, each number with its unit."""
     s, plan = found.study, found.plan
-    v = s.vehicle
     vehicle = [
-        ("gross weight W", significant("vehicle.weight", v.weight, 6, "N")),
-        ("thrust T", significant("vehicle.thrust", v.thrust, 6, "N")),
-        ("moment of inertia I", significant("vehicle.inertia", v.moment_of_inertia, 6, "kg m²")),
-        ("normal force slope N", significant("vehicle.slope", v.normal_force_slope, 6, "N/rad")),
-        ("axial force F_A", significant("vehicle.axial_force", v.axial_force, 6, "N")),
-        ("aerodynamic arm l_a", significant("vehicle.l_a", v.aerodynamic_arm, 6, "m")),
-        ("control arm l_c", significant("vehicle.l_c", v.control_arm, 6, "m")),
-        ("velocity V_n", significant("vehicle.velocity", v.velocity, 6, "m/s")),
-        ("attitude Theta_n", degrees("vehicle.attitude", v.attitude, unit="deg")),
+        (label, (number if unit == "deg" else significant)(f"vehicle.{key}", value, digits, unit))
+        for key, label, value, unit in s.vehicle.quantities()
+        for digits in (4 if unit == "deg" else 6,)
     ]
-    if v.time is not None:
-        vehicle.append(("time of flight", significant("vehicle.time", v.time, 6, "s")))
-    if v.control_force_slope is not None:
-        slope = significant("vehicle.control_slope", v.control_force_slope, 6, "N/rad")
-        vehicle.append(("control force slope", slope))
     case: list[tuple[str, Line]] = [
         ("plane", (plan.plane,)),
         ("model of the verdict", (plan.model,)),
@@ -64,11 +51,11 @@ def inputs(found: Findings) -> Section:
         ]
     if plan.limit is not None:
         case.append(("deflection limit", degrees("question.limit", plan.limit, unit="deg")))
-    name = v.name or "unnamed"
+    name = s.vehicle.name or "unnamed"
     blocks = (
-        Table(f"Vehicle: {name}", ("quantity", "value"), _pairs(vehicle)),
-        Table("Wind and question", ("quantity", "value"), _pairs(case)),
-        Table("Linear coefficients", ("quantity", "value"), _pairs(_coefficients(found))),
+        Table(f"Vehicle: {name}", ("quantity", "value"), pairs(vehicle)),
+        Table("Wind and question", ("quantity", "value"), pairs(case)),
+        Table("Linear coefficients", ("quantity", "value"), pairs(_coefficients(found))),
     )
     return Section("inputs", "Inputs", blocks)
 
@@ -85,19 +72,15 @@ def boundaries(found: Findings) -> Section:
             row.append(least(number(f"{key}.limit", one.limit[i])))
             row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
-    free = {name: abs(one.deflection) for name, one in s.forecast_free.items()}
-    for label, key, needs in (
-        ("no forecast, any law", "forecast_free", free),
-        ("minimum, wind known", "minimum", s.minima),
-    ):
-        rows.append(((label,), *_parts(found, key, needs)))
+    labels = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
+    rows += [((labels[key],), *_parts(found, key, needs)) for key, needs in s.needs.items()]
     trim = dict.fromkeys(names, s.trim_deflection)
     rows.insert(0, (("ideal trim",), *_parts(found, "trim", trim)))
     head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
     caption = (
         f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg, {tau:g} s"
-        f"{gust_words(s)}"
+        f"{s.gust_words}"
     )
     label = f"Required deflection over the duration of the wind, for {' and '.join(names)}"
     figure = Figure(
@@ -195,14 +178,6 @@ def _outstanding(
     )
 
 
-def gust_words(study: Study) -> str:
-    """Return what to say of a gust on top of a wind; nothing where there is none."""
-    gust = study.gust
-    if gust is None:
-        return ""
-    return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
-
-
 def _coefficients(found: Findings) -> list[tuple[str, Line]]:
     c = found.study.coefficients
     rows: list[tuple[str, Line]] = []
@@ -233,7 +208,3 @@ def _parts(found: Findings, key: str, needs: dict[str, float]) -> list[Line]:
 
 def _marked(here: bool) -> Line:
     return (" (verdict)",) if here else ()
-
-
-def _pairs(rows: list[tuple[str, Line]]) -> tuple[tuple[Line, ...], ...]:
-    return tuple(((label,), line) for label, line in rows)

@@ -10,7 +10,6 @@ from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section, Table
 from tvclin.show.report.flight import whose
-from tvclin.show.report.sections import gust_words
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
 _NONE = "Not enough: with this dead band no limit is, see Assumptions."
@@ -101,7 +100,7 @@ def basis(found: Findings) -> Line:
         *significant("basis.peak_deg", np.degrees(s.wind.peak), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
-        f"{gust_words(s)}.",
+        f"{s.gust_words}.",
     )
     if s.required_deflection and s.requirement.governs != BOUNDARY:
         line += (f" What is required is governed by {s.requirement.governs}.",)
