@@ -26,6 +26,7 @@ from tvclin.cli.poles import poles
 from tvclin.cli.report import report
 from tvclin.cli.reproduce import reproduce
 from tvclin.cli.respond import respond
+from tvclin.cli.schedule import schedule
 from tvclin.cli.size import size
 from tvclin.cli.study import study
 from tvclin.cli.vehicles import init, vehicles
@@ -85,6 +86,7 @@ for panel, commands in _PANELS.items():
     for command in commands:
         made = command if command in _LIGHT else _strict(command)
         app.command(rich_help_panel=panel)(made)
+app.add_typer(schedule, name="schedule", rich_help_panel="Flights")
 app.add_typer(campaign, name="campaign", rich_help_panel="Flights")
 
 
