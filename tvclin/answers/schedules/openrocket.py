@@ -279,7 +279,7 @@ def _vehicle(
         q = 0.5 * _HEAT_RATIO * flight["pressure"] * flight["mach"] ** 2
         told = f"q = 0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}"
     area: Any = flight["area"]
-    on = f"S of {flight.origin('area')}"
+    on = f"S of {flight.origin('area')}, on which the slope must be"
     if reference_area is not None:
         area = number("reference_area", reference_area, positive, "m^2")
         on = f"S = {area:g} m^2 as given (the file has {flight['area'][0]:.6g})"

@@ -85,7 +85,8 @@ def schedule_from_rocketpy(
         raise InputError(f"flight must leave the rail before burnout; got {first:g} and {last:g} s")
     time = np.linspace(first, last, _SAMPLES)
     columns = {"time": Column(time, f"{_SAMPLES} times from rail to burnout")}
-    columns["thrust"] = _sampled(motor, "thrust", time, "motor")
+    thrust = _sampled(motor, "thrust", time, "motor")
+    columns["thrust"] = Column(thrust.values, f"{thrust.origin}, not corrected for the air")
     columns |= {k: _sampled(flight, name, time, "flight") for k, name in _OF_FLIGHT.items()}
     columns |= {k: _sampled(rocket, name, time, "rocket") for k, name in _OF_ROCKET.items()}
     for key, name in _ANGLES.items():

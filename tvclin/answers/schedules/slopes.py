@@ -132,7 +132,7 @@ def _analysed(table: Table) -> SlopeOverMach:
     slopes = [table.numbers(one, "per angle").values for one in found]
     if len(found) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
         raise InputError(
-            f"{table.text.source} holds {len(found)} columns CN alpha, the first of which is not the"
+            f"{table.text.source} holds {len(found)} columns CN alpha, the first of them not the"
             " sum of the others; export that of the whole rocket alone"
         )
     mach = table.numbers(_mach_of(table), "number").values
