@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tests.schedules.samples import FOLDER, OPENROCKET, read
+from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
 
 FLIGHT, AERODYNAMICS = FOLDER / "rasaero-flight.csv", FOLDER / "rasaero-aerodynamics.csv"
 ASKED: dict[str, Any] = {
@@ -22,19 +22,6 @@ FIELDS = (
     *("weight", "moment_of_inertia", "normal_force_slope", "thrust", "aerodynamic_arm"),
     *("control_arm", "axial_force", "velocity", "attitude"),
 )
-MAP: dict[str, str | float] = {
-    "time": "t (s)",
-    "mass": "m (kg)",
-    "moment_of_inertia": "Iyy (kg m2)",
-    "gravity_station": "xcg (m)",
-    "pressure_station_m": 0.96,
-    "gimbal_station_m": 2.95,
-    "thrust": "T (kN)",
-    "normal_force_slope_N_per_rad": "N",
-    "axial_force_N": 190.0,
-    "velocity": "V (m/s)",
-    "attitude_deg": 84.0,
-}
 
 
 def test_rasaero_gives_what_openrocket_gives_for_the_same_flight() -> None:
@@ -45,7 +32,7 @@ def test_rasaero_gives_what_openrocket_gives_for_the_same_flight() -> None:
         one = np.asarray(getattr(found.vehicle, name))[1:]
         # seven digits in either file; six in the Mach number, squared, of the other's q
         np.testing.assert_allclose(one, getattr(other.vehicle, name), rtol=2e-5, err_msg=name)
-    np.testing.assert_allclose(found.height[1:], other.height, rtol=2e-7)
+    np.testing.assert_allclose(found.height[1:], other.height, rtol=5e-7)  # seven digits of feet
 
 
 def test_a_secant_over_four_degrees_is_not_the_slope_at_zero() -> None:
@@ -77,7 +64,7 @@ def test_a_map_gives_what_openrocket_gives_for_the_same_flight() -> None:
 
 
 def test_coefficients_and_arms_may_be_mapped(tmp_path: Path) -> None:
-    """q S C_N,alpha with 47.88 Pa to the psf and 57.3 deg to the rad."""
+    """N = q S C_N,alpha with 47.88 Pa to the psf and 57.3 deg to the rad."""
     file = tmp_path / "post.txt"
     file.write_text(
         "made up\nTIME GAMMA WEIGHT QBAR\n1 1.2 300 100\n2 1.1 290 200\n3 1.0 280 300\n"

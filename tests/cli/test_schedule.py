@@ -232,6 +232,10 @@ ASKED: dict[str, tuple[tuple[object, ...], str]] = {
         (*GIMBAL, *GROUND, "--cn-alpha-per-rad", "0.035"),
         r"must be per radian, .* got at most 0\.035 \(a coefficient, or per degree",
     ),
+    "from degrees twice": (
+        (*GIMBAL, *GROUND, "--cn-alpha-per-rad", "114.6"),
+        r"at most 100 with large fins; got 114\.6",
+    ),
     "gimbal ahead": (
         (*SLOPE, *GROUND, "--gimbal-station-m", "1.7"),
         r"must lie behind the centre of gravity, 1\.806 m from the nose tip at 0\.5 s; got 1\.7 m",

@@ -15,6 +15,21 @@ HEADER = 3
 NAMES = LINES[HEADER].removeprefix("# ").split(",")
 GIVEN = {"gimbal_station": 2.95, "normal_force_coefficient_slope": 2.0, "ground": 0.0}
 
+MAP: dict[str, str | float] = {
+    "time": "t (s)",
+    "mass": "m (kg)",
+    "moment_of_inertia": "Iyy (kg m2)",
+    "gravity_station": "xcg (m)",
+    "pressure_station_m": 0.96,
+    "gimbal_station_m": 2.95,
+    "thrust": "T (kN)",
+    "normal_force_slope_N_per_rad": "N",
+    "axial_force_N": 190.0,
+    "velocity": "V (m/s)",
+    "attitude_deg": 84.0,
+}
+"""Of the table table.csv."""
+
 
 def column(name: str) -> int:
     """Return the index of the column whose name begins so."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.slopes import LEAST
+from tvclin.answers.schedules.slopes import LEAST, MOST
 from tvclin.answers.schedules.table import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
@@ -67,7 +67,12 @@ def check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> Non
 
 
 def check_slope(slope: FloatArray) -> None:
-    """Refuse slopes [1/rad] that are too small to be per radian."""
+    """Refuse slopes [1/rad] that are too small to be per radian, or too large for any fins."""
+    if slope.max() > MOST:
+        raise InputError(
+            f"normal_force_coefficient_slope must be per radian, at most {MOST:g} with large fins;"
+            f" got {slope.max():.4g} (was it turned from degrees twice?)"
+        )
     if slope.max() < LEAST:
         raise InputError(
             f"normal_force_coefficient_slope must be per radian, and slender bodies have about 2;"

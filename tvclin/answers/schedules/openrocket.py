@@ -22,7 +22,7 @@ from tvclin.answers.schedules.flight import Flight, powered
 from tvclin.answers.schedules.slopes import Slope, slope_over_mach
 from tvclin.answers.schedules.table import Column, Heading, Table, read_table_text
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import InputError, finite, number, positive
+from tvclin.base.errors import InputError, between, finite, number
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _NEEDED = {
@@ -281,7 +281,7 @@ def _vehicle(
     area: Any = flight["area"]
     on = f"S of {flight.origin('area')}, on which the slope must be"
     if reference_area is not None:
-        area = number("reference_area", reference_area, positive, "m^2")
+        area = number("reference_area", reference_area, between(1e-6, 1e4), "m^2")
         on = f"S = {area:g} m^2 as given (the file has {flight['area'][0]:.6g})"
     return {
         "weight": Column(
