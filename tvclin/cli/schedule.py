@@ -1,7 +1,5 @@
 """`tvclin schedule`: flight schedules from what other tools write."""
 
-from collections.abc import Callable
-from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -36,21 +34,7 @@ Stop = Annotated[float | None, typer.Option(help="Latest time, in s.")]
 MostRows = Annotated[int, typer.Option(help="More rows than that are thinned by straight lines.")]
 
 
-def _strict(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command in which arithmetic that overflows is an error."""
-
-    @wraps(command)
-    def run(*given: Any, **options: Any) -> None:
-        import numpy as np
-
-        with np.errstate(over="raise", divide="raise", invalid="raise"):
-            command(*given, **options)
-
-    return run
-
-
 @source.command()
-@_strict
 def openrocket(
     file: File,
     gimbal_station_m: Gimbal,
@@ -85,7 +69,6 @@ def openrocket(
 
 
 @source.command()
-@_strict
 def rasaero(
     file: File,
     gimbal_station_m: Gimbal,
@@ -127,7 +110,6 @@ def rasaero(
 
 
 @source.command()
-@_strict
 def table(
     file: File,
     output: Output,
@@ -199,8 +181,8 @@ def _print(found: "FlightSchedule") -> None:
     times = np.array([first, 0.5 * (first + last), last])
     c = Coefficients.from_vehicle(found.at(times))
     rows = [
-        [f"{t:.4g}", f"{mu:.4f}", f"{delta:.4f}", f"{B:.5f}"]
-        for t, mu, delta, B in zip(times, c.mu_alpha, c.mu_delta, c.B, strict=True)
+        [f"{t:.4g}", f"{mu_alpha:.4f}", f"{mu_delta:.4f}", f"{B:.5f}"]
+        for t, mu_alpha, mu_delta, B in np.column_stack([times, c.mu_alpha, c.mu_delta, c.B])
     ]
     print_table(
         found.vehicle.name, ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"], rows

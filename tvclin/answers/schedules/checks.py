@@ -5,7 +5,7 @@ import numpy as np
 from tvclin.answers.schedules.flight import Flight
 from tvclin.answers.schedules.slopes import LEAST, MOST
 from tvclin.answers.schedules.table import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, positive
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _LARGEST_ANGLE = np.radians(2.0)
@@ -105,6 +105,7 @@ def check_masses(flight: Flight, weight: FloatArray) -> None:
 
 def check_inertia(flight: Flight, inertia: FloatArray, weight: FloatArray, arm: FloatArray) -> None:
     """Refuse an inertia in another unit, or about another axis."""
+    positive("moment_of_inertia", inertia, "kg m^2")
     ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / np.abs(arm)
     least, most = _RADIUS_OVER_ARM
     wrong = np.flatnonzero((ratio < least) | (ratio > most))

@@ -12,6 +12,12 @@ from tvclin.base.errors import InputError, number
 
 _BURNING = 0.05
 """Part of the largest thrust, below which the motor is taken as burnt out."""
+_LEAST, _LARGEST = 1e-12, 1e12
+"""No number of a flight is larger in SI units, and none that must be positive smaller."""
+_POSITIVE = {
+    *("mass", "weight", "moment_of_inertia", "thrust", "velocity", "mach", "density", "pressure"),
+    *("sound", "area", "drag_coefficient", "dynamic_pressure", "reference_area"),
+}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,12 +124,22 @@ def _check_times(flight: Flight) -> None:
 
 
 def _check_complete(flight: Flight, chosen: NDArray[np.intp]) -> None:
-    for column in flight.columns.values():
-        lost = chosen[~np.isfinite(column.values[chosen])]
+    """Refuse rows in which a number is missing, or is none that a flight can have."""
+    for name, column in flight.columns.items():
+        values = column.values[chosen]
+        lost = chosen[~np.isfinite(values)]
         if lost.size:
             raise InputError(
                 f"{flight.places[lost[0]]}: there is no number in {column.origin}, while the motor"
                 " burns"
+            )
+        least = _LEAST if name in _POSITIVE else -_LARGEST
+        wrong = np.flatnonzero((values < least) | (values > _LARGEST))
+        if wrong.size:
+            rule = "must be positive" if name in _POSITIVE else "must be a plausible number"
+            raise InputError(
+                f"{flight.places[chosen[wrong[0]]]}: {column.origin} {rule}; got"
+                f" {values[wrong[0]]:.6g} in SI units"
             )
 
 

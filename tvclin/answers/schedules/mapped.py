@@ -76,7 +76,7 @@ def read_table(
     Parameters
     ----------
     path : str or path
-        A text with a line of column names, separated by commas, semicolons or tabs.
+        A text with a line of column names, separated by commas, semicolons, tabs or spaces.
     columns : dict of str to str or float
         For each of our names the name of the column, or a number that does not change. Our name
         carries a unit as in vehicle files (`weight_kN`), or none where the column's name has one in

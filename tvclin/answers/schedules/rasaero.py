@@ -101,12 +101,6 @@ def read_rasaero(
     slopes = slope_over_mach(normal_force_coefficient_slope)
     slope = slopes.at(flight["mach"])
     check_slope(slope)
-    if np.any(flight["drag_coefficient"] <= 0.0):
-        i = int(np.argmax(flight["drag_coefficient"] <= 0.0))
-        raise InputError(
-            f"{flight.places[i]}: CD must be positive, for q S is Drag over CD; got"
-            f" {flight['drag_coefficient'][i]:.6g}"
-        )
     made = {name: flight.columns[name] for name in ("weight", "thrust", "axial_force")}
     made |= {
         "aerodynamic_arm": aerodynamic_arm_of(flight),
