@@ -11,6 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tvclin as tv
+from tests.schedules import rocketpy_standin
+from tests.schedules.samples import FOLDER as SCHEDULES
+from tests.schedules.samples import MAP
 from tvclin.answers.sizing.total import Line
 from tvclin.flights.condition import load_flight_condition
 
@@ -147,6 +150,8 @@ def doors(folder: Path) -> dict[str, Door]:
         return tv.run_campaign(folder=given, **others)
 
     pulse = {"peak": 0.09, "duration": 7.5}
+    span = {"start": 0.5, "stop": 5.0, "most_rows": 50}
+    simulated = {"gimbal_station": 2.95, "ground": 0.0, **span}
     return {
         "Actuator": Door(tv.Actuator, {"natural_frequency": 25.0, "damping": 0.7}),
         "AsymmetricTriangularWind": Door(tv.AsymmetricTriangularWind, {**pulse, "peak_time": 2.0}),
@@ -274,6 +279,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "vehicle": booster.replace(time=[60.0, 70.0]),
                 "nominal_deflection": [0.0, 0.0],
                 "altitude": [1e4, 1.1e4],
+                "notes": ("made up",),
             },
         ),
         "FlightSchedule.at": Door(schedule.at, {"time": 66.0}),
@@ -288,6 +294,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "FlightSchedule.held": Door(schedule.held, {"time": 66.0}),
+        "FlightSchedule.to_csv": Door(schedule.to_csv, {"path": folder / "schedule.csv"}),
         "FlightSchedule.nominal_at": Door(schedule.nominal_at, {"time": 66.0}),
         "GainSchedule": Door(tv.GainSchedule, {"time": [40.0, 90.0], "autopilot": autopilot}),
         "GainSchedule.at": Door(two.at, {"time": 66.0}),
@@ -692,9 +699,31 @@ def doors(folder: Path) -> dict[str, Door]:
             {**history, "rate_limit": 0.1, "start": 0.0, "horizon": 20.0, "steps": 20},
         ),
         "power_law_shear": Door(tv.power_law_shear, {"change": 20.0, "thickness": 500.0}),
+        "read_openrocket": Door(
+            tv.read_openrocket,
+            {
+                **simulated,
+                "path": SCHEDULES / "openrocket.csv",
+                "normal_force_coefficient_slope": 2.0,
+                "reference_area": 0.0165,
+            },
+        ),
         "read_range_reference": Door(tv.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}),
+        "read_rasaero": Door(
+            tv.read_rasaero,
+            {
+                **simulated,
+                "path": SCHEDULES / "rasaero-flight.csv",
+                "moment_of_inertia": ([0.0, 5.0], [24.0, 20.0]),
+                "normal_force_coefficient_slope": SCHEDULES / "rasaero-aerodynamics.csv",
+            },
+        ),
         "read_sounding": Door(
             tv.read_sounding, {"path": SOUNDINGS / "wyoming.txt", "format": "wyoming", "time": None}
+        ),
+        "read_table": Door(
+            tv.read_table,
+            {"path": SCHEDULES / "table.csv", "columns": MAP, **span},
         ),
         "relief_gains": Door(
             tv.relief_gains,
@@ -719,6 +748,15 @@ def doors(folder: Path) -> dict[str, Door]:
                 "shard": "1/1",
                 "compiled": False,
                 "progress": None,
+            },
+        ),
+        "schedule_from_rocketpy": Door(
+            tv.schedule_from_rocketpy,
+            {
+                "flight": rocketpy_standin.Flight(),
+                "gimbal_position": -1.2,
+                "without": ("Fins",),
+                **span,
             },
         ),
         "single_pole_validity": Door(tv.single_pole_validity, {"coefficients": coefficients}),

@@ -17,6 +17,10 @@ from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection
 from .answers.requirement import survivable_peak as survivable_peak
+from .answers.schedules.mapped import read_table as read_table
+from .answers.schedules.openrocket import read_openrocket as read_openrocket
+from .answers.schedules.rasaero import read_rasaero as read_rasaero
+from .answers.schedules.rocketpy import schedule_from_rocketpy as schedule_from_rocketpy
 from .answers.sizing.asked import SizingAsked as SizingAsked
 from .answers.sizing.asked import SoundingAsked as SoundingAsked
 from .answers.sizing.measured import MeasuredWind as MeasuredWind

@@ -69,7 +69,7 @@ def write_new(path: Path, text: str) -> None:
     write_text(path, text)
 
 
-def read_text(path: Path, kind: str, start: str = "") -> str:
+def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") -> str:
     """Return the text of a file in UTF-8, with or without a byte order mark.
 
     Parameters
@@ -80,6 +80,8 @@ def read_text(path: Path, kind: str, start: str = "") -> str:
         What it should be, for messages: "a vehicle file".
     start : str
         How to get one, for messages.
+    errors : {"strict", "replace"}
+        What becomes of bytes that are not UTF-8.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def read_text(path: Path, kind: str, start: str = "") -> str:
     """
     hint, name = f"; {start}" if start else "", called(path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with path.open(encoding="utf-8-sig", errors=errors, newline="") as file:
             text = file.read()
     except IsADirectoryError:
         raise InputError(f"{name} is a directory; name {kind} in it") from None

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, finite, instance, number, positive
+from tvclin.base.errors import InputError, each, finite, instance, number, positive, text
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import called, write_text
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.trajectory import nominal_flight
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
+_KEYS = {
+    "time_s": "time",
+    "weight_N": "weight",
+    "moment_of_inertia_kg_m2": "moment_of_inertia",
+    "normal_force_slope_N_per_rad": "normal_force_slope",
+    "thrust_N": "thrust",
+    "aerodynamic_arm_m": "aerodynamic_arm",
+    "control_arm_m": "control_arm",
+    "axial_force_N": "axial_force",
+    "velocity_m_per_s": "velocity",
+    "attitude_deg": "attitude",
+}
+"""The columns of a file, and of which field of the vehicle each is."""
 _MOST_ROWS = 100_000
 """A schedule of more times than that is a step that was given in the wrong unit."""
 
@@ -32,6 +48,8 @@ class FlightSchedule:
         Deflection of the nominal flight delta_n [rad], ``(n,)`` or one for all; zero if not known.
     altitude : array_like, optional
         Altitude [m], ``(n,)``: only a wind over height needs it.
+    notes : tuple of str
+        Where its numbers came from, and what else a reader should know.
 
     Raises
     ------
@@ -51,6 +69,7 @@ class FlightSchedule:
     vehicle: Vehicle
     nominal_deflection: ArrayLike = 0.0
     altitude: ArrayLike | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -78,6 +97,8 @@ class FlightSchedule:
                     f"{name} must be one number or one for each of the {times.size} times; got"
                     f" shape {np.shape(values)}"
                 )
+        notes = each("notes", self.notes, str, "one for each remark")
+        object.__setattr__(self, "notes", tuple(text("notes", note) for note in notes))
 
     @property
     def times(self) -> FloatArray:
@@ -148,6 +169,37 @@ class FlightSchedule:
             return f"the height at {time:.4g} s"
         height = float(np.interp(time, self.times, self.height))
         return f"{height / 1e3:.1f} km ({time:.4g} s)"
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write the schedule as `load_schedule` reads it, its notes as comments above.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; its name must end in .csv.
+
+        Raises
+        ------
+        InputError
+            For another ending, and a file that cannot be written.
+        """
+        target = a_path("path", path)
+        if target.suffix.lower() != ".csv":
+            raise InputError(
+                f"path must end in .csv, by which a schedule is known; got {called(target)}"
+            )
+        columns = {key: np.asarray(getattr(self.vehicle, name)) for key, name in _KEYS.items()}
+        columns["attitude_deg"] = np.degrees(columns["attitude_deg"])
+        if self.vehicle.control_force_slope is not None:
+            columns["control_force_slope_N_per_rad"] = np.asarray(self.vehicle.control_force_slope)
+        if np.any(self.nominal_deflection):
+            columns["nominal_deflection_deg"] = np.degrees(self.nominal_deflection)
+        if self.altitude is not None:
+            columns["altitude_m"] = np.asarray(self.altitude)
+        rows = np.column_stack([np.broadcast_to(c, self.times.shape) for c in columns.values()])
+        lines = [f"# {note}".replace('"', "'") for note in self.notes]
+        lines += [",".join(columns), *(",".join(f"{x:.12g}" for x in row) for row in rows)]
+        write_text(target, "\n".join(lines) + "\n")
 
     @classmethod
     def from_flight(

@@ -76,15 +76,26 @@ class Text:
             raise self.error(int(line[first]), say(first))
 
 
-def read_lines(path: str | PathLike[str]) -> Text:
+def read_lines(
+    path: str | PathLike[str], kind: str = "a file of winds", errors: str = "strict"
+) -> Text:
     """Return the lines of a text file, whatever their ends.
+
+    Parameters
+    ----------
+    path : str or path
+        The file.
+    kind : str
+        What it should be, for messages.
+    errors : {"strict", "replace"}
+        What becomes of bytes that are not UTF-8.
 
     Raises
     ------
     InputError
         When the file cannot be read, is empty, or is no text.
     """
-    content = read_text(a_path("path", path), "a file of winds")
+    content = read_text(a_path("path", path), kind, errors=errors)
     if "\0" in content:
         raise InputError(f"{called(path)} is not a text file")
     return Text(called(path), tuple(re.split(r"\r\n|\r|\n", content)))

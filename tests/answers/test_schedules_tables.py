@@ -1,0 +1,120 @@
+"""Schedules from RASAero II and mapped tables, against the same flight written by OpenRocket."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
+
+FLIGHT, AERODYNAMICS = FOLDER / "rasaero-flight.csv", FOLDER / "rasaero-aerodynamics.csv"
+ASKED: dict[str, Any] = {
+    "gimbal_station": 2.95,
+    "moment_of_inertia": ([0.0, 5.0], [24.0, 20.0]),
+    "normal_force_coefficient_slope": AERODYNAMICS,
+    "ground": 0.0,
+}
+FIELDS = (
+    *("weight", "moment_of_inertia", "normal_force_slope", "thrust", "aerodynamic_arm"),
+    *("control_arm", "axial_force", "velocity", "attitude"),
+)
+
+
+def test_rasaero_gives_what_openrocket_gives_for_the_same_flight() -> None:
+    """In pounds of force, inches and feet; q S as drag over its coefficient."""
+    found, other = tv.read_rasaero(FLIGHT, **ASKED), read(OPENROCKET)
+    assert found.span == (0.2, 5.0)  # it knows a centre of pressure on the rail
+    for name in FIELDS:
+        one = np.asarray(getattr(found.vehicle, name))[1:]
+        # seven digits in either file; six in the Mach number, squared, of the other's q
+        np.testing.assert_allclose(one, getattr(other.vehicle, name), rtol=2e-5, err_msg=name)
+    np.testing.assert_allclose(found.height[1:], other.height, rtol=5e-7)  # seven digits of feet
+
+
+def test_a_secant_over_four_degrees_is_not_the_slope_at_zero() -> None:
+    """The column of that name holds 2.419 per rad; 2 per rad is the slope."""
+    exact = tv.read_rasaero(FLIGHT, **(ASKED | {"normal_force_coefficient_slope": 2.0}))
+    found = tv.read_rasaero(FLIGHT, **ASKED)
+    np.testing.assert_allclose(
+        found.vehicle.normal_force_slope, exact.vehicle.normal_force_slope, rtol=1e-6
+    )
+
+
+def test_the_inertia_is_straight_between_its_times_and_held_beyond() -> None:
+    given = {"moment_of_inertia": ([1.0, 3.0], [24.0, 20.0])}
+    found = tv.read_rasaero(FLIGHT, **(ASKED | given))
+    assert [found.at(t).moment_of_inertia for t in (0.5, 2.0, 5.0)] == [24.0, 22.0, 20.0]
+    assert any("given at 2 times from 1 to 3 s" in note for note in found.notes)
+
+
+def test_a_map_gives_what_openrocket_gives_for_the_same_flight() -> None:
+    found, other = tv.read_table(FOLDER / "table.csv", MAP), read(OPENROCKET)
+    for t in (1.0, 3.0, 5.0):
+        one, same = found.at(t), other.at(t)
+        for name in FIELDS:
+            if name != "axial_force":
+                expected = getattr(same, name)
+                # the slope is written with six digits
+                assert getattr(one, name) == pytest.approx(expected, rel=2e-6), name
+        assert one.axial_force == 190.0
+
+
+def test_coefficients_and_arms_may_be_mapped(tmp_path: Path) -> None:
+    """N = q S C_N,alpha with 47.88 Pa to the psf and 57.3 deg to the rad."""
+    file = tmp_path / "post.txt"
+    file.write_text(
+        "made up\nTIME GAMMA WEIGHT QBAR\n1 1.2 300 100\n2 1.1 290 200\n3 1.0 280 300\n"
+    )
+    found = tv.read_table(
+        file,
+        {
+            "time_s": "TIME",
+            "attitude_rad": "GAMMA",
+            "weight_lbf": "WEIGHT",
+            "dynamic_pressure_psf": "QBAR",
+            "reference_area_m2": 0.5,
+            "normal_force_coefficient_slope_per_deg": 0.05,
+            "axial_force_coefficient": 0.4,
+            "thrust_kN": 4.0,
+            "moment_of_inertia_kg_m2": 100.0,
+            "control_arm_m": 2.0,
+            "aerodynamic_arm_m": 1.0,
+            "velocity_m_per_s": 100.0,
+            "altitude_ft": 5000.0,
+            "nominal_deflection_deg": 0.1,
+        },
+    )
+    q = 200.0 * 4.4482216152605 / 0.3048**2
+    vehicle = found.at(2.0)
+    assert vehicle.normal_force_slope == pytest.approx(q * 0.5 * 0.05 * 180 / np.pi, rel=1e-14)
+    assert vehicle.axial_force == pytest.approx(q * 0.5 * 0.4, rel=1e-14)
+    assert vehicle.weight == pytest.approx(290.0 * 4.4482216152605, rel=1e-14)
+    assert found.height[0] == pytest.approx(1524.0, rel=1e-14)
+    assert found.nominal_at(2.0) == pytest.approx(np.radians(0.1), rel=1e-14)
+    written = tmp_path / "my.csv"
+    found.to_csv(written)
+    again = tv.load_schedule(written)
+    assert again.nominal_at(2.0) == pytest.approx(np.radians(0.1), rel=1e-11)
+
+
+def test_a_mapped_coefficient_is_not_taken_for_its_slope(tmp_path: Path) -> None:
+    file = tmp_path / "flight.csv"
+    file.write_text("t (s),q (Pa),CN,CN_alpha\n1,1000,0.1,2\n2,2000,0.1,2\n")
+    rest = {k: v for k, v in MAP.items() if not isinstance(v, str)}
+    rest |= {"time": "t (s)", "dynamic_pressure": "q (Pa)", "reference_area_m2": 0.0165}
+    rest |= {"mass_kg": 25.0, "moment_of_inertia_kg_m2": 20.0, "thrust_N": 2400.0}
+    rest |= {"gravity_station_m": 1.7, "velocity_m_per_s": 60.0}
+    slope = "normal_force_coefficient_slope_per_rad"
+    with pytest.raises(tv.InputError, match="CN is a coefficient and not its slope"):
+        tv.read_table(file, rest | {slope: "CN"})
+    found = tv.read_table(file, rest | {slope: "CN_alpha"})
+    assert found.at(1.0).normal_force_slope == pytest.approx(1000 * 0.0165 * 2, rel=1e-15)
+
+
+def test_an_angle_of_attack_that_is_mapped_is_looked_at(tmp_path: Path) -> None:
+    with pytest.raises(tv.InputError, match="the angle of attack is 3 deg at 1 s"):
+        tv.read_table(FOLDER / "table.csv", MAP | {"angle_of_attack_deg": 3.0})

@@ -1,0 +1,251 @@
+"""Flight schedules from any table with a line of column names, by a map from our names to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from os import PathLike
+
+import numpy as np
+
+from tvclin.answers.schedules.build import (
+    MOST_ROWS,
+    aerodynamic_arm_of,
+    control_arm_of,
+    schedule_of_flight,
+)
+from tvclin.answers.schedules.checks import check_slope
+from tvclin.answers.schedules.flight import Flight, powered
+from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
+from tvclin.answers.schedules.units import WRITTEN, unit_of
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, number, shown
+from tvclin.base.units import UNITS
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY
+
+_QUANTITIES = {
+    "time": "time",
+    "weight": "force",
+    "mass": "mass",
+    "moment_of_inertia": "inertia",
+    "thrust": "force",
+    "aerodynamic_arm": "length",
+    "control_arm": "length",
+    "pressure_station": "length",
+    "gravity_station": "length",
+    "gimbal_station": "length",
+    "normal_force_slope": "force slope",
+    "axial_force": "force",
+    "dynamic_pressure": "pressure",
+    "reference_area": "area",
+    "normal_force_coefficient_slope": "per angle",
+    "axial_force_coefficient": "number",
+    "velocity": "speed",
+    "attitude": "angle",
+    "angle_of_attack": "angle",
+    "altitude": "length",
+    "nominal_deflection": "angle",
+}
+"""What may be mapped: the names of vehicle files, and what arms and forces are made of."""
+_UNITS = UNITS | {"mass": {"kg": 1.0, "lb": WRITTEN["mass"]["lb"], "slug": WRITTEN["mass"]["slug"]}}
+_EITHER = {
+    "weight": ("mass",),
+    "aerodynamic_arm": ("gravity_station", "pressure_station"),
+    "control_arm": ("gravity_station", "gimbal_station"),
+    "normal_force_slope": (
+        "dynamic_pressure",
+        "reference_area",
+        "normal_force_coefficient_slope",
+    ),
+    "axial_force": ("dynamic_pressure", "reference_area", "axial_force_coefficient"),
+}
+"""What stands in the place of a quantity."""
+_PLAIN = ("moment_of_inertia", "thrust", "velocity", "attitude")
+
+
+def read_table(
+    path: str | PathLike[str],
+    columns: Mapping[str, str | float],
+    *,
+    start: float | None = None,
+    stop: float | None = None,
+    most_rows: int = MOST_ROWS,
+) -> FlightSchedule:
+    """Return the flight schedule of any table, by a map from our names to its columns.
+
+    Parameters
+    ----------
+    path : str or path
+        A text with a line of column names, separated by commas, semicolons, tabs or spaces.
+    columns : dict of str to str or float
+        For each of our names the name of the column, or a number that does not change. Our name
+        carries a unit as in vehicle files (`weight_kN`), or none where the column's name has one in
+        parentheses: ``{"weight": "Gross weight (lbf)"}``. Besides the names of vehicle files there
+        are mass, gravity_station, pressure_station and gimbal_station (from the nose tip aft),
+        angle_of_attack, altitude and nominal_deflection.
+    start, stop : float, optional
+        Earliest and latest time [s]; the first burn if not given.
+    most_rows : int
+        More rows than that are thinned by straight lines.
+
+    Returns
+    -------
+    FlightSchedule
+        The powered flight; its notes say where each column came from.
+
+    Raises
+    ------
+    InputError
+        For a name that is not known, not there, or there twice, a unit that is missing, a
+        coefficient in the place of a slope, and as `read_openrocket`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> names = {"time": "t (s)", "mass": "m (kg)", "moment_of_inertia": "Iyy (kg m2)"}
+    >>> arms = {"gimbal_station_m": 2.95, "gravity_station": "xcg (m)", "pressure_station_m": 0.96}
+    >>> forces = {"thrust": "T (kN)", "axial_force_N": 190.0, "normal_force_slope_N_per_rad": "N"}
+    >>> path = {"velocity": "V (m/s)", "attitude_deg": 84.0}
+    >>> flight = tv.read_table("tests/schedules/table.csv", names | arms | forces | path)
+    >>> flight.span, round(flight.at(3.0).control_arm, 3)
+    ((1.0, 5.0), 1.214)
+    """
+    wanted = _wanted(columns)
+    table = _table(path, wanted)
+    found = {name: _column(table, name, *one) for name, one in wanted.items()}
+    flight = Flight(source=table.text.source, places=table.places, columns=found)
+    flight = powered(flight, np.ones(table.line.size, dtype=bool), start, stop)
+    return schedule_of_flight(flight, _vehicle(flight), "mapped table", most_rows)
+
+
+Wanted = dict[str, tuple[str, float | None, str | float]]
+"""For each quantity our key, the factor of its unit where it has one, and what is to be read."""
+
+
+def _wanted(columns: Mapping[str, str | float]) -> Wanted:
+    if not isinstance(columns, Mapping):
+        raise InputError(
+            "columns must be a dict from our names to those of the table, as"
+            f" {{'time': 'Time (s)'}}; got {shown(columns)}"
+        )
+    known = {
+        f"{name}_{unit}" if unit else name: (name, factor)
+        for name, dimension in _QUANTITIES.items()
+        for unit, factor in _UNITS[dimension].items()
+    }
+    found: Wanted = {}
+    for key, source in columns.items():
+        bare = key if isinstance(key, str) and key in _QUANTITIES else None
+        if bare is None and key not in known:
+            raise InputError(
+                f"columns must be among {', '.join(_QUANTITIES)}, with a unit of vehicle files or"
+                f" none; got {shown(key)}"
+            )
+        name, factor = (bare, None) if bare is not None else known[key]
+        if name in found:
+            raise InputError(f"columns has {name} twice, as {found[name][0]} and {key}; keep one")
+        if not isinstance(source, str):
+            number(f"columns: {key}", source)
+            if factor is None and _QUANTITIES[name] != "number":
+                unit = next(iter(_UNITS[_QUANTITIES[name]]))
+                raise InputError(f"columns: {key} is a number without a unit; write {name}_{unit}")
+        found[name] = (key, factor, source)
+    _check_complete(found)
+    return found
+
+
+def _check_complete(found: Wanted) -> None:
+    if "time" not in found or not isinstance(found["time"][2], str):
+        raise InputError("columns must name the column of the time, as time = 'Time (s)'")
+    for name in (*_PLAIN, *_EITHER):
+        others = _EITHER.get(name, ())
+        if name in found and others and others[-1] in found:
+            raise InputError(f"columns has both {name} and {others[-1]}; keep one")
+        if name not in found and not (others and all(one in found for one in others)):
+            made = f", or {', '.join(others)}" if others else ""
+            raise InputError(f"columns must have {name}{made}")
+
+
+def _table(path: str | PathLike[str], wanted: Wanted) -> Table:
+    time = str(wanted["time"][2])
+    table = read_table_text(
+        path, "a table of a flight", lambda found: _named(found, time) is not None
+    )
+    if table is None:
+        raise InputError(f"{path} has no line of column names with {shown(time)} among them")
+    return table
+
+
+def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
+    same = " ".join(name.split())
+    found = [one for one in headings if same in (one.text, one.name)]
+    if len(found) > 1:
+        raise InputError(f"the column {shown(name)} is there {len(found)} times; keep one")
+    return found[0] if found else None
+
+
+def _column(table: Table, name: str, key: str, factor: float | None, source: str | float) -> Column:
+    if not isinstance(source, str):
+        value = float(source) * (1.0 if factor is None else factor)
+        return Column(np.full(table.line.size, value), f"given, {key} = {source:g}")
+    heading = _named(table.headings, source)
+    if heading is None:
+        raise InputError(
+            f"{table.text.source} has no column {shown(source)}, which columns has for {key}; it"
+            f" has {shown(', '.join(one.text for one in table.headings))}"
+        )
+    if name == "normal_force_coefficient_slope" and _is_coefficient(heading):
+        raise InputError(
+            f"{table.text.source}: {heading.text} is a coefficient and not its slope over the angle"
+            " of attack; give a column of the slope, or a number"
+        )
+    if factor is None:
+        return table.numbers(heading, _QUANTITIES[name])
+    theirs = unit_of(heading.unit or "", WRITTEN[_QUANTITIES[name]]) if heading.unit else None
+    if theirs is not None and not np.isclose(theirs.factor, factor):
+        raise InputError(
+            f"{table.text.source}: {heading.text} is not in the unit of {key}; write {name}, and"
+            " the unit is taken from the column"
+        )
+    values = table.numbers(replace(heading, unit=""), "number").values
+    return Column(values * factor, f"column {heading.text}, read as {key}")
+
+
+def _is_coefficient(heading: Heading) -> bool:
+    """Whether a name is that of C_N and not of its slope."""
+    name = letters(heading.name)
+    slope = ("alpha", "derivative", "slope", "cna", "perrad", "perdeg", "cla")
+    if any(not c.isascii() for c in heading.name):  # an alpha, or what became of it
+        return False
+    return ("coefficient" in name or name in ("cn", "cl", "cnpotential")) and not any(
+        word in name for word in slope
+    )
+
+
+def _vehicle(flight: Flight) -> dict[str, Column]:
+    have = flight.columns
+    made = {
+        name: have[name] for name in (*_PLAIN, "altitude", "nominal_deflection") if name in have
+    }
+    for name in _EITHER:
+        if name in have:
+            made[name] = have[name]
+    if "weight" not in made:
+        made["weight"] = Column(
+            have["mass"].values * STANDARD_GRAVITY, f"{have['mass'].origin} times 9.80665 m/s^2"
+        )
+    if "aerodynamic_arm" not in made:
+        made["aerodynamic_arm"] = aerodynamic_arm_of(flight)
+    if "control_arm" not in made:
+        made["control_arm"] = control_arm_of(flight, have["gimbal_station"])
+    for name, coefficient in (
+        ("normal_force_slope", "normal_force_coefficient_slope"),
+        ("axial_force", "axial_force_coefficient"),
+    ):
+        if name not in made:
+            parts = [have[one] for one in ("dynamic_pressure", "reference_area", coefficient)]
+            values = parts[0].values * parts[1].values * parts[2].values
+            made[name] = Column(values, " times ".join(one.origin for one in parts))
+            if coefficient.endswith("slope"):
+                check_slope(parts[2].values)
+    return made

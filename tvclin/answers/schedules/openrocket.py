@@ -1,0 +1,158 @@
+"""Flight schedules from the data that OpenRocket exports of a simulation."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.schedules.build import (
+    MOST_ROWS,
+    aerodynamic_arm_of,
+    control_arm_of,
+    given_gimbal,
+    schedule_of_flight,
+)
+from tvclin.answers.schedules.checks import check_slope
+from tvclin.answers.schedules.flight import Flight, powered
+from tvclin.answers.schedules.openrocket_columns import columns_of, free, rounded, table_of, unread
+from tvclin.answers.schedules.slopes import Slope, slope_over_mach
+from tvclin.answers.schedules.table import Column
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import between, finite, number
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY
+
+_WINDY = 0.02
+"""Speeds over the ground and through the air that differ by more: there was wind."""
+_HEAT_RATIO = 1.4
+
+
+def read_openrocket(
+    path: str | PathLike[str],
+    *,
+    gimbal_station: float,
+    normal_force_coefficient_slope: Slope | None = None,
+    ground: float | None = None,
+    reference_area: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    most_rows: int = MOST_ROWS,
+) -> FlightSchedule:
+    """Return the flight schedule of a simulation that OpenRocket exported.
+
+    Parameters
+    ----------
+    path : str or path
+        The CSV file, with field descriptions, of a simulation without wind. Any separator, comment
+        character and unit that OpenRocket offers; `NaN` where it knows no number.
+    gimbal_station : float
+        Where the thrust is turned [m], from the nose tip aft.
+    normal_force_coefficient_slope : float, (mach, slope) or path, optional
+        dC_N/dalpha [1/rad]: a number, two rows over Mach, or a table that RASAero II or OpenRocket
+        (component analysis) exports. From the column of that name, which exists since 2026, where
+        it is not given.
+    ground : float, optional
+        Elevation of the launch site above the sea [m]; needed where the file has no altitude above
+        the sea.
+    reference_area : float, optional
+        The area [m^2] on which a given slope is; that of the file where it is not given.
+    start, stop : float, optional
+        Earliest and latest time [s], as for one stage of several; the first burn if not given.
+    most_rows : int
+        More rows than that are thinned by straight lines.
+
+    Returns
+    -------
+    FlightSchedule
+        The powered flight from the launch rod on; its notes say where each column came from.
+
+    Raises
+    ------
+    InputError
+        For a column or unit that is missing, rows above 2 degrees of angle of attack, numbers that
+        another unit would explain, and damaged rows; the message names the line.
+
+    Notes
+    -----
+    Arms from stations: l_a = x_CG - x_CP, l_c = x_gimbal - x_CG. N = q S dC_N/dalpha, eq (B1d),
+    with q = rho V^2/2 or, where there is no density, 0.7 p M^2. OpenRocket's drag force is that
+    along the axis. Its coefficient C_N is never taken for a slope, nor divided by the angle.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> flight = tv.read_openrocket(
+    ...     "tests/schedules/openrocket.csv",
+    ...     gimbal_station=2.95, normal_force_coefficient_slope=2.0, ground=160.0,
+    ... )
+    >>> flight.span, round(flight.at(3.0).normal_force_slope, 1)
+    ((0.5, 5.0), 756.6)
+    """
+    gimbal = number("gimbal_station", gimbal_station, finite, "m")
+    table = table_of(path)
+    columns = columns_of(table, ground, normal_force_coefficient_slope is None)
+    flight = Flight(source=table.text.source, places=table.places, columns=columns)
+    flight = powered(flight, free(table, flight), start, stop)
+    slope = _slope(flight, normal_force_coefficient_slope)
+    made = _vehicle(flight, gimbal, slope, reference_area)
+    flight = flight.noted(*unread(table), *rounded(table, flight), *_wind(flight))
+    return schedule_of_flight(flight, made, "OpenRocket simulation", most_rows)
+
+
+def _slope(flight: Flight, given: Slope | None) -> Column:
+    """The slope at each row [1/rad]."""
+    if given is None:
+        found = flight.columns["slope"]
+    else:
+        slopes = slope_over_mach(given)
+        found = Column(slopes.at(flight["mach"]), slopes.origin)
+    check_slope(found.values)
+    return found
+
+
+def _wind(flight: Flight) -> list[str]:
+    if "sound" not in flight.columns:
+        return []
+    through_air = flight["mach"] * flight["sound"]
+    off = np.abs(through_air - flight["velocity"]) / flight["velocity"]
+    worst = int(np.argmax(off))
+    if off[worst] <= _WINDY:
+        return []
+    return [
+        f"the simulation has wind: at {flight['time'][worst]:g} s the speed through the air differs"
+        f" by {100 * off[worst]:.2g} percent from that over the ground; simulate without"
+    ]
+
+
+def _vehicle(
+    flight: Flight, gimbal: float, slope: Column, reference_area: float | None
+) -> dict[str, Column]:
+    """The fields of a vehicle over the rows of a flight."""
+    if "density" in flight.columns:
+        q = 0.5 * flight["density"] * flight["velocity"] ** 2
+        told = f"q = rho V^2/2 of {flight.origin('density')}"
+    else:
+        q = 0.5 * _HEAT_RATIO * flight["pressure"] * flight["mach"] ** 2
+        told = f"q = 0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}"
+    area: Any = flight["area"]
+    on = f"S of {flight.origin('area')}, on which the slope must be"
+    if reference_area is not None:
+        area = number("reference_area", reference_area, between(1e-6, 1e4), "m^2")
+        on = f"S = {area:g} m^2 as given (the file has {flight['area'][0]:.6g})"
+    return {
+        "weight": Column(
+            flight["mass"] * STANDARD_GRAVITY, f"{flight.origin('mass')} times 9.80665 m/s^2"
+        ),
+        "moment_of_inertia": flight.columns["moment_of_inertia"],
+        "normal_force_slope": Column(
+            q * area * slope.values, f"q S dC_N/dalpha; {told}; {on}; slope: {slope.origin}"
+        ),
+        "thrust": flight.columns["thrust"],
+        "aerodynamic_arm": aerodynamic_arm_of(flight),
+        "control_arm": control_arm_of(flight, given_gimbal(flight, gimbal)),
+        "axial_force": flight.columns["axial_force"],
+        "velocity": flight.columns["velocity"],
+        "attitude": flight.columns["attitude"],
+        "altitude": flight.columns["altitude"],
+    }

@@ -1,0 +1,178 @@
+"""The columns of the data that OpenRocket exports: which are read, and what is said of them."""
+
+from __future__ import annotations
+
+import re
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.schedules.build import above_sea
+from tvclin.answers.schedules.flight import Flight
+from tvclin.answers.schedules.table import Column, Heading, Table, read_table_text
+from tvclin.base.errors import InputError
+
+_NEEDED = {
+    "time": ("time", "Time"),
+    "velocity": ("speed", "Total velocity"),
+    "mass": ("mass", "Mass"),
+    "moment_of_inertia": ("inertia", "Longitudinal moment of inertia"),
+    "pressure_station": ("length", "CP location"),
+    "gravity_station": ("length", "CG location"),
+    "thrust": ("force", "Thrust"),
+    "axial_force": ("force", "Drag force"),
+    "angle_of_attack": ("angle", "Angle of attack"),
+    "mach": ("number", "Mach number"),
+    "area": ("area", "Reference area"),
+}
+"""What is read: the quantity, and the name of its column."""
+_SLOPE = "Normal force coefficient derivative"
+_COEFFICIENT = "Normal force coefficient"
+_DAMPING = ("Damping moment coefficient", "Pitch damping coefficient")
+_ROD = re.compile(r"Event LAUNCHROD occurred at t=([\d.eE+-]+) s")
+_ROUGH = 5e-3
+"""An inertia that is rounded by more is told."""
+
+
+def table_of(path: str | PathLike[str]) -> Table:
+    """Return the rows of an export; `InputError` where its line of names was left off."""
+
+    def is_header(headings: tuple[Heading, ...]) -> bool:
+        return any("time" in one.names and one.unit is not None for one in headings)
+
+    table = read_table_text(path, "data that OpenRocket exports", is_header)
+    if table is None:
+        raise InputError(
+            f"{path} has no line of column names with their units, such as Time (s); export it"
+            " again with field descriptions included"
+        )
+    return table
+
+
+def columns_of(table: Table, ground: float | None, own_slope: bool) -> dict[str, Column]:
+    """Return the columns of an export by name, in SI units.
+
+    Parameters
+    ----------
+    table : Table
+        The rows.
+    ground : float, optional
+        Elevation of the launch site [m].
+    own_slope : bool
+        Whether the slope of the normal force coefficient is to be read too.
+
+    Raises
+    ------
+    InputError
+        For a column that is not there, is there twice, or has no known unit.
+    """
+    found = {name: _column(table, name) for name in _NEEDED}
+    found |= _air(table) | _attitude(table) | _altitude(table, ground)
+    return found | _own_slope(table) if own_slope else found
+
+
+def _column(table: Table, name: str) -> Column:
+    dimension, called = _NEEDED[name]
+    heading = table.find(called)
+    if heading is None:
+        raise InputError(
+            f"{table.text.source} has no column {called}; tick it and export the file again"
+        )
+    return table.numbers(heading, dimension)
+
+
+def _air(table: Table) -> dict[str, Column]:
+    """Density, or pressure, and the speed of sound where it is there."""
+    density, pressure = table.find("Air density"), table.find("Air pressure")
+    sound = table.find("Speed of sound")
+    found = {} if sound is None else {"sound": table.numbers(sound, "speed")}
+    if density is not None:
+        return found | {"density": table.numbers(density, "density")}
+    if pressure is not None:
+        return found | {"pressure": table.numbers(pressure, "pressure")}
+    raise InputError(
+        f"{table.text.source} has neither a column Air density nor Air pressure, of which the"
+        " dynamic pressure is made; tick one and export the file again"
+    )
+
+
+def _attitude(table: Table) -> dict[str, Column]:
+    """The attitude above the horizon, or else the direction of flight."""
+    heading = table.find("Vertical orientation (zenith)", "Vertical orientation")
+    vertical = table.find("Vertical velocity")
+    if heading is not None:
+        found = table.numbers(heading, "angle")
+        told = {"attitude": Column(found.values, f"{found.origin}, above the horizon")}
+        return told if vertical is None else told | {"climb": table.numbers(vertical, "speed")}
+    if vertical is None:
+        raise InputError(
+            f"{table.text.source} has neither a column Vertical orientation nor Vertical velocity,"
+            " of which the attitude is made; tick one and export the file again"
+        )
+    up, total = table.numbers(vertical, "speed"), _column(table, "velocity")
+    speed = np.where(total.values > 0.0, total.values, np.nan)
+    angle = np.arcsin(np.clip(up.values / speed, -1.0, 1.0))
+    return {"attitude": Column(angle, f"asin of {up.origin} over the speed: that of the path")}
+
+
+def _altitude(table: Table, ground: float | None) -> dict[str, Column]:
+    """The altitude above the sea, to which winds belong."""
+    sea = table.find("Altitude above sea level")
+    if sea is not None:
+        return {"altitude": table.numbers(sea, "length")}
+    heading = table.find("Altitude")
+    if heading is None:
+        raise InputError(f"{table.text.source} has no column Altitude; tick it and export again")
+    found = table.numbers(heading, "length")
+    return {"altitude": above_sea(found, table.text.source, ground)}
+
+
+def _own_slope(table: Table) -> dict[str, Column]:
+    heading = table.find(_SLOPE)
+    if heading is not None:
+        return {"slope": table.numbers(heading, "per angle")}
+    near = table.find(_COEFFICIENT)
+    is_none = f"; {near.text} is the coefficient of the flight, not its slope" if near else ""
+    raise InputError(
+        f"{table.text.source} has no column {_SLOPE}{is_none}: give"
+        " normal_force_coefficient_slope, a number per rad or a table over Mach"
+    )
+
+
+def unread(table: Table) -> list[str]:
+    """Return what to say of columns that the model has no use for."""
+    found = [one for one in map(table.find, _DAMPING) if one is not None]
+    return [f"not read: column {one.text}; damping is not part of the model" for one in found]
+
+
+def rounded(table: Table, flight: Flight) -> list[str]:
+    """Return what to say of an inertia that was written with too few decimals."""
+    heading = table.find(_NEEDED["moment_of_inertia"][1])
+    assert heading is not None  # by `_column`
+    written = [row[heading.index] for row in table.cells]
+    if any("e" in cell.lower() for cell in written):
+        return []
+    decimals = max(len(cell.partition(".")[2]) for cell in written)
+    part = 0.5 * 10.0**-decimals * table.factor(heading, "inertia") / flight["moment_of_inertia"]
+    if part.max() < _ROUGH:
+        return []
+    return [
+        f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g} percent of it;"
+        " export more, or another unit"
+    ]
+
+
+def free(table: Table, flight: Flight) -> NDArray[np.bool_]:
+    """Return the rows beyond the rod: where there is a centre of pressure, after that event."""
+    events = [_ROD.search(content) for content in table.text.lines]
+    times = [float(one[1]) for one in events if one is not None and _is_number(one[1])]
+    cleared = min(times, default=-np.inf)
+    return np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return bool(np.isfinite(float(text)))
+    except ValueError:
+        return False

@@ -1,0 +1,161 @@
+"""Flight schedules from the flight data that RASAero II exports."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.answers.schedules.build import (
+    MOST_ROWS,
+    above_sea,
+    aerodynamic_arm_of,
+    control_arm_of,
+    given_gimbal,
+    schedule_of_flight,
+)
+from tvclin.answers.schedules.checks import check_slope
+from tvclin.answers.schedules.flight import Flight, powered
+from tvclin.answers.schedules.slopes import Slope, slope_over_mach
+from tvclin.answers.schedules.table import Column, Heading, Table, read_table_text
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
+from tvclin.base.units import POUND_FORCE
+
+_POUNDS = {"lb": POUND_FORCE, "lbf": POUND_FORCE, "N": 1.0}
+"""A pound is a force here, of a weight as well."""
+_NEEDED = {
+    "time": ("time", "Time"),
+    "velocity": ("speed", "Velocity"),
+    "weight": ("force", "Weight"),
+    "pressure_station": ("length", "CP"),
+    "gravity_station": ("length", "CG"),
+    "thrust": ("force", "Thrust"),
+    "axial_force": ("force", "Drag"),
+    "drag_coefficient": ("number", "CD"),
+    "angle_of_attack": ("angle", "Angle of Attack"),
+    "mach": ("number", "Mach Number"),
+    "attitude": ("angle", "Pitch Attitude"),
+    "altitude": ("length", "Altitude"),
+}
+
+
+def read_rasaero(
+    path: str | PathLike[str],
+    *,
+    gimbal_station: float,
+    moment_of_inertia: tuple[ArrayLike, ArrayLike],
+    normal_force_coefficient_slope: Slope,
+    ground: float | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    most_rows: int = MOST_ROWS,
+) -> FlightSchedule:
+    """Return the flight schedule of a flight that RASAero II exported.
+
+    Parameters
+    ----------
+    path : str or path
+        The CSV file of a flight without wind; `lb` is a force in it, as a weight too.
+    gimbal_station : float
+        Where the thrust is turned [m], from the nose tip aft.
+    moment_of_inertia : (time, inertia)
+        Two or more times [s] and the moments of inertia then [kg m^2], which the file does not
+        have; straight lines between them, held beyond.
+    normal_force_coefficient_slope : float, (mach, slope) or path
+        dC_N/dalpha [1/rad], on RASAero's own area: most often its aerodynamics as a table.
+    ground : float
+        Elevation of the launch site above the sea [m].
+    start, stop : float, optional
+        Earliest and latest time [s]; the first burn if not given.
+    most_rows : int
+        More rows than that are thinned by straight lines.
+
+    Returns
+    -------
+    FlightSchedule
+        The powered flight; its notes say where each column came from.
+
+    Raises
+    ------
+    InputError
+        As `read_openrocket`.
+
+    Notes
+    -----
+    N = q S dC_N/dalpha, eq (B1d), where q S is the drag over its coefficient, so that no area and
+    no atmosphere need be known. The drag stands for the axial force: they are equal at zero angle
+    of attack.
+    """
+    gimbal = number("gimbal_station", gimbal_station, finite, "m")
+    times, inertias = _inertias(moment_of_inertia)
+    table = _table(path)
+    columns = {name: _column(table, name) for name in _NEEDED}
+    columns["altitude"] = above_sea(columns["altitude"], table.text.source, ground)
+    climb = table.find("Vel-V")
+    if climb is not None:
+        columns["climb"] = table.numbers(climb, "speed")
+    flight = Flight(source=table.text.source, places=table.places, columns=columns)
+    flight = powered(flight, np.isfinite(columns["pressure_station"].values), start, stop)
+    slopes = slope_over_mach(normal_force_coefficient_slope)
+    slope = slopes.at(flight["mach"])
+    check_slope(slope)
+    made = {name: flight.columns[name] for name in ("weight", "thrust", "axial_force")}
+    made |= {
+        "aerodynamic_arm": aerodynamic_arm_of(flight),
+        "control_arm": control_arm_of(flight, given_gimbal(flight, gimbal)),
+        "moment_of_inertia": Column(
+            np.interp(flight["time"], times, inertias),
+            f"given at {times.size} times from {times[0]:g} to {times[-1]:g} s",
+        ),
+        "normal_force_slope": Column(
+            flight["axial_force"] / flight["drag_coefficient"] * slope,
+            f"q S dC_N/dalpha; q S = {flight.origin('axial_force')} over"
+            f" {flight.origin('drag_coefficient')}; slope: {slopes.origin}",
+        ),
+        **{name: flight.columns[name] for name in ("velocity", "attitude", "altitude")},
+    }
+    return schedule_of_flight(flight, made, "RASAero II flight", most_rows)
+
+
+def _inertias(given: tuple[ArrayLike, ArrayLike]) -> tuple[np.ndarray, np.ndarray]:
+    if not isinstance(given, tuple | list) or len(given) != 2:
+        raise InputError(
+            "moment_of_inertia must be a pair, of times [s] and of moments of inertia [kg m^2]"
+            f" then; got {shown(given)}"
+        )
+    times = times_row("the times of moment_of_inertia", given[0])
+    inertias = positive(
+        "moment_of_inertia", one_row("moment_of_inertia", given[1], "kg m^2"), "kg m^2"
+    )
+    if times.shape != inertias.shape or times.size < 2 or np.any(np.diff(times) <= 0.0):
+        raise InputError(
+            "moment_of_inertia must hold two or more rising times and a moment of inertia for each;"
+            f" got {times.size} and {inertias.size}"
+        )
+    return times, inertias
+
+
+def _table(path: str | PathLike[str]) -> Table:
+    def is_header(headings: tuple[Heading, ...]) -> bool:
+        names = {name for one in headings for name in one.names}
+        return {"time", "cg", "thrust"} <= names
+
+    table = read_table_text(path, "a flight that RASAero II exports", is_header)
+    if table is None:
+        raise InputError(
+            f"{path} has no line of column names such as Time (sec), Thrust (lb), CG (in); export"
+            " the flight again as CSV"
+        )
+    return table
+
+
+def _column(table: Table, name: str) -> Column:
+    dimension, called = _NEEDED[name]
+    heading = table.find(called)
+    if heading is None:
+        raise InputError(
+            f"{table.text.source} has no column {called}; export all columns of the flight"
+        )
+    return table.numbers(heading, dimension, _POUNDS if dimension == "force" else None)

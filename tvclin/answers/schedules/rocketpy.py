@@ -1,0 +1,204 @@
+"""Flight schedules from the objects of RocketPy, which this package never imports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.schedules.build import MOST_ROWS, schedule_of_flight
+from tvclin.answers.schedules.checks import check_slope
+from tvclin.answers.schedules.flight import Flight, powered
+from tvclin.answers.schedules.table import Column, FloatArray
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import InputError, each, finite, number, shown
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY
+
+_SAMPLES = 401
+"""Times between rail and burnout at which the flight is asked."""
+_OF_FLIGHT = {
+    "velocity": "speed",
+    "altitude": "z",
+    "pressure": "dynamic_pressure",
+    "mach": "mach_number",
+    "axial_force": "aerodynamic_drag",
+}
+_ANGLES = {"attitude": "attitude_angle", "angle_of_attack": "angle_of_attack"}
+_OF_ROCKET = {
+    "mass": "total_mass",
+    "gravity": "center_of_mass",
+    "dry_inertia": "I_11",
+    "offset": "com_to_cdm_function",
+}
+
+
+def schedule_from_rocketpy(
+    flight: Any,
+    *,
+    gimbal_position: float,
+    without: tuple[str, ...] = (),
+    start: float | None = None,
+    stop: float | None = None,
+    most_rows: int = MOST_ROWS,
+) -> FlightSchedule:
+    """Return the flight schedule of a flight of RocketPy.
+
+    Parameters
+    ----------
+    flight : rocketpy.Flight
+        Of a simulation without wind; anything with its attributes.
+    gimbal_position : float
+        Where the thrust is turned [m], in the rocket's own coordinates, as `nozzle_position`.
+    without : tuple of str
+        Names of aerodynamic surfaces to leave out of slope and centre of pressure, such as fins
+        that the steered vehicle does not have. Drag and mass stay.
+    start, stop : float, optional
+        Earliest and latest time [s]; from the rail to burnout if not given.
+    most_rows : int
+        More rows than that are thinned by straight lines.
+
+    Returns
+    -------
+    FlightSchedule
+        The powered flight; its notes say where each column came from.
+
+    Raises
+    ------
+    InputError
+        For an object that lacks an attribute, a surface that is not there, and as
+        `read_openrocket`.
+
+    Notes
+    -----
+    `I_11` is about the centre of dry mass. About the centre of mass it is I_11 - m d^2, with d the
+    distance between them, `com_to_cdm_function`. Positions grow forward where `_csys` is 1 and aft
+    where it is -1; arms are differences of positions times that.
+    """
+    gimbal = number("gimbal_position", gimbal_position, finite, "m")
+    rocket = _attribute(flight, "rocket")
+    motor = _attribute(rocket, "motor")
+    names = each("without", without, str, "names of aerodynamic surfaces")
+    first = number("out_of_rail_time", _attribute(flight, "out_of_rail_time"), finite, "s")
+    last = number("burn_out_time", _attribute(motor, "burn_out_time"), finite, "s")
+    if not first < last:
+        raise InputError(f"flight must leave the rail before burnout; got {first:g} and {last:g} s")
+    time = np.linspace(first, last, _SAMPLES)
+    columns = {"time": Column(time, f"{_SAMPLES} times from rail to burnout")}
+    thrust = _sampled(motor, "thrust", time, "motor")
+    columns["thrust"] = Column(thrust.values, f"{thrust.origin}, not corrected for the air")
+    columns |= {k: _sampled(flight, name, time, "flight") for k, name in _OF_FLIGHT.items()}
+    columns |= {k: _sampled(rocket, name, time, "rocket") for k, name in _OF_ROCKET.items()}
+    for key, name in _ANGLES.items():
+        found = _sampled(flight, name, time, "flight")
+        columns[key] = Column(np.radians(found.values), f"{found.origin}, in degrees")
+    told = Flight(
+        source="the RocketPy flight",
+        places=tuple(f"the RocketPy flight at {t:.4g} s" for t in time),
+        columns=columns,
+    )
+    told = powered(told, np.ones(time.size, dtype=bool), start, stop)
+    slope, centre, left_out = _aerodynamics(rocket, told["mach"], names)
+    check_slope(slope)
+    made = _vehicle(told, rocket, gimbal, slope, centre)
+    notes = [*left_out, *_generic(rocket)]
+    return schedule_of_flight(told.noted(*notes), made, "RocketPy flight", most_rows)
+
+
+def _vehicle(
+    flight: Flight, rocket: Any, gimbal: float, slope: FloatArray, centre: FloatArray
+) -> dict[str, Column]:
+    area = number("rocket.area", _attribute(rocket, "area"), finite, "m^2")
+    forward = number("rocket._csys", _attribute(rocket, "_csys"), finite)
+    if abs(forward) != 1.0:
+        raise InputError(f"rocket._csys must be 1 or -1; got {forward:g}")
+    gravity, mass = flight["gravity"], flight["mass"]
+    control = forward * (gravity - gimbal)
+    if np.any(control <= 0.0):
+        i = int(np.argmin(control))
+        raise InputError(
+            f"gimbal_position must lie behind the centre of mass, at {gravity[i]:.4g} m in the"
+            f" rocket's coordinates at {flight['time'][i]:.4g} s; got {gimbal:.6g} m"
+        )
+    return {
+        "weight": Column(mass * STANDARD_GRAVITY, "rocket.total_mass times 9.80665 m/s^2"),
+        # parallel axes: from the centre of dry mass to that of all mass, I = I_11 - m d^2
+        "moment_of_inertia": Column(
+            flight["dry_inertia"] - mass * flight["offset"] ** 2,
+            "rocket.I_11 less m com_to_cdm_function^2: about the centre of mass",
+        ),
+        "normal_force_slope": Column(
+            flight["pressure"] * area * slope,
+            "q S dC_N/dalpha; flight.dynamic_pressure, rocket.area, rocket.total_lift_coeff_der",
+        ),
+        "thrust": flight.columns["thrust"],
+        "aerodynamic_arm": Column(
+            forward * (centre - gravity), "rocket.cp_position less rocket.center_of_mass"
+        ),
+        "control_arm": Column(control, f"rocket.center_of_mass less gimbal at {gimbal:g} m, given"),
+        **{k: flight.columns[k] for k in ("axial_force", "velocity", "attitude", "altitude")},
+    }
+
+
+def _aerodynamics(
+    rocket: Any, mach: FloatArray, without: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Slope [1/rad] and position of the centre of pressure [m], some surfaces left out."""
+    slope = _sampled(rocket, "total_lift_coeff_der", mach, "rocket").values
+    moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
+    surfaces = list(_attribute(rocket, "aerodynamic_surfaces")) if without else []
+    for name in without:
+        found = [pair for pair in surfaces if getattr(pair[0], "name", None) == name]
+        if not found:
+            known = ", ".join(str(getattr(pair[0], "name", "")) for pair in surfaces)
+            raise InputError(
+                f"without must name aerodynamic surfaces of the rocket, {known}; got {shown(name)}"
+            )
+        for surface, position in found:
+            # the part of a surface on its own radius: (r/R)^2 clalpha, at its position less cpz
+            own = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
+            part = own**2 * _sampled(surface, "clalpha", mach, "surface").values
+            station = position.z - _attribute(rocket, "_csys") * _attribute(surface, "cpz")
+            slope, moment = slope - part, moment - part * station
+    if np.any(slope <= 0.0):
+        raise InputError(
+            "without must leave a slope of the normal force; nothing is left of the rocket's"
+        )
+    told = f"left out of slope and centre of pressure: {', '.join(without)}; drag and mass stay"
+    return slope, moment / slope, [told] if without else []
+
+
+def _generic(rocket: Any) -> list[str]:
+    """What to say of surfaces that RocketPy itself leaves out of slope and centre of pressure."""
+    pairs = getattr(rocket, "aerodynamic_surfaces", ())
+    names = [
+        str(getattr(one, "name", ""))
+        for one, _ in pairs
+        if any(kind.__name__ == "GenericSurface" for kind in type(one).__mro__)
+    ]
+    if not names:
+        return []
+    return [f"RocketPy leaves generic surfaces out of slope and pressure: {', '.join(names)}"]
+
+
+def _attribute(one: Any, name: str) -> Any:
+    found = getattr(one, name, None)
+    if found is None:
+        raise InputError(
+            f"flight must be a Flight of RocketPy, with {name} in its {type(one).__name__}; got"
+            f" {shown(one)}"
+        )
+    return found
+
+
+def _sampled(one: Any, name: str, at: FloatArray, called: str) -> Column:
+    """The values of a function of time or Mach number."""
+    function: Callable[[float], Any] = _attribute(one, name)
+    try:
+        values = np.array([float(function(float(x))) for x in at])
+    except Exception:  # whatever a stranger's function may raise
+        raise InputError(
+            f"flight must be a Flight of RocketPy, and its {called}.{name} a function that gives a"
+            " number"
+        ) from None
+    return Column(values, f"{called}.{name}")

@@ -1,0 +1,162 @@
+"""The slope of the normal force coefficient: a number, over Mach, or from another tool's table."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.answers.schedules.table import FloatArray, Heading, Table, letters, read_table_text
+from tvclin.base.errors import InputError, nonnegative, number, one_row, shown
+
+LEAST = 0.5
+"""A slope below this [1/rad] is taken for one per degree: slender bodies have 2 per radian."""
+MOST = 100.0
+"""A slope above this [1/rad] has no meaning: large fins on a thin body make 40."""
+_CALM = 0.3
+"""Below this Mach number a slope hardly changes, and the first one of a table is held."""
+_SLOPE = re.compile(r"c_?n_?([^\x00-\x7f]+|a|alpha)( .*)?", flags=re.IGNORECASE)
+
+Slope = ArrayLike | str | PathLike[str] | tuple[ArrayLike, ArrayLike]
+
+
+@dataclass(frozen=True, eq=False)
+class SlopeOverMach:
+    """The slope dC_N/dalpha [1/rad] at some Mach numbers, straight lines between them."""
+
+    mach: FloatArray
+    slope: FloatArray
+    origin: str
+
+    def at(self, mach: FloatArray) -> FloatArray:
+        """Return the slope [1/rad] at Mach numbers.
+
+        Raises
+        ------
+        InputError
+            For Mach numbers beyond the table.
+        """
+        if self.mach.size == 1:
+            return np.full(mach.shape, self.slope[0])
+        least, most = mach.min(), mach.max()
+        first, last = self.mach[0], self.mach[-1]
+        if most > last or (least < first and first > _CALM):
+            raise InputError(
+                f"normal_force_coefficient_slope must cover the flight, Mach {least:.3g} to"
+                f" {most:.3g}; got Mach {first:.3g} to {last:.3g}"
+            )
+        return np.interp(mach, self.mach, self.slope)
+
+
+def slope_over_mach(given: Slope) -> SlopeOverMach:
+    """Return the slope over Mach of a number, a pair of rows, or a file.
+
+    Raises
+    ------
+    InputError
+        For rows that are no Mach numbers with a slope each, and files as `read_slopes`.
+    """
+    if isinstance(given, str | PathLike):
+        return read_slopes(given)
+    if isinstance(given, tuple | list):
+        if len(given) != 2:
+            raise InputError(
+                "normal_force_coefficient_slope must be a number [1/rad], a pair of Mach numbers"
+                f" and slopes, or a file; got {shown(given)}"
+            )
+        mach = one_row("the Mach numbers of normal_force_coefficient_slope", given[0])
+        slope = one_row("the slopes of normal_force_coefficient_slope", given[1], "1/rad")
+        return _checked(mach, slope, "given over Mach")
+    value = number("normal_force_coefficient_slope", given, nonnegative, "1/rad")
+    return SlopeOverMach(np.zeros(1), np.array([value]), f"given, {value:g} per rad")
+
+
+def read_slopes(path: str | PathLike[str]) -> SlopeOverMach:
+    """Return the slope over Mach from a table of RASAero II or of OpenRocket's component analysis.
+
+    Of RASAero it is CN Potential at the smallest angle of attack over that angle: the slope at
+    zero. Its CNalpha (0 to 4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is
+    the column of the whole rocket.
+
+    Raises
+    ------
+    InputError
+        For a file that is neither, and one that holds a coefficient but no slope.
+    """
+    table = read_table_text(path, "a table of slopes over Mach", _over_mach)
+    if table is None:
+        raise InputError(
+            f"{shown(str(path))} has no line of names with Mach; give the table that RASAero II"
+            " (aero plots) or OpenRocket (component analysis) exports over Mach"
+        )
+    potential = table.find("CN Potential")
+    return _potential(table, potential) if potential is not None else _analysed(table)
+
+
+def _over_mach(headings: tuple[Heading, ...]) -> bool:
+    return any(set(one.names) & {"mach", "machnumber"} for one in headings[:2])
+
+
+def _potential(table: Table, heading: Heading) -> SlopeOverMach:
+    """CN Potential over the angle of attack at the smallest of these that is not zero."""
+    angle = table.find("Alpha")
+    if angle is None:
+        raise InputError(f"{table.text.source} has no column Alpha beside {heading.text}")
+    mach = table.numbers(_mach_of(table), "number").values
+    alpha = table.numbers(angle, "angle", {"": np.pi / 180}).values
+    force = table.numbers(heading, "number").values
+    least = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
+    first = np.array([alpha[i] == least.get(mach[i]) for i in range(mach.size)])
+    if not np.any(first):
+        raise InputError(
+            f"{table.text.source} holds no angle of attack above zero; export it with Alpha 0, 2, 4"
+        )
+    origin = f"{table.text.source}, column {heading.text} over the smallest Alpha"
+    order = np.argsort(mach[first], kind="stable")
+    return _checked(mach[first][order], (force[first] / alpha[first])[order], origin)
+
+
+def _analysed(table: Table) -> SlopeOverMach:
+    """The column of the whole rocket: the only one, or the one that is the sum of the others."""
+    found = [one for one in table.headings if _SLOPE.fullmatch(one.name)]
+    if not found:
+        near = [
+            one.text for one in table.headings if letters(one.name).startswith(("cn", "normal"))
+        ]
+        is_none = f"; {near[0]} is a coefficient, not its slope" if near else ""
+        raise InputError(
+            f"{table.text.source} has no slope of the normal force coefficient{is_none}: it must"
+            " have a column CN Potential (RASAero II) or CN alpha (OpenRocket's component analysis)"
+        )
+    slopes = [table.numbers(one, "per angle").values for one in found]
+    if len(found) > 1 and not np.allclose(slopes[0], np.sum(slopes[1:], axis=0), rtol=1e-2):
+        raise InputError(
+            f"{table.text.source} holds {len(found)} columns CN alpha, the first of them not the"
+            " sum of the others; export that of the whole rocket alone"
+        )
+    mach = table.numbers(_mach_of(table), "number").values
+    return _checked(mach, slopes[0], f"{table.text.source}, column {found[0].text}")
+
+
+def _mach_of(table: Table) -> Heading:
+    found = table.find("Mach", "Mach number")
+    assert found is not None  # by `_over_mach`
+    return found
+
+
+def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> SlopeOverMach:
+    if mach.shape != slope.shape or mach.size < 2:
+        raise InputError(
+            "normal_force_coefficient_slope must hold as many slopes as Mach numbers, two or more;"
+            f" got {slope.size} and {mach.size}"
+        )
+    known = np.isfinite(mach) & np.isfinite(slope)
+    if not np.all(known) or np.any(np.diff(mach) <= 0.0) or np.any(slope < 0.0):
+        raise InputError(
+            "the Mach numbers of normal_force_coefficient_slope must rise, and no slope may be"
+            f" missing or negative; got another row in what is {origin}"
+        )
+    return SlopeOverMach(mach, slope, origin)

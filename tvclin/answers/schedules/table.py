@@ -1,0 +1,225 @@
+"""A text with a line of column names and units, and the numbers below it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.schedules.units import WRITTEN, Unit, unit_of
+from tvclin.base.errors import InputError, shown
+from tvclin.winds.soundings.text import IntArray, Text, read_lines
+
+FloatArray = NDArray[np.float64]
+
+_SEPARATORS = ",;\t"
+_BEHIND_UNITS, _SPACES = "units", "spaces"
+"""Separated by spaces, where names hold spaces too and end in units, and where they do not."""
+_MARKS = "#%!'\" \ufeff"
+"""What may stand before the first name: marks of comments, quotes, a byte order mark."""
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The name of a column.
+
+    Attributes
+    ----------
+    index : int
+        Which column.
+    text : str
+        As it stands in the file, without letters that cannot be seen.
+    name, unit : str
+        What stands before and in its last parentheses; a unit of None where there are none.
+    """
+
+    index: int
+    text: str
+    name: str
+    unit: str | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The letters and digits of its name, and without a symbol in parentheses behind it."""
+        return letters(self.name), letters(re.sub(r"\s*\([^()]*\)\s*$", "", self.name))
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Numbers in SI units ``(n,)``, NaN where there is none, and where they came from."""
+
+    values: FloatArray
+    origin: str
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The rows of a file below its line of names.
+
+    Attributes
+    ----------
+    text : Text
+        The file.
+    headings : tuple of Heading
+        The names of its columns.
+    line : ndarray of int
+        The line of each row.
+    cells : tuple of tuple of str
+        The cells of each row.
+    """
+
+    text: Text
+    headings: tuple[Heading, ...]
+    line: IntArray
+    cells: tuple[tuple[str, ...], ...]
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """What each row is called in messages."""
+        return tuple(f"{self.text.source}, line {n}" for n in self.line)
+
+    def find(self, *names: str) -> Heading | None:
+        """Return the one column that has the first of some names that is there.
+
+        Raises
+        ------
+        InputError
+            Where two columns have it.
+        """
+        for name in names:
+            found = [one for one in self.headings if letters(name) in one.names]
+            if len(found) > 1:
+                raise InputError(
+                    f"{self.text.source}: the column {name} is there {len(found)} times; keep one"
+                )
+            if found:
+                return found[0]
+        return None
+
+    def numbers(
+        self, heading: Heading, dimension: str, known: dict[str, float] | None = None
+    ) -> Column:
+        """Return the numbers of a column in SI units.
+
+        Parameters
+        ----------
+        heading : Heading
+            The column.
+        dimension : str
+            What it measures, of `WRITTEN`.
+        known : dict of str to float, optional
+            Units in place of those of `WRITTEN`.
+
+        Raises
+        ------
+        InputError
+            For a unit that is missing or unknown, and for a cell that is no number.
+        """
+        unit = self._unit(heading, WRITTEN[dimension] if known is None else known)
+        cells = [row[heading.index] for row in self.cells]
+        values = self.text.numbers(heading.name, cells, self.line) * unit.factor
+        told = (
+            f" (its unit is damaged, and taken for {unit.spelling})"
+            if unit.mangled and unit.spelling
+            else ""
+        )
+        return Column(values, f"column {heading.text}{told}")
+
+    def factor(self, heading: Heading, dimension: str) -> float:
+        """Return the factor of a column's unit to SI; `InputError` where it is not known."""
+        return self._unit(heading, WRITTEN[dimension]).factor
+
+    def _unit(self, heading: Heading, known: dict[str, float]) -> Unit:
+        unit = unit_of(heading.unit or "", known)
+        if unit is None or (heading.unit is None and "" not in known):
+            raise InputError(
+                f"{self.text.source}: the unit of the column {shown(heading.text)} is not known;"
+                f" export it in {', '.join(filter(None, known)) or 'no unit'}"
+            )
+        return unit
+
+
+def read_table_text(
+    path: str | PathLike[str], kind: str, is_header: Callable[[tuple[Heading, ...]], bool]
+) -> Table | None:
+    """Return the table of a file; None where no line has the names that are looked for.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; a byte order mark, comments, quotes, and letters of another encoding are legal.
+    kind : str
+        What it should be, for messages.
+    is_header : callable
+        Whether headings are those of the table.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, a row with more or fewer cells than there are names, decimal
+        commas, and a table without a row.
+    """
+    text = read_lines(path, kind, errors="replace")
+    for i, content in enumerate(text.lines):
+        for separator in (*_SEPARATORS, _BEHIND_UNITS, _SPACES):
+            headings = _headings(content, separator)
+            if len(headings) > 1 and is_header(headings):
+                return _rows(text, i, headings, separator)
+    return None
+
+
+def letters(name: str) -> str:
+    """Return the letters and digits of a name, which no encoding damages, in lower case."""
+    return "".join(c for c in name.lower() if c.isascii() and c.isalnum())
+
+
+def _headings(content: str, separator: str) -> tuple[Heading, ...]:
+    content = content.lstrip(_MARKS).rstrip()
+    if separator == _BEHIND_UNITS:
+        cells = re.split(r"(?<=\))\s+(?=[^\s(])", content)
+    elif separator == _SPACES:
+        cells = content.split()
+    else:
+        cells = content.rstrip(separator).split(separator)
+    return tuple(_heading(i, cell) for i, cell in enumerate(cells))
+
+
+def _heading(index: int, cell: str) -> Heading:
+    text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
+    found = re.fullmatch(r"(.*\S)\s*\(([^()]*)\)", text)
+    name, unit = (found[1], found[2].strip()) if found else (text, None)
+    return Heading(index, text, name, unit)
+
+
+def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) -> Table:
+    rows, line = [], []
+    for n, content in enumerate(text.lines[header + 1 :], start=header + 2):
+        if not content.strip(" \t,;") or is_comment(content):
+            continue
+        cells = content.split(separator if separator in _SEPARATORS else None)
+        cells = [cell.strip(' "\u200b') for cell in cells]
+        while len(cells) > len(headings) and not cells[-1]:
+            cells.pop()
+        if separator != "," and any(_DECIMAL_COMMA.fullmatch(cell) for cell in cells):
+            raise text.error(n, "numbers have decimal commas; export the file again with points")
+        if len(cells) != len(headings):
+            hint = "; are there decimal commas?" if len(cells) > len(headings) else ""
+            raise text.error(
+                n, f"there are {len(headings)} names and {len(cells)} cells in this line{hint}"
+            )
+        rows.append(tuple(cells))
+        line.append(n)
+    if not rows:
+        raise InputError(f"{text.source} has no row below its line of names")
+    return Table(text, tuple(headings), np.array(line, dtype=np.int64), tuple(rows))
+
+
+def is_comment(content: str) -> bool:
+    """Whether a line is a comment: by its mark, or an event where the mark was taken off."""
+    bare = content.lstrip("\"' \t\ufeff")
+    return bare.startswith(("#", "%", "!", "//")) or bare.startswith("Event ")

@@ -1,0 +1,103 @@
+"""Units as other tools write them behind a column's name, and as they look when mangled."""
+
+from dataclasses import dataclass
+
+from tvclin.base.units import DEGREE, FOOT, POUND, POUND_FORCE
+
+_INCH = FOOT / 12
+_MILE, _NAUTICAL_MILE = 5280 * FOOT, 1852.0
+_OUNCE, _KILOPOND = POUND / 16, 9.80665
+_ATMOSPHERE = 101_325.0
+_SLUG = POUND_FORCE / FOOT
+
+WRITTEN: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0},
+    "length": {
+        **{"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3},
+        **{"in": _INCH, "in/64": _INCH / 64, "ft": FOOT, "yd": 3 * FOOT},
+        **{"mi": _MILE, "nmi": _NAUTICAL_MILE},
+    },
+    "mass": {"g": 1e-3, "kg": 1.0, "t": 1e3, "oz": _OUNCE, "lb": POUND, "slug": _SLUG},
+    "inertia": {
+        **{"kg·cm²": 1e-4, "kg·m²": 1.0},
+        **{"oz·in²": _OUNCE * _INCH**2, "lb·in²": POUND * _INCH**2, "lb·ft²": POUND * FOOT**2},
+        **{"lbf·ft·s²": POUND_FORCE * FOOT, "slug·ft²": _SLUG * FOOT**2},
+    },
+    "force": {"N": 1.0, "kN": 1e3, "lbf": POUND_FORCE, "kgf": _KILOPOND},
+    "speed": {
+        **{"m/s": 1.0, "km/s": 1e3, "km/h": 1 / 3.6, "kt": _NAUTICAL_MILE / 3600},
+        **{"ft/s": FOOT, "ft/sec": FOOT, "mph": _MILE / 3600},
+    },
+    "area": {"mm²": 1e-6, "cm²": 1e-4, "m²": 1.0, "in²": _INCH**2, "ft²": FOOT**2},
+    "angle": {"°": DEGREE, "deg": DEGREE, "rad": 1.0, "arcmin": DEGREE / 60},
+    "pressure": {
+        **{"Pa": 1.0, "hPa": 100.0, "kPa": 1e3, "mbar": 100.0, "bar": 1e5, "atm": _ATMOSPHERE},
+        **{"mmHg": 133.322, "inHg": 3386.39, "psi": POUND_FORCE / _INCH**2},
+        **{"psf": POUND_FORCE / FOOT**2},
+    },
+    "density": {
+        **{"g/cm³": 1e3, "kg/dm³": 1e3, "kg/m³": 1.0},
+        **{"oz/in³": _OUNCE / _INCH**3, "lb/ft³": POUND / FOOT**3, "slug/ft³": _SLUG / FOOT**3},
+    },
+    "force slope": {
+        **{"N/rad": 1.0, "kN/rad": 1e3, "lbf/rad": POUND_FORCE},
+        **{"N/deg": 1.0 / DEGREE, "lbf/deg": POUND_FORCE / DEGREE},
+    },
+    "per angle": {"": 1.0, "1/rad": 1.0, "1/deg": 1.0 / DEGREE},
+    "number": {"": 1.0},
+}
+"""For each quantity the units that are known, and their factors to SI; `lb` is a mass."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit that was recognised.
+
+    Attributes
+    ----------
+    factor : float
+        To SI.
+    spelling : str
+        As it is properly written.
+    mangled : bool
+        Whether it had lost letters, and was told by the quantity.
+    """
+
+    factor: float
+    spelling: str
+    mangled: bool
+
+
+def unit_of(written: str, known: dict[str, float]) -> Unit | None:
+    """Return the unit that was written; None where none of the known ones fits, or two do.
+
+    All but letters, digits and strokes is dropped, since that is what other encodings damage. Where
+    nothing fits so, powers are dropped as well: within one quantity the rest tells.
+    """
+    key = _key(written)
+    for spelling, factor in known.items():
+        if key == _key(spelling):
+            return Unit(factor, spelling, _bare(written) != _bare(spelling))
+    fits = [
+        Unit(factor, spelling, True)
+        for spelling, factor in known.items()
+        if _powerless(key) == _powerless(_key(spelling))
+    ]
+    return fits[0] if len(fits) == 1 else None
+
+
+_POWERS = str.maketrans("²³", "23")
+
+
+def _key(unit: str) -> str:
+    kept = (c for c in unit.translate(_POWERS).lower() if c.isascii())
+    return "".join(c for c in kept if c.isalnum() or c == "/")
+
+
+def _powerless(key: str) -> str:
+    return "".join(c for c in key if not c.isdigit())
+
+
+def _bare(unit: str) -> str:
+    """A unit without what may stand between its parts: kg m^2 is as good as kg·m²."""
+    return "".join(c for c in unit.translate(_POWERS).lower() if c not in " *^._-·")

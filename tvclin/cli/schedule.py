@@ -1,0 +1,191 @@
+"""`tvclin schedule`: flight schedules from what other tools write."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from tvclin.answers.sizing.schedule import FlightSchedule
+
+schedule = typer.Typer(no_args_is_help=True, help="Flight schedules: the vehicle over its flight.")
+source = typer.Typer(
+    no_args_is_help=True,
+    help="Make a schedule of a flight that another tool has simulated.",
+    epilog="Then: tvclin size my-flight.csv --peak-deg 5 --limit-deg 3",
+)
+schedule.add_typer(source, name="from")
+
+File = Annotated[Path, typer.Argument(help="The file that the tool exported.")]
+Output = Annotated[Path, typer.Option("-o", "--output", help="The schedule to write, a CSV file.")]
+Gimbal = Annotated[float, typer.Option(help="Station of the gimbal, in m from the nose tip aft.")]
+SlopeNumber = Annotated[
+    float | None, typer.Option(help="Slope of the normal force coefficient, per rad.")
+]
+SlopeTable = Annotated[
+    Path | None,
+    typer.Option("--cn-alpha", help="Or a table of it over Mach: of RASAero II, of OpenRocket."),
+]
+Ground = Annotated[
+    float | None, typer.Option(help="Elevation of the launch site above the sea, in m.")
+]
+Start = Annotated[float | None, typer.Option(help="Earliest time, in s.")]
+Stop = Annotated[float | None, typer.Option(help="Latest time, in s.")]
+MostRows = Annotated[int, typer.Option(help="More rows than that are thinned by straight lines.")]
+
+
+@source.command()
+def openrocket(
+    file: File,
+    gimbal_station_m: Gimbal,
+    output: Output,
+    cn_alpha_per_rad: SlopeNumber = None,
+    cn_alpha: SlopeTable = None,
+    ground_m: Ground = None,
+    reference_area_m2: Annotated[
+        float | None, typer.Option(help="Area of a given slope, in m^2; that of the file without.")
+    ] = None,
+    start: Start = None,
+    stop: Stop = None,
+    most_rows: MostRows = 200,
+) -> None:
+    """Read the data that OpenRocket exports of a simulation without wind.
+
+    Exit code 0: written; 2: bad input, and nothing is written.
+    """
+    from tvclin.answers.schedules.openrocket import read_openrocket
+
+    found = read_openrocket(
+        file,
+        gimbal_station=gimbal_station_m,
+        normal_force_coefficient_slope=_slope(cn_alpha_per_rad, cn_alpha),
+        ground=ground_m,
+        reference_area=reference_area_m2,
+        start=start,
+        stop=stop,
+        most_rows=most_rows,
+    )
+    _write(found, file, output)
+
+
+@source.command()
+def rasaero(
+    file: File,
+    gimbal_station_m: Gimbal,
+    output: Output,
+    inertia: Annotated[
+        list[str],
+        typer.Option(
+            metavar="TIME:KG_M2", help="A time, in s, and the moment of inertia then; two or more."
+        ),
+    ],
+    cn_alpha_per_rad: SlopeNumber = None,
+    cn_alpha: SlopeTable = None,
+    ground_m: Ground = None,
+    start: Start = None,
+    stop: Stop = None,
+    most_rows: MostRows = 200,
+) -> None:
+    """Read the flight that RASAero II exports, of a simulation without wind.
+
+    Exit code 0: written; 2: bad input, and nothing is written.
+    """
+    from tvclin.answers.schedules.rasaero import read_rasaero
+    from tvclin.base.errors import InputError
+
+    slope = _slope(cn_alpha_per_rad, cn_alpha)
+    if slope is None:
+        raise InputError("give --cn-alpha-per-rad, or --cn-alpha with RASAero's aerodynamics")
+    found = read_rasaero(
+        file,
+        gimbal_station=gimbal_station_m,
+        moment_of_inertia=_inertias(inertia),
+        normal_force_coefficient_slope=slope,
+        ground=ground_m,
+        start=start,
+        stop=stop,
+        most_rows=most_rows,
+    )
+    _write(found, file, output)
+
+
+@source.command()
+def table(
+    file: File,
+    output: Output,
+    columns: Annotated[
+        Path,
+        typer.Option(help='TOML file with a table named columns: weight = "Gross weight (lbf)".'),
+    ],
+    start: Start = None,
+    stop: Stop = None,
+    most_rows: MostRows = 200,
+) -> None:
+    """Read any table with a line of column names, by a map from our names to them.
+
+    Exit code 0: written; 2: bad input, and nothing is written.
+    """
+    from tvclin.answers.schedules.mapped import read_table
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called, read_text, tables_of
+
+    document = tables_of(read_text(columns, "a map of columns"), str(columns))
+    found = document.get("columns")
+    if not isinstance(found, dict) or len(document) > 1:
+        raise InputError(f"{called(columns)} must hold one table [columns] and nothing beside it")
+    made = read_table(file, found, start=start, stop=stop, most_rows=most_rows)
+    _write(made, file, output)
+
+
+def _slope(per_rad: float | None, given: Path | None) -> Any:
+    from tvclin.base.errors import InputError
+
+    if per_rad is not None and given is not None:
+        raise InputError("give --cn-alpha-per-rad or --cn-alpha, not both")
+    return per_rad if given is None else given
+
+
+def _inertias(given: list[str]) -> tuple[list[float], list[float]]:
+    from tvclin.base.errors import InputError, shown
+
+    try:
+        pairs = [tuple(map(float, one.split(":"))) for one in given]
+        times, inertias = zip(*pairs, strict=True)
+    except ValueError:
+        raise InputError(
+            "--inertia must be a time and a moment of inertia, such as 0:24; got"
+            f" {shown(' '.join(given))}"
+        ) from None
+    return list(times), list(inertias)
+
+
+def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
+    """Write a schedule, and print what it is and where it came from."""
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called, exists
+
+    if exists(output) and exists(file) and output.samefile(file):
+        raise InputError(f"--output must not be the file that is read; got {called(output)}")
+    found.to_csv(output)
+    _print(found)
+    typer.echo(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
+
+
+def _print(found: "FlightSchedule") -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+    from tvclin.vehicle.coefficients import Coefficients
+
+    first, last = found.span
+    times = np.array([first, 0.5 * (first + last), last])
+    c = Coefficients.from_vehicle(found.at(times))
+    rows = [
+        [f"{t:.4g}", f"{mu_alpha:.4f}", f"{mu_delta:.4f}", f"{B:.5f}"]
+        for t, mu_alpha, mu_delta, B in np.column_stack([times, c.mu_alpha, c.mu_delta, c.B])
+    ]
+    print_table(
+        found.vehicle.name, ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"], rows
+    )
+    for note in found.notes:
+        typer.echo(note)
