@@ -248,6 +248,16 @@ def doors(folder: Path) -> dict[str, Door]:
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
         "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
+        "Filter": Door(tv.Filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
+        "Filter.__call__": Door(tv.Filter.notch(32.0, 0.06, 0.6), {"s": [0.0, 1.0 + 2.0j]}),
+        "Filter.from_coefficients": Door(
+            tv.Filter.from_coefficients, {"numerator": [1.0], "denominator": [1.0, 0.5]}
+        ),
+        "Filter.lead_lag": Door(tv.Filter.lead_lag, {"zero": -3.0, "pole": 5.0}),
+        "Filter.low_pass": Door(tv.Filter.low_pass, {"frequency": 13.0, "damping": 0.95}),
+        "Filter.notch": Door(
+            tv.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
+        ),
         "Flight": Door(
             tv.Flight,
             {

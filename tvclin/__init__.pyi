@@ -114,6 +114,7 @@ from .show.report.page import report_html as report_html
 from .vehicle.coefficients import Coefficients as Coefficients
 from .vehicle.file import list_vehicles as list_vehicles
 from .vehicle.file import load_vehicle as load_vehicle
+from .vehicle.filters import Filter as Filter
 from .vehicle.vehicle import Vehicle as Vehicle
 from .winds.equivalent import equivalent_triangle as equivalent_triangle
 from .winds.gusts import LayeredGust as LayeredGust
