@@ -30,8 +30,6 @@ from tvclin.boundary.limit import (
     open_loop_needs,
 )
 from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.flights.closed_loop.many import fly_many
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import unstable_poles
 from tvclin.linear.plant import RIGID, Plant
@@ -317,6 +315,9 @@ def _survives(
 
     The speed of a plant is left out. What is too long to be flown does not survive.
     """
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.flights.closed_loop.many import fly_many
+
     c = plant.coefficients
     gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
     with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown

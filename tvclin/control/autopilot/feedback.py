@@ -13,7 +13,13 @@ from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, zero_or_sized
 
 FloatArray = NDArray[np.float64]
 
-GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
+GAINS = {
+    "attitude_gain": "number",
+    "rate_gain": "time",
+    "alpha_gain": "number",
+    "integral_gain": "per time",
+}
+"""The gains, and of what kind of `UNITS` each is."""
 _HIGHEST_PADE = 10
 
 

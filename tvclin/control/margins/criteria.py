@@ -15,6 +15,7 @@ from tvclin.base.errors import (
     plain,
     text,
 )
+from tvclin.base.tables import Table
 from tvclin.control.margins.record import Margins
 
 _UNITS = {
@@ -26,6 +27,11 @@ _UNITS = {
     "peak_sensitivity": "",
     "peak_complementary_sensitivity": "",
 }
+CRITERIA_TABLE = Table(
+    "[criteria]",
+    {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
+    words=("name",),
+)
 _AT_MOST = ("peak_sensitivity", "peak_complementary_sensitivity")
 _LAUNCH_VEHICLE = (
     "customary for the rigid-body attitude loop of launch vehicles, on both sides of the gain"
