@@ -62,6 +62,6 @@ def pade_misleads(autopilot: Feedback, plant: Plant, A: NDArray[np.float64]) -> 
     """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
     if not autopilot.delay:
         return False
-    exact = stability(rational_loop(autopilot, plant))
+    exact = stability(rational_loop(autopilot, plant).form)
     unstable = int(np.sum(np.real(np.linalg.eigvals(A)) > 0.0))
-    return not bool(exact.marginal) and unstable != int(exact.unstable_poles)
+    return not bool(exact.marginal[0]) and unstable != int(exact.unstable_poles[0])
