@@ -128,6 +128,12 @@ class StateLoop:
         """Return L with its delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
         return product(self._values(s), np.exp(-s * self.delay[:, np.newaxis]))
 
+    def slope(self, s: ComplexArray) -> ComplexArray:
+        """Return dL/ds with the delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
+        late = self.delay[:, np.newaxis]
+        value, slope = self._solved(s)
+        return (slope - late * value) * np.exp(-s * late)
+
     def undelayed(self, omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return L without its delay, over one, at j omega ``(k, m)``, by solving for it."""
         return self._over(self._solved(1j * omega)[0], omega)

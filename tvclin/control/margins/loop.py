@@ -15,6 +15,7 @@ from tvclin.base.errors import (
     nonnegative,
     within,
 )
+from tvclin.kernels.loop_margins import LoopFindings, loop_findings
 from tvclin.kernels.rational import Rational
 from tvclin.kernels.state_loop import StateLoop
 
@@ -201,11 +202,28 @@ class Loop:
             For frequencies that are not finite, or beyond 1e15 rad/s.
         """
         frequencies = within("omega", omega, -_FASTEST, _FASTEST, "rad/s")
-        above, below = self.form.parts(frequencies.reshape(1, -1))
-        pole = (below == 0.0) & (above != 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            values = np.where(pole, np.inf, above / below)
-        return np.asarray(values.reshape((*self.batch, *frequencies.shape)))
+        found = self._values(frequencies.reshape(1, -1))
+        return found.reshape((*self.batch, *frequencies.shape))
+
+    def findings(self) -> LoopFindings:
+        """Return verdict, crossings and peaks of the loops on one axis."""
+        return loop_findings(self.form)
+
+    def in_plane(self, s: NDArray[Any]) -> NDArray[Any]:
+        """Return the variable of `form` for s ``(k, m)`` [1/s]: s itself, unless it is sampled."""
+        return s
+
+    def from_plane(self, w: NDArray[Any]) -> NDArray[Any]:
+        """Return the s ``(k, m)`` [1/s] of the variable of `form`."""
+        return w
+
+    def highest(self) -> FloatArray:
+        """Return the highest frequency ``(k, 1)`` [rad/s]: of a sampled loop half its rate."""
+        return np.full((self.form.delay.size, 1), np.inf)
+
+    def aliases(self, omega: FloatArray) -> FloatArray:
+        """Return where frequencies ``(k, m)`` [rad/s] appear when sampled; NaN: where they are."""
+        return np.full(np.shape(omega), np.nan)
 
     def take(self, index: Any) -> Loop:
         """Return the loops at the positions `index` of the flattened batch."""
@@ -213,6 +231,13 @@ class Loop:
         loop = type(self).__new__(type(self))
         loop._hold(held, np.shape(index))
         return loop
+
+    def _values(self, omega: FloatArray) -> NDArray[np.complex128]:
+        """The values ``(k, m)`` at frequencies of `form`; infinite at a pole."""
+        above, below = self.form.parts(omega)
+        pole = (below == 0.0) & (above != 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.where(pole, np.inf, above / below))
 
     def _hold(self, form: Rational | StateLoop, batch: tuple[int, ...]) -> None:
         object.__setattr__(self, "form", form)

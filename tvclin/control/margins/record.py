@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels.any_loop import AnyLoop
-from tvclin.kernels.loop_margins import classical_margins, loop_findings
+from tvclin.kernels.loop_margins import LoopFindings, classical_margins
 
 FloatArray = NDArray[np.float64]
 
@@ -215,7 +214,12 @@ def loop_margins(loop: Loop) -> Margins:
     (62.4, 20.7, inf)
     """
     instance("loop", loop, Loop, "see Loop.from_system")
-    return _shaped(_flat_margins(loop.form), loop.batch)
+    return margins_of(loop.findings(), loop.batch)
+
+
+def margins_of(found: LoopFindings, batch: tuple[int, ...]) -> Margins:
+    """Return the margins in what was found of loops on one axis, in the shape of their batch."""
+    return _shaped(_flat_margins(found), batch)
 
 
 def decibels(factor: Any) -> Any:
@@ -224,9 +228,8 @@ def decibels(factor: Any) -> Any:
         return plain(20.0 * np.log10(np.asarray(factor)))
 
 
-def _flat_margins(loop: AnyLoop) -> Margins:
+def _flat_margins(found: LoopFindings) -> Margins:
     """The margins of a batch of one axis."""
-    found = loop_findings(loop)
     good = found.stable
     status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
     status = np.where(found.unstable_poles > 0, UNSTABLE, status)
