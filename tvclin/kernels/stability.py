@@ -22,6 +22,8 @@ _AXIS = 1e-12
 _TURN = 2.0 * np.pi
 _SAME = 1e-6
 """A pole that is due within this phase [rad] begins on the axis, to rounding."""
+_MANY = 1e15
+"""More poles than these are not counted."""
 _STEPS, _CLOSE = 4, 1e-6
 """How often a root of the squares is moved, and how far, over its frequency."""
 
@@ -72,6 +74,7 @@ def stability(loop: AnyLoop) -> Stability:
         passed = np.maximum(np.ceil(turns), 0.0)
         whole = (np.abs(turns - np.round(turns)) < _AXIS) & (turns > -_AXIS)
     moved = np.nansum(np.where(rising, 2.0, -2.0) * passed, axis=-1)
+    moved = np.clip(moved, -_MANY, _MANY)
     delayed = loop.delay > 0.0
     touching = np.where(delayed, np.any(whole, axis=-1), np.any(on_axis, axis=-1))
     count = grown + np.where(delayed, moved, 0.0).astype(np.intp)

@@ -21,8 +21,8 @@ _EVEN = 400
 _NEAR = 8.0
 """The distance from -1 is the least within so many half-widths of a mode."""
 _STEPS, _NEWTON, _ASIDE = 12, 3, 1e-9
-"""Steps of the gain from zero to one in which a mode is followed, Newton's in each, and how far from
-its pole it begins, over its size."""
+"""Steps of the gain from zero to one in which a mode is followed, Newton's in each, and how far
+from its pole it begins, over its size."""
 
 
 @dataclass(frozen=True, eq=False)

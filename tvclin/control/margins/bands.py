@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import card
-from tvclin.base.errors import InputError, instance, plain
+from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, decibels, margins_of
@@ -149,11 +149,8 @@ class BandMargins:
 
     def mode(self, name: str) -> ModeBand:
         """Return the band of one mode by its name."""
-        for one in self.modes:
-            if one.name == name:
-                return one
-        names = ", ".join(f'"{one.name}"' for one in self.modes)
-        raise InputError(f"name must be one of {names}; got {name!r}")
+        names = [one.name for one in self.modes]
+        return self.modes[names.index(one_of("name", name, names))]
 
     def _repr_html_(self) -> str:
         rows: list[tuple[str, Any, str]] = [

@@ -26,6 +26,8 @@ FloatArray = NDArray[np.float64]
 
 _FASTEST = 1e15
 """Frequencies beyond this [rad/s] would overflow in polynomials."""
+_LARGEST = 1e60
+"""Of what a loop takes in and gives out; its squares must not overflow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,9 +139,13 @@ class Loop:
         ------
         InputError
             For shapes that are not those of one input and one output, numbers that are not
-            finite, a delay below zero, and an algebraic loop, D other than zero.
+            finite or beyond 1e15 (A) and 1e60 (B, C), a delay below zero, and an algebraic
+            loop, D other than zero.
         """
-        arrays = [finite(name, array) for name, array in zip("ABC", (A, B, C), strict=True)]
+        arrays = [
+            within(name, array, -largest, largest)
+            for name, array, largest in (("A", A, _FASTEST), ("B", B, _LARGEST), ("C", C, _LARGEST))
+        ]
         through, late = finite("D", D), nonnegative("delay", delay, "s")
         n = arrays[0].shape[-1] if arrays[0].ndim else 0
         for name, array, size in zip("ABC", arrays, ((n, n), (n, 1), (1, n)), strict=True):
