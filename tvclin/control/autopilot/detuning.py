@@ -236,13 +236,13 @@ def _edges(
     states = unstable(np.tile(every, count), np.repeat(np.arange(count), every.size))
     if unstable(np.ones(1), np.zeros(1, dtype=int))[0]:
         return [Edge(name, 1.0, 1.0) for name in names]
-    for side, (factors, fails) in enumerate(
+    for end, (factors, fails) in enumerate(
         zip(outward, np.split(states.reshape(count, -1), 2, axis=1), strict=True)
     ):
         place = np.argmax(fails, axis=1)
         found = np.any(fails, axis=1)
-        outer[side] = np.where(found, factors[place], np.nan)
-        inner[side] = np.where(found, np.append(1.0, factors)[place], np.nan)
+        outer[end] = np.where(found, factors[place], np.nan)
+        inner[end] = np.where(found, np.append(1.0, factors)[place], np.nan)
     side, mode = np.nonzero(np.isfinite(outer))
     for _ in range(_HALVED if side.size else 0):
         middle = 0.5 * (inner[side, mode] + outer[side, mode])
