@@ -13,12 +13,12 @@ from .answers.campaign.plan import Campaign as Campaign
 from .answers.campaign.quick import DispersedStudy as DispersedStudy
 from .answers.campaign.quick import disperse_study as disperse_study
 from .answers.campaign.results import CampaignResults as CampaignResults
-from .answers.campaign.winds import ShapedWind as ShapedWind
-from .answers.campaign.winds import WindEnsemble as WindEnsemble
 from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection
 from .answers.requirement import survivable_peak as survivable_peak
+from .answers.sizing.asked import SizingAsked as SizingAsked
+from .answers.sizing.asked import SoundingAsked as SoundingAsked
 from .answers.sizing.measured import MeasuredWind as MeasuredWind
 from .answers.sizing.measured import fly_through as fly_through
 from .answers.sizing.record import Sizing as Sizing
@@ -29,13 +29,10 @@ from .answers.sizing.total import DeflectionTotal as DeflectionTotal
 from .answers.sizing.total import total_deflection as total_deflection
 from .answers.sizing.total import worst_total as worst_total
 from .answers.study import Study as Study
-from .answers.study_file.plan import GainsAsked as GainsAsked
-from .answers.study_file.plan import LawsAsked as LawsAsked
 from .answers.study_file.plan import StudyPlan as StudyPlan
 from .answers.study_file.read import load_sizing as load_sizing
 from .answers.study_file.read import load_study as load_study
-from .answers.study_file.sizing import SizingAsked as SizingAsked
-from .answers.study_file.sizing import SoundingAsked as SoundingAsked
+from .answers.trials import LawsAsked as LawsAsked
 from .answers.trials import LawTrial as LawTrial
 from .answers.trials import law_trials as law_trials
 from .answers.trials import standard_laws as standard_laws
@@ -52,6 +49,7 @@ from .boundary.optimum.rate_limit import RateLimitedOptimum as RateLimitedOptimu
 from .boundary.optimum.rate_limit import optimum_with_rate_limit as optimum_with_rate_limit
 from .boundary.optimum.two_poles import single_pole_validity as single_pole_validity
 from .control.autopilot.actuator import Actuator as Actuator
+from .control.autopilot.asked import GainsAsked as GainsAsked
 from .control.autopilot.autopilot import Autopilot as Autopilot
 from .control.autopilot.detuning import Detuned as Detuned
 from .control.autopilot.detuning import detuned as detuned
@@ -135,6 +133,8 @@ from .winds.pulses import RectangularWind as RectangularWind
 from .winds.pulses import TrapezoidalWind as TrapezoidalWind
 from .winds.pulses import TriangularWind as TriangularWind
 from .winds.sampled import SampledWind as SampledWind
+from .winds.shaped import ShapedWind as ShapedWind
+from .winds.shaped import WindEnsemble as WindEnsemble
 from .winds.soundings.profile import WindProfile as WindProfile
 from .winds.soundings.range_reference import RangeReference as RangeReference
 from .winds.soundings.range_reference import read_range_reference as read_range_reference

@@ -233,7 +233,7 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
     ("tables", "message"),
     [
         ({"flight": {"law": "trimm", "deflection_limit_deg": 1}}, "did you mean 'trim'"),
-        ({"flight": {"law": "trim"}}, "must give deflection_limit once, as deflection_limit_rad"),
+        ({"flight": {"law": "trim"}}, "a key is missing .*: deflection_limit_rad or"),
         ({"flight": {"deflection_limit_deg": 1, "rate": 2}}, "unknown key in .flight.: 'rate'"),
         ({"flight": {"deflection_limit_deg": -1}}, "deflection_limit must be positive"),
         ({"flight": {"deflection_limit_deg": 1, "attitude_gain": 1}}, "or neither of them"),

@@ -263,6 +263,24 @@ def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -
     assert loaded_by(commands, tmp_path) == set()
 
 
+def test_a_study_loads_neither_flights_nor_autopilots_nor_other_commands() -> None:
+    code = (
+        "import sys\n"
+        "from tvclin.cli.app import main\n"
+        "sys.argv[1:] = ['study', 'configuration-i', '--limit-deg', '0.4']\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print(*[m for m in sys.modules if m.startswith('tvclin')], file=sys.stderr)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = out.stderr.split()
+
+    assert not [m for m in loaded if m.startswith(("tvclin.flights", "tvclin.control"))]
+    assert {"tvclin.cli.study", "tvclin.cli.app"} <= set(loaded)
+    assert not {"tvclin.cli.size", "tvclin.cli.campaign", "tvclin.cli.fly"} & set(loaded)
+    assert len(loaded) <= 90
+
+
 def test_a_figure_of_boundaries_needs_pyplot_but_not_control(tmp_path: Path) -> None:
     commands = ["boundary --plot b.png", "optimum --plot o.png"]
 

@@ -192,9 +192,9 @@ def test_times_outside_the_span_are_refused(flight):
     ("table", "words"),
     [
         ("", r"no table \[flight\]"),
-        ("[[flight]]\naltitude_m = 1e4", r"flight must be a table \[flight\]; got \[\{'alt"),
-        ("[flight]\naltitude_m = 1e4", "specific_impulse is missing"),
-        ("[flight]\naltitude = 1e4", "altitude has no known unit; write altitude_m or"),
+        ("[[flight]]\naltitude_m = 1e4", r"\[flight\] must be a table; got \[\{'alt"),
+        ("[flight]\naltitude_m = 1e4", "a key is missing .*: specific_impulse_s"),
+        ("[flight]\naltitude = 1e4", "altitude has no known unit .*; write altitude_m or"),
         ("[flight]\naltitud_m = 1e4", "did you mean altitude_m"),
         ("[flight]\naltitude_m = 1e9\nspecific_impulse_s = 260", "altitude must be between"),
         ("[flight]\naltitude_m = 1e4\nspecific_impulse_s = -1", "specific_impulse must be pos"),

@@ -23,7 +23,7 @@ import tvclin as tv
 from tests.clock import THERE, within
 from tvclin.answers.campaign.file import template as campaign_template
 from tvclin.answers.study_file.read import example as study_example
-from tvclin.cli.app import app
+from tvclin.cli.app import app, function_of
 from tvclin.vehicle.file import vehicle_text
 
 SOUNDINGS = Path(__file__).parents[1] / "soundings"
@@ -195,7 +195,7 @@ DEAR = {
 """Commands that take a second or more, with options to make them short."""
 
 
-COMMANDS = {one.callback.__name__: signature(one.callback) for one in app.registered_commands}
+COMMANDS = {name: signature(function_of(name)) for name in (*CHEAP, *DEAR)}
 
 
 def _options(name: str) -> dict[str, Any]:

@@ -19,7 +19,6 @@ from matplotlib.image import imread
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.study import SHAPES
 from tvclin.cli.app import app
 from tvclin.kernels.choice import pinned
 from tvclin.show.explorer import parts
@@ -28,6 +27,7 @@ from tvclin.show.explorer.choices import GAINS, LAWS, RECOVERABLE, REPORT, TRIM,
 from tvclin.show.explorer.notebook import notebook_text
 from tvclin.show.explorer.parts import law_of
 from tvclin.show.explorer.picture import new_picture, round_up
+from tvclin.winds.shaped import PULSES
 
 
 @pytest.fixture(autouse=True)
@@ -46,10 +46,10 @@ def plant_of(choices: Choices) -> tv.Plant:
 
 
 def wind_of(choices: Choices) -> Any:
-    return SHAPES[choices.shape](peak=choices.peak, duration=choices.duration)
+    return PULSES[choices.shape](peak=choices.peak, duration=choices.duration)
 
 
-@pytest.mark.parametrize("shape", list(SHAPES))
+@pytest.mark.parametrize("shape", list(PULSES))
 @pytest.mark.parametrize(
     ("model", "plane"), [("fixed-path", "yaw"), ("drift", "pitch"), ("drift-exact", "yaw")]
 )

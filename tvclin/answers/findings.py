@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.study import Study
-from tvclin.answers.study_file.plan import GainsAsked, StudyPlan
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
     from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.margins.criteria import Criteria
 
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -46,8 +46,6 @@ class Findings:
         The laws, each in each wind; none where none were asked for.
     comparison : TrimComparison or None
         The autopilot in the wind, with its margins.
-    criteria : Criteria
-        What the margins are held to.
     dispersed : DispersedStudy or None
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
@@ -62,11 +60,17 @@ class Findings:
     study: Study
     trials: tuple[LawTrial, ...]
     comparison: TrimComparison | None
-    criteria: Criteria
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
+
+    @property
+    def criteria(self) -> Criteria:
+        """What the margins are held to."""
+        from tvclin.control.margins.criteria import CRITERIA
+
+        return self.plan.criteria or CRITERIA["classic"]
 
     @property
     def seal(self) -> str:
@@ -118,7 +122,6 @@ def find(plan: StudyPlan) -> Findings:
             study=study,
             trials=part("trials", plan.laws, _trials) or (),
             comparison=part("comparison", plan.gains or plan.criteria, _comparison),
-            criteria=plan.criteria or CRITERIA["classic"],
             dispersed=part("dispersed", plan.dispersions, _dispersed),
             flight=part("flight", plan.sizing, _flight),
             reasons=reasons,
@@ -143,6 +146,7 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
 
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+    from tvclin.control.autopilot.asked import GainsAsked
     from tvclin.control.comparison.trim import compare_with_trim
 
     asked = plan.gains or GainsAsked()

@@ -30,11 +30,9 @@ from tvclin.boundary.limit import (
     open_loop_needs,
 )
 from tvclin.boundary.optimum.least_peaks import least_peaks
-from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.flights.closed_loop.many import fly_many
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import unstable_poles
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -151,7 +149,7 @@ def required_deflection(
     ('the minimum over all unstable poles', 0.195, 0.124)
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     boundary = boundary_alone(plant, wind, K, True)[0]
     needs = open_loop_needs(plant, wind, K, boundary)
@@ -317,6 +315,9 @@ def _survives(
 
     The speed of a plant is left out. What is too long to be flown does not survive.
     """
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.flights.closed_loop.many import fly_many
+
     c = plant.coefficients
     gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
     with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.cards import Row, card
 from tvclin.base.errors import InputError, between, instance, number, one_of, positive, single
+from tvclin.base.tables import Table
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING, BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
@@ -24,7 +25,7 @@ from tvclin.linear.plant import MODELS, Plant, available_models
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.pulses import RectangularWind, TriangularWind
+from tvclin.winds.shaped import PULSES, pulse
 
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
@@ -38,10 +39,7 @@ TRUSTS = "trusts a forecast"
 """Of a wind and of a dead band, in the notes of a study."""
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-SHAPES: dict[str, Callable[..., Any]] = {
-    "rectangular": RectangularWind,
-    "triangular": TriangularWind,
-}
+STUDY_TABLE = Table("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +55,7 @@ class Study:
     coefficients : Coefficients
         Its linear coefficients in that plane.
     shape : str
-        Shape of the wind, a key of `SHAPES`.
+        Shape of the wind, a key of `winds.shaped.PULSES`.
     wind : RectangularWind or TriangularWind
         The wind.
     switch : str
@@ -168,7 +166,7 @@ class Study:
         >>> round(float(np.degrees(result.required_deflection)), 3)
         0.368
         """
-        shape = SHAPES[one_of("wind", wind, SHAPES)]
+        one_of("wind", wind, PULSES)
         one_of("model", model, MODELS)
         one_of("switch", switch, SWITCHES)
         peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
@@ -176,7 +174,7 @@ class Study:
         coefficients = Coefficients.from_vehicle(vehicle, plane)
         single("vehicle", coefficients.batch)
         plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
-        alone = shape(peak=peak, duration=duration)
+        alone = pulse("wind", wind, peak, duration)
         history = alone if gust is None else _with_gust(alone, gust)
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"

@@ -12,7 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import callable_for, each, flag, instance, number, positive
+from tvclin.base.errors import (
+    callable_for,
+    different,
+    each,
+    flag,
+    instance,
+    number,
+    one_of,
+    positive,
+)
+from tvclin.base.tables import Table
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
@@ -21,7 +31,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import MODELS, RIGID, Plant
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind
@@ -31,11 +41,45 @@ FloatArray = NDArray[np.float64]
 
 STANDARD_LAWS = ("attitude and rate", "trim", "dead band 0.5", "recoverable attitude")
 """Names of the laws of the trials."""
+LAWS_TABLE = Table(
+    "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
+)
 _SPARE = 1.2
 """Loads are those at so many times the boundary, where every law is at its ease."""
 _POINTS = 801
 _HIGHEST = 4.0
 _RATE = 100.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawsAsked:
+    """The laws that are to be flown, and in which winds.
+
+    Attributes
+    ----------
+    names, winds : tuple of str
+        Of `standard_laws` and `standard_winds`.
+    sample_rate : float
+        Samples of the laws in a second [Hz].
+    model : str
+        The model that they fly.
+    """
+
+    names: tuple[str, ...] = STANDARD_LAWS
+    winds: tuple[str, ...] = ("triangle",)
+    sample_rate: float = 50.0
+    model: str = "drift-exact"
+
+    def __post_init__(self) -> None:
+        for what, given, known in (
+            ("names", self.names, STANDARD_LAWS),
+            ("winds", self.winds, tuple(standard_winds(1.0, 1.0))),
+        ):
+            for name in different(f"{what} of the laws", given):
+                one_of(f"{what} of the laws", name, known)
+        rate = number("sample rate of the laws", self.sample_rate, positive, "Hz")
+        object.__setattr__(self, "sample_rate", rate)
+        one_of("model of the laws", self.model, MODELS)
 
 
 @dataclass(frozen=True)
@@ -114,7 +158,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
     with drift they would let its slow mode creep away.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     gains = canonical_gains(plant.coefficients)
     fixed = Plant.from_coefficients(plant.coefficients)
     laws = (

@@ -1,4 +1,4 @@
-"""Units of keys: the suffixes that keys of vehicle files may carry, and their factors to SI."""
+"""Units of keys: the suffixes that keys of files may carry, and their factors to SI."""
 
 from math import pi
 
@@ -27,10 +27,23 @@ UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "ft": FOOT, "in": FOOT / 12},
     "speed": {"m_per_s": 1.0, "km_per_s": 1e3, "ft_per_s": FOOT, "kt": 1852 / 3600},
     "angle": {"rad": 1.0, "deg": DEGREE},
+    "angular rate": {"rad_per_s": 1.0, "deg_per_s": DEGREE},
+    "natural frequency": {"rad_per_s": 1.0},
+    "sample rate": {"Hz": 1.0},
     "time": {"s": 1.0},
+    "delay": {"s": 1.0, "ms": 1e-3},
+    "per time": {"per_s": 1.0},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "psf": POUND_FORCE / FOOT**2},
     "area": {"m2": 1.0, "ft2": FOOT**2},
     "per angle": {"per_rad": 1.0, "per_deg": 1.0 / DEGREE},
+    "percent": {"percent": 0.01},
+    "hundredths": {"": 0.01},
+    "part": {"part": 1.0, "percent": 0.01},
     "number": {"": 1.0},
 }
-"""For each quantity the suffixes of its keys and their factors to SI."""
+"""For each kind of quantity the suffixes of its keys and their factors to SI."""
+
+
+def si_unit(kind: str) -> str:
+    """Return the SI unit of a kind of quantity, as tables show it: N/rad, kg m2."""
+    return next(iter(UNITS[kind])).replace("_per_", "/").replace("_", " ")

@@ -1,38 +1,65 @@
 """The commands together, and what becomes of a bad input: one sentence and exit code 2.
 
-Only typer is imported at the top of this file; a command loads what it needs when it runs, so
-that ``tvclin --help`` answers at once.
+Only typer is imported at the top of this file; a command is loaded when it is asked for, and loads
+what it needs when it runs.
 """
 
 import gc
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from tvclin.cli.autopilot import autopilot
-from tvclin.cli.boundary import boundary
-from tvclin.cli.campaign import campaign
-from tvclin.cli.doctor import doctor
-from tvclin.cli.explore import explore
-from tvclin.cli.fly import fly
-from tvclin.cli.laws import laws
-from tvclin.cli.margins import margins
-from tvclin.cli.optimum import optimum
-from tvclin.cli.poles import poles
-from tvclin.cli.report import report
-from tvclin.cli.reproduce import reproduce
-from tvclin.cli.respond import respond
-from tvclin.cli.size import size
-from tvclin.cli.study import study
-from tvclin.cli.vehicles import init, vehicles
+_PANELS = {
+    "Start here": ("study", "init", "vehicles", "report", "explore"),
+    "Theory": ("boundary", "optimum", "respond", "poles", "reproduce"),
+    "Control": ("autopilot", "margins", "laws"),
+    "Flights": ("size", "fly", "campaign"),
+    "This installation": ("doctor",),
+}
+NAMES = {name: panel for panel, names in _PANELS.items() for name in names}
+"""Names of all commands, and the panel of the help in which each stands."""
+_ELSEWHERE = {"init": "vehicles"}
+"""Commands that stand in the file of another."""
+_LIGHT = ("init", "explore", "doctor")
+"""Commands that compute nothing."""
+
+
+class _Late(Mapping[str, Any]):
+    """The commands by name, each loaded when it is asked for."""
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(NAMES)
+
+    def __len__(self) -> int:
+        return len(NAMES)
+
+    def __getitem__(self, name: str) -> Any:
+        panel, command = NAMES[name], function_of(name)
+        app = typer.Typer()
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name, rich_help_panel=panel)
+        else:
+            made = command if name in _LIGHT else _strict(command)
+            app.command(name, rich_help_panel=panel)(made)
+        return typer.main.get_group(app).commands[name]
+
+
+def function_of(name: str) -> Any:
+    """Return the function of a command, or the commands below it."""
+    return getattr(import_module(f"tvclin.cli.{_ELSEWHERE.get(name, name)}"), name)
 
 
 class Commands(TyperGroup):
     """The group of commands, which turns bad input into one sentence."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.commands = _Late()  # type: ignore[assignment]  # nothing is ever added to it
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
@@ -57,15 +84,6 @@ app = typer.Typer(
     help="How much thrust-vector deflection must this booster have to survive this wind?",
     epilog="First: tvclin study configuration-i | tvclin init my.toml | tvclin explore",
 )
-_PANELS: dict[str, tuple[Callable[..., None], ...]] = {
-    "Start here": (study, init, vehicles, report, explore),
-    "Theory": (boundary, optimum, respond, poles, reproduce),
-    "Control": (autopilot, margins, laws),
-    "Flights": (size, fly),
-    "This installation": (doctor,),
-}
-_LIGHT = (init, explore, doctor)
-"""Commands that compute nothing."""
 
 
 def _strict(command: Callable[..., None]) -> Callable[..., None]:
@@ -79,13 +97,6 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
             command(*given, **options)
 
     return run
-
-
-for panel, commands in _PANELS.items():
-    for command in commands:
-        made = command if command in _LIGHT else _strict(command)
-        app.command(rich_help_panel=panel)(made)
-app.add_typer(campaign, name="campaign", rich_help_panel="Flights")
 
 
 def _sentence(error: Exception) -> str | None:

@@ -52,16 +52,16 @@ def autopilot(
     Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
     loop nothing is drawn.
     """
-    from tvclin.answers.study import SHAPES
     from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.file import load_vehicle
+    from tvclin.winds.shaped import PULSES
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    shape = SHAPES[one_of("--wind", wind, SHAPES)]
+    shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria, None, None, None)
     plant = Plant.from_vehicle(loaded, model, plane)

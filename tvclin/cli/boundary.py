@@ -86,14 +86,14 @@ def _limits(
     source: str | None, wind: str, x: Any, K: Any, model: str, plane: str
 ) -> tuple[str, Any, Any]:
     """One unit of peak is enough: the boundary limit does not depend on it."""
-    from tvclin.answers.study import SHAPES
     from tvclin.base.errors import one_of
     from tvclin.boundary.limit import boundary_limit
     from tvclin.linear.plant import MODELS, Plant
     from tvclin.vehicle.coefficients import Coefficients
     from tvclin.vehicle.file import load_vehicle
+    from tvclin.winds.shaped import PULSES
 
-    shape: Any = SHAPES[one_of("--wind", wind, SHAPES)]
+    shape: Any = PULSES[one_of("--wind", wind, PULSES)]
     one_of("--model", model, MODELS)
     if source is None:
         fixed = Coefficients.from_beta(beta=1.0, B=1.0)

@@ -70,15 +70,14 @@ def make_case(
     import numpy as np
 
     from tvclin.answers.requirement import required_deflection
-    from tvclin.answers.study import SHAPES
-    from tvclin.base.errors import InputError, one_of, within
+    from tvclin.base.errors import InputError, within
     from tvclin.linear.deflections import trim_then_hold
     from tvclin.linear.plant import Plant
+    from tvclin.winds.shaped import pulse
 
     if capability is not None and limit_deg is not None:
         raise InputError("give --capability or --limit-deg, not both")
-    pulse: Any = SHAPES[one_of("--wind", shape, SHAPES)]
-    history = pulse(peak=peak, duration=duration)
+    history = pulse("--wind", shape, peak, duration)
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
     plant = Plant.from_vehicle(vehicle, model, plane)
     _check_length(plant, length)

@@ -80,12 +80,11 @@ class FlightCase:
 
 def flight_wind(vehicle: Any, shape: str, duration: float, peak: float, along: bool) -> "History":
     """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    from tvclin.answers.study import SHAPES
-    from tvclin.base.errors import one_of
+    from tvclin.winds.shaped import pulse
 
-    pulse = SHAPES[one_of("--wind", shape, SHAPES)](peak=peak, duration=duration)
+    wind = pulse("--wind", shape, peak, duration)
     middle = 0.0 if vehicle.time is None else float(vehicle.time)
-    return pulse.shift(middle - duration / 2) if along else pulse
+    return wind.shift(middle - duration / 2) if along else wind
 
 
 def _control(

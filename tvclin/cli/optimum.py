@@ -52,17 +52,17 @@ def optimum(
     """
     import numpy as np
 
-    from tvclin.answers.study import SHAPES
-    from tvclin.base.errors import one_of, positive
+    from tvclin.base.errors import positive
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.file import load_vehicle
+    from tvclin.winds.shaped import pulse
 
     loaded = load_vehicle(vehicle)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    history = SHAPES[one_of("--wind", wind, SHAPES)](peak=peak, duration=duration)
+    history = pulse("--wind", wind, peak, duration)
     plant = Plant.from_vehicle(loaded, model, plane)
     best = optimum_deflection(plant, history, start, horizon)
     limited = None

@@ -10,8 +10,8 @@ from tvclin.cli.options import MODELS_HELP, AsJson, Gust, PeakDeg, PeakSpeed, Pl
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
+    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
     from tvclin.answers.sizing.record import Sizing
-    from tvclin.answers.study_file.sizing import SizingAsked, SoundingAsked
 
 _SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
@@ -191,7 +191,7 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
     """The soundings of the files by name."""
     import numpy as np
 
-    from tvclin.answers.study_file.sizing import SoundingAsked
+    from tvclin.answers.sizing.asked import SoundingAsked
     from tvclin.base.errors import InputError, number
     from tvclin.winds.soundings.read import read_sounding
 

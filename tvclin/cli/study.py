@@ -72,7 +72,6 @@ def study(
     """
     from dataclasses import replace
 
-    from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
     from tvclin.answers.findings import find
     from tvclin.answers.questions import all_yes
     from tvclin.answers.study_file.read import load_study
@@ -104,6 +103,8 @@ def study(
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
     if disperse and plan.dispersions is None:
+        from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
+
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
     if plan.dispersions is None and (cases, seed) != (None, None):
         raise InputError("--cases and --seed need --disperse, or a study file with dispersions")

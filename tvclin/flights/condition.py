@@ -7,16 +7,21 @@ import numpy as np
 
 from tvclin.base.errors import InputError, number, positive
 from tvclin.base.files import called
+from tvclin.base.tables import Table
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
-from tvclin.vehicle.file import quantities, table_of, vehicle_text
+from tvclin.vehicle.file import table_of, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
-_KEYS = {
-    "altitude": "length",
-    "specific_impulse": "time",
-    "reference_area": "area",
-    "table_scale": "number",
-}
+FLIGHT_TABLE = Table(
+    "[flight]",
+    {
+        "altitude": "length",
+        "specific_impulse": "time",
+        "reference_area": "area",
+        "table_scale": "number",
+    },
+    required=("altitude", "specific_impulse"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,16 +97,12 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     11950.0
     """
     text, place = vehicle_text(source)
-    table, name = table_of(text, place, "flight"), called(place)
+    table, name = table_of(text, place, FLIGHT_TABLE), called(place)
     if not table:
         raise InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"
         )
     try:
-        given = quantities(table, _KEYS, "flight")
-        for key in ("altitude", "specific_impulse"):
-            if key not in given:
-                raise InputError(f"{key} is missing in [flight]")
-        return FlightCondition(**given)
+        return FlightCondition(**FLIGHT_TABLE.read(table))
     except InputError as error:
         raise InputError(f"{name}: {error}") from None

@@ -122,7 +122,7 @@ class FlexiblePlant:
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> plant = tv.FlexiblePlant.from_vehicle(vehicle, tv.Structure(slosh=(tank,)))
         >>> plant.poles.round(3)
-        array([ 0.531+0.j   , -0.535+0.j   , -0.028+2.804j, -0.028-2.804j])
+        array([ 0.528+0.j   , -0.029+2.846j, -0.029-2.846j, -0.528+0.j   ])
         """
         plant = cls(vehicle, structure, model, plane)
         modes = {f"bending mode {k}": mode for k, mode in enumerate(structure.bending, start=1)}

@@ -57,85 +57,96 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
         Where the mass matrix is not positive definite, and for a pendulum that nothing pulls
         straight.
     """
-    batch = broadcast(vehicle=vehicle.batch, structure=structure.batch)
-    v, modes, tanks = vehicle, structure.bending, structure.slosh
-    bodies = 2 + len(modes)
-    n = bodies + len(tanks)
-    a = axial_acceleration(v)
-
-    def row(*values: Any) -> FloatArray:
-        """What all motions have in common; the liquids have nothing of it."""
-        rest = (0.0,) * (n - len(values))
-        return np.stack(np.broadcast_arrays(*values, *rest, np.zeros(batch))[:-1], axis=-1)
-
-    # Displacements and slopes at the gimbal, x = -l_c, and displacements at the centre of pressure.
-    phi = row(1.0, -np.asarray(v.control_arm), *(mode.gimbal_displacement for mode in modes))
-    sigma = row(0.0, 1.0, *(mode.gimbal_slope for mode in modes))
-    pressed = row(1.0, v.aerodynamic_arm, *(mode.pressure_displacement for mode in modes))
-
-    mass, stiffness = np.zeros((*batch, n, n)), np.zeros((*batch, n, n))
-    inertias = row(v.mass, v.moment_of_inertia, *(b.modal_mass for b in modes), *_masses(tanks))
-    own = row(
-        0.0, 0.0, *(mode.frequency for mode in modes), *(_frequency(tank, a) for tank in tanks)
-    )
-    rubbing = row(0.0, 0.0, *(body.damping for body in (*modes, *tanks)))
-    each = np.arange(n)
-    mass[..., each, each] = inertias
-    stiffness[..., each, each] = own**2 * inertias
-    damping = 2.0 * rubbing * own * inertias
-
-    # A tank at x_j: M[b,j] = m_j phi_b(x_j) and K[b,j] = -m_j a sigma_b(x_j), both symmetric.
-    for k, tank in enumerate(tanks):
-        j = bodies + k
-        at = row(1.0, tank.station, *(_at(mode.tank_displacements, k) for mode in modes))
-        slopes = row(0.0, 1.0, *(_at(mode.tank_slopes, k) for mode in modes))
-        liquid = np.asarray(tank.mass)[..., np.newaxis]
-        pull = -np.asarray(tank.mass * a)[..., np.newaxis]
-        for matrix, terms in ((mass, liquid * at), (stiffness, pull * slopes)):
-            matrix[..., :bodies, j] = matrix[..., j, :bodies] = terms[..., :bodies]
-
-    # The body axis turns T - F_A; a following thrust turns with the bent gimbal, and moves with it.
-    stiffness[..., 0, 1] -= v.thrust - v.axial_force
-    if structure.thrust_follows:
-        T, l_c = (np.asarray(one)[..., np.newaxis] for one in (v.thrust, v.control_arm))
-        bent, moved = sigma[..., 2:bodies], phi[..., 2:bodies]
-        stiffness[..., 0, 2:bodies] -= T * bent
-        stiffness[..., 1, 2:bodies] += T * (l_c * bent + moved)
-
-    # The control force, and what a swinging engine adds: s_E = m_E l_E, J_E = I_E + m_E l_E^2,
-    #   T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta.
-    deflection = np.asarray(v.control_force)[..., np.newaxis] * phi
-    swinging = np.zeros_like(phi)
-    if structure.engine is not None:
-        s_E, J_E = structure.engine.static_moment, structure.engine.inertia_about_gimbal
-        swinging = np.asarray(s_E)[..., np.newaxis] * phi - np.asarray(J_E)[..., np.newaxis] * sigma
-        deflection = deflection - np.asarray(s_E * a)[..., np.newaxis] * sigma
-        # Its kinetic energy: -swinging is the mass that the deflection shares with each motion.
-        whole = np.zeros((*batch, n + 1, n + 1))
-        whole[..., :n, :n] = mass
-        whole[..., :n, n] = whole[..., n, :n] = -swinging
-        whole[..., n, n] = J_E
-        _scale(whole)
-    air = np.asarray(v.normal_force_slope)[..., np.newaxis] * pressed
-
-    scale = _scale(mass)
-    known = np.concatenate(
-        [
-            -stiffness,
-            -damping[..., np.newaxis] * np.eye(n),
-            *(force[..., np.newaxis] for force in (deflection, swinging, air)),
-        ],
-        axis=-1,
-    )
-    outer = scale[..., :, np.newaxis]
-    found = outer * np.linalg.solve(outer * mass * scale[..., np.newaxis, :], outer * known)
+    shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
+    rows = _Rows(shape, 2 + len(structure.bending), len(structure.slosh))
+    mass, damping, stiffness = _matrices(vehicle, structure, rows)
+    deflection, swinging = _engine(vehicle, structure, rows, mass)
+    modes = structure.bending
+    pressed = rows.of(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
+    air = rows.of(vehicle.normal_force_slope)[..., :1] * pressed
+    forces = [one[..., np.newaxis] for one in (deflection, swinging, air)]
+    scale = _scale(mass)[..., np.newaxis]
+    known = scale * np.concatenate([-stiffness, -damping, *forces], axis=-1)
+    found = scale * np.linalg.solve(scale * mass * np.swapaxes(scale, -1, -2), known)
+    n = mass.shape[-1]
     return Motions(
         found[..., :n], found[..., n : 2 * n], *(found[..., 2 * n + k] for k in range(3))
     )
 
 
-def _masses(tanks: tuple[SloshTank, ...]) -> tuple[Any, ...]:
-    return tuple(tank.mass for tank in tanks)
+@dataclass(frozen=True)
+class _Rows:
+    """How the numbers of all motions stand in a row ``(..., n)``: the bodies, then the liquids."""
+
+    batch: tuple[int, ...]
+    bodies: int
+    tanks: int
+
+    def of(self, *values: Any) -> FloatArray:
+        """Return the row that begins with these values, and goes on with zeros."""
+        found = np.zeros((*self.batch, self.bodies + self.tanks))
+        for k, value in enumerate(values):
+            found[..., k] = value
+        return found
+
+
+def _matrices(v: Vehicle, structure: Structure, rows: _Rows) -> tuple[FloatArray, ...]:
+    """M, C and K, the latter with the axial forces."""
+    modes, tanks, bodies = structure.bending, structure.slosh, rows.bodies
+    a = axial_acceleration(v)
+    inertias = rows.of(
+        v.mass,
+        v.moment_of_inertia,
+        *(mode.modal_mass for mode in modes),
+        *(tank.mass for tank in tanks),
+    )
+    own = rows.of(
+        0.0, 0.0, *(mode.frequency for mode in modes), *(_frequency(tank, a) for tank in tanks)
+    )
+    zeta = rows.of(0.0, 0.0, *(mode.damping for mode in modes), *(tank.damping for tank in tanks))
+    diagonal = np.eye(bodies + rows.tanks)
+    mass = inertias[..., np.newaxis] * diagonal
+    damping = (2.0 * zeta * own * inertias)[..., np.newaxis] * diagonal
+    stiffness = (own**2 * inertias)[..., np.newaxis] * diagonal
+    # A tank at x_j: M[b,j] = m_j phi_b(x_j) and K[b,j] = -m_j a sigma_b(x_j), both symmetric.
+    for k, tank in enumerate(tanks):
+        phi = rows.of(1.0, tank.station, *(_at(mode.tank_displacements, k) for mode in modes))
+        sigma = rows.of(0.0, 1.0, *(_at(mode.tank_slopes, k) for mode in modes))
+        for matrix, factor, row in ((mass, tank.mass, phi), (stiffness, -tank.mass * a, sigma)):
+            shared = rows.of(*(factor * row[..., b] for b in range(bodies)))[..., :bodies]
+            matrix[..., :bodies, bodies + k] = matrix[..., bodies + k, :bodies] = shared
+    # The body axis turns T - F_A; a following thrust turns with the bent gimbal, and acts there.
+    stiffness[..., 0, 1] -= v.thrust - v.axial_force
+    for b, mode in enumerate(modes if structure.thrust_follows else (), start=2):
+        moved = v.control_arm * mode.gimbal_slope + mode.gimbal_displacement
+        stiffness[..., 0, b] -= v.thrust * mode.gimbal_slope
+        stiffness[..., 1, b] += v.thrust * moved
+    return mass, damping, stiffness
+
+
+def _engine(
+    v: Vehicle, structure: Structure, rows: _Rows, mass: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Forces per deflection and per its second derivative, at x = -l_c.
+
+    T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta,
+    s_E = m_E l_E,    J_E = I_E + m_E l_E^2
+    """
+    modes, engine = structure.bending, structure.engine
+    phi = [1.0, -v.control_arm, *(mode.gimbal_displacement for mode in modes)]
+    sigma = [0.0, 1.0, *(mode.gimbal_slope for mode in modes)]
+    deflection = rows.of(*(v.control_force * one for one in phi))
+    if engine is None:
+        return deflection, rows.of()
+    s, J = engine.static_moment, engine.inertia_about_gimbal
+    a = axial_acceleration(v)
+    deflection -= rows.of(*(s * a * one for one in sigma))
+    swinging = rows.of(*(s * up - J * turn for up, turn in zip(phi, sigma, strict=True)))
+    # The kinetic energy of vehicle and engine, with delta' as a motion of its own.
+    side = swinging[..., np.newaxis]
+    corner = rows.of(J)[..., :1, np.newaxis]
+    _scale(np.block([[mass, -side], [-np.swapaxes(side, -1, -2), corner]]))
+    return deflection, swinging
 
 
 def _at(values: tuple[Any, ...], k: int) -> Any:

@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.campaign.dispersions import GAINS, WIND
+from tvclin.answers.campaign.dispersions import WIND
 from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.outputs import REGISTRY, Batch, columns, compute
 from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.campaign.winds import WindEnsemble
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
+from tvclin.control.autopilot.feedback import GAINS
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
+from tvclin.winds.shaped import WindEnsemble
 
 FloatArray = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """What is uncertain, and by how much: from numbers in (0, 1) to vehicles and winds."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,16 @@ from tvclin.base.errors import (
     one_of,
     positive,
 )
+from tvclin.base.tables import Table
+from tvclin.base.units import si_unit
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.vehicle.file import VEHICLE_TABLE
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
 SHAPES = ("normal", "uniform", "truncated")
-WIND = ("wind_peak", "wind_duration")
-GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
+WIND = {"wind_peak": "angle", "wind_duration": "time"}
 _CUT = 3.0
 """A truncated normal distribution ends at so many standard deviations."""
 
@@ -206,25 +209,32 @@ PARAMETERS = (
 )
 """What can be dispersed."""
 
-UNITS_OF = {
-    "weight": "N",
-    "moment_of_inertia": "kg m2",
-    "normal_force_slope": "N/rad",
-    "thrust": "N",
-    "aerodynamic_arm": "m",
-    "control_arm": "m",
-    "axial_force": "N",
-    "velocity": "m/s",
-    "attitude": "rad",
-    "control_force_slope": "N/rad",
-    "wind_peak": "rad",
-    "wind_duration": "s",
+_KINDS = {name: VEHICLE_TABLE.quantities.get(name, "number") for name in PARAMETERS} | WIND
+UNITS_OF = {name: si_unit(kind) for name, kind in _KINDS.items()} | {
     "attitude_gain": "rad/rad",
     "rate_gain": "s",
     "alpha_gain": "rad/rad",
     "integral_gain": "1/s",
 }
 """Their SI units."""
+DISPERSION_TABLE = Table(
+    "[[dispersion]]", {"part": "number", "percent": "hundredths"}, words=("parameter", "shape")
+)
+CORRELATION_TABLE = Table("[[correlation]]", words=("between", "coefficient"))
+
+
+def spread_table(parameter: Any, recorded: bool = False) -> Table:
+    """Return the keys of the dispersion of a parameter; recorded spreads are in SI, without unit.
+
+    Raises
+    ------
+    InputError
+        For what cannot be dispersed.
+    """
+    name = one_of("parameter in [[dispersion]]", parameter, PARAMETERS)
+    kinds = DISPERSION_TABLE.quantities | {"spread": "number" if recorded else _KINDS[name]}
+    return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
+
 
 DEFAULT_DISPERSIONS = Dispersions(
     (

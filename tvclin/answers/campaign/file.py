@@ -10,35 +10,19 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.campaign.dispersions import Dispersions
-from tvclin.answers.campaign.flights import Flight
-from tvclin.answers.campaign.keys import PERCENT, SUBJECT, Units, known, quantity, spellings
-from tvclin.answers.campaign.plan import Campaign
-from tvclin.answers.campaign.tables import (
-    dispersions_of,
-    question_of,
-    read_tables,
-    subject_of,
-    winds_of,
-)
-from tvclin.answers.campaign.winds import WindEnsemble
-from tvclin.base.errors import InputError, number, shown
+from tvclin.answers.campaign.flights import FLIGHT_TABLE, Flight
+from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
+from tvclin.answers.campaign.tables import dispersions_of, question_of, read_tables, subject_of
+from tvclin.base.errors import InputError
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
-from tvclin.base.units import UNITS
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.file import winds_of
+from tvclin.winds.shaped import WindEnsemble
 
 _DRAWN = ("cases", "seed", "method", "chunk")
-_FLIGHT: Units = {
-    "deflection_limit": UNITS["angle"],
-    "rate_limit": {f"{unit}_per_s": factor for unit, factor in UNITS["angle"].items()},
-    "sample_rate": {"Hz": 1.0},
-    "attitude_gain": {"": 1.0},
-    "rate_gain": {"s": 1.0},
-    "alpha_gain": {"": 1.0},
-    "integral_gain": {"per_s": 1.0},
-    "natural_frequency": {"rad_per_s": 1.0},
-    "damping": {"": 1.0},
-}
+_FIELDS = {"names": "outputs"}
+"""Fields of `Campaign` of another name than their keys."""
 
 
 def load_campaign(path: str | PathLike[str]) -> Campaign:
@@ -71,29 +55,18 @@ def template() -> str:
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
-    head, outputs = dict(document.get("campaign", {})), dict(document.get("outputs", {}))
-    known("key in [campaign]", head, (*SUBJECT, *_DRAWN, "until_percent", "until_part"))
-    known("key in [outputs]", outputs, ("names", "dead_bands"))
+    head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
+    outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     if "gust" in document:
         raise InputError("a campaign has no gust; leave [gust] out")
-    if "cases" not in head:
-        raise InputError("a key is missing in [campaign]: cases")
-    until = head.get("until_part")
-    if "until_percent" in head:
-        until = number("until_percent", head["until_percent"]) / PERCENT
-    given: dict[str, Any] = {key: head[key] for key in _DRAWN if key in head}
-    for key, field in (("names", "outputs"), ("dead_bands", "dead_bands")):
-        if key in outputs:
-            if not isinstance(outputs[key], list):
-                raise InputError(f"{key} in [outputs] must be a list; got {shown(outputs[key])}")
-            given[field] = tuple(outputs[key])
+    CAMPAIGN_TABLE.need(head, ["cases"])
+    flown = "flight" in document
     return Campaign(
         wind=winds_of(document, folder)[0],
-        dispersions=dispersions_of(document.get("dispersion", []), document.get("correlation", [])),
-        flight=_flight(dict(document["flight"])) if "flight" in document else None,
-        until=until,
-        **subject,
-        **given,
+        dispersions=dispersions_of(document),
+        flight=Flight(**FLIGHT_TABLE.read(FLIGHT_TABLE.one(document))) if flown else None,
+        **(head | subject),
+        **{_FIELDS.get(key, key): value for key, value in outputs.items()},
         **question_of(document),
     )
 
@@ -113,7 +86,7 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     }
     wind = campaign.wind
     question = {"probability": campaign.probability, "confidence": campaign.confidence}
-    flown = {} if campaign.flight is None else {"flight": _flight_table(campaign.flight)}
+    flown = {} if campaign.flight is None else {"flight": _flight(campaign.flight)}
     return flown | {
         "campaign": head | ({} if until is None else {"until_part": until}),
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}
@@ -133,24 +106,10 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     }
 
 
-def _flight(table: dict[str, Any]) -> Flight:
-    law = table.pop("law", "autopilot")
-    given: dict[str, Any] = {}
-    for name, units in _FLIGHT.items():
-        value = quantity("[flight]", table, name, units, required=name == "deflection_limit")
-        if value is not None:
-            given[name] = value
-    known("key in [flight]", table, ("law", *spellings(_FLIGHT)))
-    return Flight(law=law, **given)
-
-
-def _flight_table(flight: Flight) -> dict[str, Any]:
-    return {"law": flight.law} | {
-        key: getattr(flight, name)
-        for name, units in _FLIGHT.items()
-        for key in spellings({name: units})[:1]
-        if getattr(flight, name) is not None and np.isfinite(getattr(flight, name))
-    }
+def _flight(flight: Flight) -> dict[str, Any]:
+    given = {name: getattr(flight, name) for name in FLIGHT_TABLE.quantities}
+    finite = {k: v for k, v in given.items() if v is not None and np.isfinite(v)}
+    return {"law": flight.law} | FLIGHT_TABLE.write(finite)
 
 
 def _pairs(dispersions: Dispersions) -> list[dict[str, Any]]:

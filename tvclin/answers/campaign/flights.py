@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.campaign.dispersions import GAINS
 from tvclin.base.errors import (
     InputError,
     instance,
@@ -15,8 +14,10 @@ from tvclin.base.errors import (
     positive,
     single,
 )
+from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
@@ -35,6 +36,19 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 LAWS = ("autopilot", "trim", "dead-band", "recoverable-attitude")
+FLIGHT_TABLE = Table(
+    "[flight]",
+    {
+        "deflection_limit": "angle",
+        "rate_limit": "angular rate",
+        "sample_rate": "sample rate",
+        **GAINS,
+        "natural_frequency": "natural frequency",
+        "damping": "number",
+    },
+    words=("law",),
+    required=("deflection_limit",),
+)
 COLUMNS = {
     "flight_survived": "",
     "flight_peak_attitude": "rad",

@@ -9,7 +9,6 @@ import numpy as np
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.campaign.flights import Flight
-from tvclin.answers.campaign.winds import ShapedWind, WindEnsemble
 from tvclin.base.errors import (
     InputError,
     between,
@@ -23,11 +22,20 @@ from tvclin.base.errors import (
     single,
     whole_number,
 )
+from tvclin.base.tables import Table
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 OUTPUTS = ("required", "forecast-free", "minimum", "flight", "flown")
+CAMPAIGN_TABLE = Table(
+    "[campaign]",
+    {"until": "part"},
+    words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
+)
+OUTPUTS_TABLE = Table("[outputs]", lists=("names", "dead_bands"))
+QUESTION_TABLE = Table("[question]", {"limit": "angle"}, words=("probability", "confidence"))
 _MOST_CASES = 10**10
 _MOST_LATIN_CASES = 10**7
 

@@ -17,7 +17,6 @@ from tvclin.answers.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.answers.campaign.winds import ShapedWind
 from tvclin.answers.requirement import covers
 from tvclin.answers.study import Study
 from tvclin.base.errors import (
@@ -27,6 +26,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.winds.shaped import ShapedWind
 
 FloatArray = NDArray[np.float64]
 

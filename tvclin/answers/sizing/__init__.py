@@ -3,6 +3,6 @@
 The files inside: `schedule` is the vehicle over time and `schedule_file` reads it; `placing` says
 where in the flight a wind blows, and `measured` what counts of one that was flown through; `frozen`
 sizes one vehicle in one wind, `growing` and `varying` one whose parameters vary meanwhile; `size`
-puts flight times and winds together into a `record`; and `total` adds what else the nozzle has to
-do.
+puts flight times and winds together into a `record`; `total` adds what else the nozzle has to do;
+and `asked` is all that one sizing depends on.
 """

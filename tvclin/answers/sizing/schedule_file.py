@@ -11,15 +11,16 @@ import numpy as np
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, path, shown
 from tvclin.base.files import called, exists, tables_of
-from tvclin.base.units import UNITS
+from tvclin.base.tables import Table
 from tvclin.flights.condition import load_flight_condition
-from tvclin.vehicle.file import build_vehicle, parse_vehicle, quantities, vehicle_text
+from tvclin.vehicle.file import build_vehicle, parse_vehicle, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
 """How much of a vehicle's nominal flight a schedule shows, from its own time [s]."""
-_OWN = {"nominal_deflection": "angle", "altitude": "length"}
-_OTHERS = [f"{name}_{unit}" for name, dimension in _OWN.items() for unit in UNITS[dimension]]
+_OWN_TABLE = Table("[schedule]", {"nominal_deflection": "angle", "altitude": "length"})
+SOURCE_TABLE = Table("[schedule]", words=("source",))
+"""A [schedule] that names the flight in place of its lists."""
 
 
 def load_schedule(
@@ -110,7 +111,7 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
 
 def _taken(row: dict[str, Any]) -> tuple[float, float | None]:
     """Take nominal deflection [rad] and altitude [m] out of a row: zero and None if not there."""
-    found = quantities({key: row.pop(key) for key in _OTHERS if key in row}, _OWN, "schedule")
+    found = _OWN_TABLE.read({key: row.pop(key) for key in _OWN_TABLE.keys if key in row})
     return found.get("nominal_deflection", 0.0), found.get("altitude")
 
 

@@ -5,12 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.keys import quantities_of
-from tvclin.answers.campaign.tables import dispersions_of, question_of, subject_of, winds_of
-from tvclin.answers.study_file.plan import GainsAsked, LawsAsked, StudyPlan
-from tvclin.answers.study_file.read_sizing import gust_of, sizing_of
-from tvclin.base.errors import InputError, one_of, shown
-from tvclin.control.margins.criteria import CRITERIA, Criteria
+from tvclin.answers.campaign.tables import dispersions_of, question_of, subject_of
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.answers.study_file.read_sizing import sizing_of
+from tvclin.answers.trials import LAWS_TABLE, LawsAsked
+from tvclin.base.errors import one_of
+from tvclin.control.autopilot.asked import AUTOPILOT_TABLE, GainsAsked
+from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
+from tvclin.winds.file import gust_of, winds_of
 
 _ALSO_OF_A_FLIGHT = ("model", "plane")
 
@@ -27,8 +29,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     given = {key: head[key] for key in ("dead_band", "switch") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
-        rows = document["dispersion"], document.get("correlation", [])
-        given["dispersions"] = dispersions_of(*rows)
+        given["dispersions"] = dispersions_of(document)
     wind: Any = winds_of(document, folder)[0]
     gust = gust_of(document, float(getattr(wind, "duration", 0.0)))
     question = question_of(document)
@@ -38,35 +39,23 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         wind=wind,
         gust=gust,
         sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
-        laws=_laws(dict(document["laws"])) if "laws" in document else None,
-        gains=_gains(dict(document["autopilot"])) if "autopilot" in document else None,
-        criteria=_criteria(dict(document["criteria"])) if "criteria" in document else None,
+        laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
+        gains=GainsAsked(**AUTOPILOT_TABLE.read(document["autopilot"]))
+        if "autopilot" in document
+        else None,
+        criteria=_criteria(document["criteria"]) if "criteria" in document else None,
         **question,
         **given,
     )
 
 
-def _laws(table: dict[str, Any]) -> LawsAsked:
-    given: dict[str, Any] = quantities_of("laws", table) | table
-    for key in ("names", "winds"):
-        if key in given:
-            if not isinstance(given[key], list):
-                raise InputError(f"{key} in [laws] must be a list; got {shown(given[key])}")
-            given[key] = tuple(given[key])
-    return LawsAsked(**given)
-
-
-def _gains(table: dict[str, Any]) -> GainsAsked:
-    given: dict[str, Any] = quantities_of("autopilot", table) | table
-    return GainsAsked(**given)
-
-
 def _criteria(table: dict[str, Any]) -> Criteria:
-    limits = quantities_of("criteria", table)
-    if "name" in table:
-        named = CRITERIA[one_of("name in [criteria]", table["name"], CRITERIA)]
-        if not limits:
-            return named
-        limits = {one.margin: one.limit for one in named.requirements} | limits
-    name = f"{table['name']} as changed" if "name" in table else "own"
-    return Criteria.own(name, "the study file", **limits)
+    limits = CRITERIA_TABLE.read(table)
+    name = limits.pop("name", None)
+    if name is None:
+        return Criteria.own("own", "the study file", **limits)
+    named = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
+    if not limits:
+        return named
+    limits = {one.margin: one.limit for one in named.requirements} | limits
+    return Criteria.own(f"{name} as changed", "the study file", **limits)

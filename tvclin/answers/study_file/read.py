@@ -18,7 +18,7 @@ from tvclin.base.files import called, tables_of
 from tvclin.vehicle.file import parse_vehicle, vehicle_text
 
 if TYPE_CHECKING:
-    from tvclin.answers.study_file.sizing import SizingAsked, SoundingAsked
+    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
 
 
 def load_study(source: str | PathLike[str]) -> StudyPlan:
@@ -79,8 +79,8 @@ def load_sizing(
     >>> tv.load_sizing("configuration-i").times[[0, 1, -1]]
     array([ 44.75,  45.  , 112.25])
     """
+    from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.sizing.schedule_file import load_schedule
-    from tvclin.answers.study_file.sizing import SizingAsked
 
     if soundings is not None:
         instance("soundings", soundings, Mapping, "of names to SoundingAsked")

@@ -5,21 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tvclin.answers.campaign.keys import known, quantities_of, quantity, spellings
-from tvclin.answers.campaign.tables import SOUNDING, wind_tables, winds_of
-from tvclin.answers.campaign.winds import ShapedWind
-from tvclin.answers.sizing.schedule_file import load_schedule, schedule_of
-from tvclin.answers.study_file.sizing import SizingAsked, SoundingAsked
+from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked, SoundingAsked
+from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import InputError, shown
 from tvclin.base.files import exists, tables_of
-from tvclin.base.units import UNITS
 from tvclin.vehicle.file import vehicle_text
-from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.winds.file import SOUNDING, SOUNDING_TABLE, wind_tables, winds_of
 from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.read import read_sounding
-
-_TIME, _ANGLE = UNITS["time"], UNITS["angle"]
-_GUST = {"peak": _ANGLE, "duration": _TIME, "peak_time": _TIME}
 
 
 def sizing_of(
@@ -52,16 +46,9 @@ def sizing_of(
         if soundings:
             raise InputError("a sounding needs a flight: add [schedule], see tvclin init --study")
         return None
-    table = dict(document.get("size", {}))
-    given: dict[str, Any] = quantities_of("size", table) | table
+    given = SIZE_TABLE.read(SIZE_TABLE.one(document))
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
-    if "dead_bands" in given:
-        if not isinstance(given["dead_bands"], list):
-            raise InputError(
-                f"dead_bands in [size] must be a list; got {shown(given['dead_bands'])}"
-            )
-        given["dead_bands"] = tuple(given["dead_bands"])
     pulses = tuple(one for one in winds_of(document, folder) if isinstance(one, ShapedWind))
     return SizingAsked(
         **_flight(document, folder),
@@ -72,19 +59,6 @@ def sizing_of(
     )
 
 
-def gust_of(document: Mapping[str, Any], duration: float) -> History | None:
-    """Return the gust of [gust] in the time of a wind of a duration [s]; None without it."""
-    if "gust" not in document:
-        return None
-    table = dict(document["gust"])
-    known("key in [gust]", table, spellings(_GUST))
-    peak = quantity("[gust]", table, "peak", _ANGLE)
-    lasts = quantity("[gust]", table, "duration", _TIME)
-    at = quantity("[gust]", table, "peak_time", _TIME, required=False)
-    gust = OneMinusCosineGust(peak=peak or 0.0, duration=lasts or 0.0)
-    return gust.shift((0.5 * duration if at is None else at) - 0.5 * float(gust.duration))
-
-
 def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """The flight of [schedule] and whose it is; that of the study's vehicle without it."""
     table = document.get("schedule", {})
@@ -93,7 +67,7 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
     if lists:
         return {"schedule": schedule_of(table, "[schedule]"), "source": "the lists in [schedule]"}
-    known("key in [schedule]", table, ("source",))
+    SOURCE_TABLE.read(table)
     study, campaign = document.get("study", {}), document.get("campaign", {})
     own = study.get("vehicle", campaign.get("vehicle"))
     source = table.get("source", own)
@@ -117,9 +91,7 @@ def _is_vehicle(source: str | Path) -> bool:
 
 
 def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
-    legal = (SOUNDING, "name", "format", "time", *spellings({"azimuth": _ANGLE}))
-    known("key in [[wind]]", table, legal)
-    azimuth = quantity("[[wind]] with a sounding", table, "azimuth", _ANGLE) or 0.0
+    azimuth = SOUNDING_TABLE.read(table)["azimuth"]
     file = table[SOUNDING]
     if not isinstance(file, str) or not file.isprintable():
         raise InputError(f"sounding in [[wind]] must be a path; got {shown(file)}")

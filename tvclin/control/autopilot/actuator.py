@@ -90,16 +90,14 @@ class Actuator:
         )
 
     def matrices(self) -> Matrices:
-        """Return A, B, C, D with the leading axes of the batch.
-
-        The states are the deflection [rad] and its rate [rad/s].
-        """
+        """Return A, B, C, D; the states are the deflection [rad] and its rate [rad/s]."""
         order = self.denominator.shape[-1] - 1
-        A, B = np.zeros((*self.batch, order, order)), np.zeros((*self.batch, order, 1))
-        A += np.eye(order, k=1)
+        A = np.zeros((*self.batch, order, order)) + np.eye(order, k=1)
+        B = np.zeros((*self.batch, order, 1))
+        C, D = np.zeros((*self.batch, 1, order)) + np.eye(1, order), np.zeros((*self.batch, 1, 1))
         A[..., -1, :] = -self.denominator[..., :0:-1]
         B[..., -1, 0] = self.denominator[..., -1]
-        return A, B, np.eye(1, order), np.zeros((1, 1))
+        return A, B, C, D
 
 
 def pade_delay(delay: float, order: int) -> Matrices:

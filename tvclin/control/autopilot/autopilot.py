@@ -239,7 +239,7 @@ class Autopilot(Feedback):
             For an engine with inertia behind an actuator that is not of second order, and a
             filter that is too fast for the sample rate.
         """
-        check_plant(self, plant)
+        check_plant(plant)
         broadcast(autopilot=self.batch, plant=plant.batch)
         if self.sample_rate is not None:
             return sampled_loop(self, plant)
@@ -397,7 +397,7 @@ class Autopilot(Feedback):
         return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
 
     def _require_single(self, what: str, plant: AnyPlant) -> None:
-        check_plant(self, plant)
+        check_plant(plant)
         self._require_continuous(what)
         if self.batch or plant.batch:
             raise InputError(

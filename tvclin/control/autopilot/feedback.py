@@ -14,7 +14,13 @@ from tvclin.vehicle.filters import Filter
 
 FloatArray = NDArray[np.float64]
 
-GAINS = ("attitude_gain", "rate_gain", "alpha_gain", "integral_gain")
+GAINS = {
+    "attitude_gain": "number",
+    "rate_gain": "time",
+    "alpha_gain": "number",
+    "integral_gain": "per time",
+}
+"""The gains, and of what kind of `UNITS` each is."""
 CHAINS = ("attitude_filters", "rate_filters", "filters")
 _HIGHEST_PADE = 10
 

@@ -14,14 +14,15 @@ found as of any other (Franklin, Powell and Workman, Digital Control of Dynamic 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError
+from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
-from tvclin.control.autopilot.wiring import AnyPlant, wired
+from tvclin.control.autopilot.wiring import AnyPlant, sensed_places
 from tvclin.control.margins.sampled_loop import SampledLoop
 from tvclin.kernels import state_space
 from tvclin.kernels.state_loop import StateLoop
@@ -111,11 +112,8 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
     from scipy.linalg import expm  # late: it takes 0.1 s to import
 
     period = 1.0 / np.asarray(autopilot.sample_rate)
-    analog = replace(autopilot, attitude_filters=(), rate_filters=(), filters=())
-    wires = wired(analog, plant)
-    names = [name for name in wires.states if name != "attitude_error_integral"]
-    n = len(names)
-    A, B = wires.motion[..., :n, :n], wires.motion[..., :n, -1:]
+    A, B, C, _, names, _ = actuated(plant, autopilot.actuator)
+    n, B = A.shape[-1], B[..., :1]
     periods = np.asarray(autopilot.delay) / period
     whole = np.floor(periods + _WHOLE)
     rest = np.where(periods - whole < _WHOLE, 0.0, (periods - whole) * period)
@@ -129,9 +127,9 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
     G1 = np.where(
         np.broadcast_to(rest, batch)[..., np.newaxis, np.newaxis] > 0.0, full[..., :n, n:] - G0, 0.0
     )
-    C = np.broadcast_to(wires.sensed[..., :n], (*batch, 3, n))
+    C = np.broadcast_to(C[..., list(sensed_places(plant)), :], (*batch, 3, n))
     whole = np.broadcast_to(whole.astype(int), batch)
-    return Steps(full[..., :n, :n], G0, G1, C, whole, np.broadcast_to(period, batch), tuple(names))
+    return Steps(full[..., :n, :n], G0, G1, C, whole, np.broadcast_to(period, batch), names)
 
 
 def law_steps(autopilot: Feedback, period: FloatArray) -> Matrices:

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, shown
+from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import THROUGH, Matrices, pade_delay
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels import polynomials
+from tvclin.kernels.state_space import stacked
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.plant import Plant
 
@@ -22,18 +24,11 @@ FloatArray = NDArray[np.float64]
 AnyPlant = Plant | FlexiblePlant
 
 
-def check_plant(autopilot: Feedback, plant: object) -> None:
-    """Raise `InputError` unless it is a plant around which this autopilot can stand."""
+def check_plant(plant: object) -> None:
+    """Raise `InputError` unless it is a plant."""
     if not isinstance(plant, Plant | FlexiblePlant):
         raise InputError(
             f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle)"
-        )
-    swinging = isinstance(plant, FlexiblePlant) and plant.structure.engine is not None
-    if swinging and (autopilot.actuator is None or autopilot.actuator.damping is None):
-        raise InputError(
-            "an engine with inertia needs an actuator of second order, which knows the acceleration"
-            " of the deflection; give the Autopilot an Actuator with a damping, or leave the engine"
-            " out of the Structure"
         )
 
 
@@ -70,13 +65,12 @@ def wired(autopilot: Feedback, plant: AnyPlant, delay: Matrices = THROUGH) -> Wi
     The states are those of the plant, of the actuator, of the delay as it is given here, of the
     integrator and of the filters.
     """
-    A, B, C, D = plant.matrices()
-    engine = THROUGH if autopilot.actuator is None else autopilot.actuator.matrices()
+    A, B, C, D, names, _ = actuated(plant, autopilot.actuator)
     integrators = int(np.any(np.asarray(autopilot.integral_gain)))
     chains = {name: getattr(autopilot, name) for name in CHAINS}
     orders = [one.order for chain in chains.values() for one in chain]
-    sizes = [A.shape[-1], engine[0].shape[-1], len(delay[0]), integrators, *orders, 1, 1, 1, 1]
-    x, bent, late, held, *stored, wind, command, disturbance, sent = np.split(
+    sizes = [A.shape[-1], len(delay[0]), integrators, *orders, 1, 1, 1, 1]
+    x, late, held, *stored, wind, command, disturbance, sent = np.split(
         np.eye(sum(sizes)), np.cumsum(sizes)[:-1]
     )
     rest = iter(stored)
@@ -90,15 +84,9 @@ def wired(autopilot: Feedback, plant: AnyPlant, delay: Matrices = THROUGH) -> Wi
             signal = c @ own + d @ signal
         return signal
 
-    arrived = delay[2] @ late + delay[3] @ sent
-    deflection = engine[2] @ bent + engine[3] @ arrived + disturbance
-    turning = engine[0] @ bent + engine[1] @ arrived
-    forces = [deflection, wind]
-    if "deflection_acceleration" in plant.inputs:
-        forces.append(turning[..., -1:, :])
-    forced = _stacked(*forces)
-    seen = C @ x + D @ forced
-    sensed = _stacked(*(seen[..., k : k + 1, :] for k in _sensed(plant)))
+    forces = np.vstack([delay[2] @ late + delay[3] @ sent, disturbance, wind])
+    seen = C @ x + D @ forces
+    sensed = stacked(*(seen[..., k : k + 1, :] for k in sensed_places(plant)))
     error = filtered("attitude_filters", sensed[..., :1, :]) - command
     returned = (
         _factor(autopilot.attitude_gain) * error
@@ -107,10 +95,9 @@ def wired(autopilot: Feedback, plant: AnyPlant, delay: Matrices = THROUGH) -> Wi
         + _factor(autopilot.integral_gain) * held.sum(axis=0, keepdims=True)
     )
     returned = filtered("filters", returned)
-    moving = [A @ x + B @ forced, turning, delay[0] @ late + delay[1] @ sent]
-    names = [
-        *plant.states,
-        *("actuator_deflection", "actuator_rate")[: len(bent)],
+    moving = [A @ x + B @ forces, delay[0] @ late + delay[1] @ sent]
+    states = [
+        *names,
         *(f"delay_{k}" for k in range(1, len(late) + 1)),
         *("attitude_error_integral",)[:integrators],
         *(
@@ -120,23 +107,16 @@ def wired(autopilot: Feedback, plant: AnyPlant, delay: Matrices = THROUGH) -> Wi
             for state in range(1, one.order + 1)
         ),
     ]
-    motion = _stacked(*moving, error[..., :integrators, :], *rates)
-    return Wires(tuple(names), motion, _stacked(seen, deflection), sensed, returned)
-
-
-def _stacked(*rows: FloatArray) -> FloatArray:
-    """Rows of signals below each other, their batches broadcast."""
-    shape = np.broadcast_shapes(*(row.shape[:-2] for row in rows))
-    spread = [np.broadcast_to(row, (*shape, *row.shape[-2:])) for row in rows]
-    return np.concatenate(spread, axis=-2)
+    motion = stacked(*moving, error[..., :integrators, :], *rates)
+    return Wires(tuple(states), motion, seen, sensed, returned)
 
 
 def _factor(gain: float | FloatArray) -> FloatArray:
     return np.asarray(gain)[..., np.newaxis, np.newaxis]
 
 
-def _sensed(plant: AnyPlant) -> tuple[int, int, int]:
-    """The places of sensed attitude, sensed rate and angle of attack among the outputs."""
+def sensed_places(plant: AnyPlant) -> tuple[int, int, int]:
+    """Return the places of sensed attitude, sensed rate and angle of attack among the outputs."""
     names = ("attitude", "attitude_rate", "angle_of_attack")
     if isinstance(plant, FlexiblePlant):
         names = ("sensed_attitude", "sensed_attitude_rate", "angle_of_attack")

@@ -15,6 +15,7 @@ from tvclin.base.errors import (
     plain,
     text,
 )
+from tvclin.base.tables import Table
 from tvclin.control.margins.bands import BandMargins, ModeBand
 from tvclin.control.margins.record import Margins
 
@@ -27,6 +28,11 @@ _UNITS = {
     "peak_sensitivity": "",
     "peak_complementary_sensitivity": "",
 }
+CRITERIA_TABLE = Table(
+    "[criteria]",
+    {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
+    words=("name",),
+)
 _OF_MODES = {"mode_gain_margin_dB": "gain_margin_dB", "mode_phase_margin_deg": "phase_margin_deg"}
 """What is asked of each mode, and its name in a `ModeBand`."""
 _UNITS |= {"mode_gain_margin_dB": "dB", "mode_phase_margin_deg": "deg"}

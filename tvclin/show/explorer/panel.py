@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.study import SHAPES
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.linear.plant import MODELS
@@ -16,6 +15,7 @@ from tvclin.show.explorer.picture import new_picture, round_up
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.file import list_vehicles, load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import PULSES
 
 _PEAK = 5.0
 _TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
@@ -142,7 +142,7 @@ def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[st
         "vehicle": ("vehicle", vehicles, first),
         "plane": ("plane", PLANES, "pitch"),
         "model": ("model", MODELS, "drift"),
-        "shape": ("wind shape", SHAPES, "triangular"),
+        "shape": ("wind shape", PULSES, "triangular"),
         "law": ("law", LAWS, LAWS[1]),
     }
     controls: dict[str, Any] = {

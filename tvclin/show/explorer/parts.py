@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.requirement import required_deflection
-from tvclin.answers.study import SHAPES
 from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.control.autopilot.actuator import Actuator
@@ -33,6 +32,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.show.explorer.choices import DEAD_BAND, GAINS, LAWS, RECOVERABLE, REPORT, TRIM
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import PULSES, pulse
 
 FloatArray = NDArray[np.float64]
 
@@ -126,11 +126,11 @@ def boundary_point(
 
 def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
     """Linear in the peak, which is why the peak is not asked for."""
-    limit = _closed_form(plant, one_of("shape", shape, SHAPES), dead_band, duration)
+    limit = _closed_form(plant, one_of("shape", shape, PULSES), dead_band, duration)
     if np.all(np.isfinite(limit)):
         return np.abs(plant.coefficients.B * limit)
     peak = 0.1
-    wind = SHAPES[shape](peak=peak, duration=duration)
+    wind = pulse("shape", shape, peak, duration)
     return np.abs(required_deflection(plant, wind, dead_band).deflection) / peak
 
 
@@ -178,7 +178,7 @@ def motion(
     """
     plant = plant_of(vehicle, plane, model)
     shape, duration, peak = wind
-    gust = SHAPES[one_of("shape", shape, SHAPES)](peak=peak, duration=duration)
+    gust = pulse("shape", shape, peak, duration)
     name, numbers = law
     times, rate = _samples(plant, duration)
     if one_of("law", name, LAWS) == REPORT:

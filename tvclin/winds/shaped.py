@@ -1,4 +1,4 @@
-"""Winds of a campaign: one shape with a peak and a duration, or a sampled ensemble."""
+"""Winds that files and options name: one shape with peak and duration, or a sampled ensemble."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,6 +21,20 @@ SHAPES: dict[str, Callable[..., Any]] = {
     "rectangular": RectangularWind,
     "one-minus-cosine": OneMinusCosineGust,
 }
+PULSES = {name: SHAPES[name] for name in ("rectangular", "triangular")}
+"""The shapes that a study knows, of straight lines."""
+
+
+def pulse(name: str, shape: str, peak: ArrayLike, duration: ArrayLike) -> History:
+    """Return a wind of one of `PULSES`, of a peak [rad] and a duration [s].
+
+    Raises
+    ------
+    InputError
+        For another shape, with the name of the argument, and as the wind.
+    """
+    made: History = PULSES[one_of(name, shape, PULSES)](peak=peak, duration=duration)
+    return made
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.campaign.winds import ShapedWind
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.record import Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.study import SHAPES
 from tvclin.base.errors import (
     InputError,
     each,
@@ -29,11 +27,26 @@ from tvclin.base.errors import (
     text,
     within,
 )
+from tvclin.base.tables import Table
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.shaped import PULSES, ShapedWind
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.speed import angle_in_plane
 
+SIZE_TABLE = Table(
+    "[size]",
+    {
+        **dict.fromkeys(("start", "stop", "every", "window"), "time"),
+        "peak_speed": "speed",
+        "dispersion": "percent",
+        "thrust_offset": "angle",
+        "gravity_offset": "length",
+        "reserve": "percent",
+    },
+    words=("model", "law", "varying", "count"),
+    lists=("dead_bands",),
+)
 _APART = 1e-9
 """Steps by which even flight times must differ from the first and the last."""
 _MOST_TIMES = 10_000
@@ -137,7 +150,7 @@ class SizingAsked:
         if not self.pulses and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
         for pulse in self.pulses:
-            one_of("shape of a pulse", pulse.shape, SHAPES)
+            one_of("shape of a pulse", pulse.shape, PULSES)
         if not finite("dead_bands", self.dead_bands).size:
             raise InputError("dead_bands must hold one number or more")
         within("dead_bands", self.dead_bands, 0.0, 1.0)
@@ -266,7 +279,7 @@ class SizingAsked:
     def _met(self, pulse: ShapedWind) -> WindOf:
         def met(vehicle: Vehicle) -> History:
             peak = self.peak_at(vehicle, pulse)
-            wind: History = SHAPES[pulse.shape](peak=peak, duration=pulse.duration)
+            wind = pulse.history({"wind_peak": peak})
             return wind if self.gust is None else wind + self.gust
 
         return met

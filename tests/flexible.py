@@ -1,0 +1,70 @@
+"""A made-up booster with three bending modes, two tanks and a swinging engine, for the tests."""
+
+import numpy as np
+
+import tvclin as tv
+
+BOOSTER = tv.Vehicle(
+    name="made-up booster",
+    weight=1.48e7,
+    moment_of_inertia=2.25e8,
+    normal_force_slope=6.67e6,
+    thrust=2.495e7,
+    aerodynamic_arm=9.45,
+    control_arm=23.56,
+    axial_force=8.07e5,
+    velocity=538.81,
+    attitude=np.radians(44.83),
+)
+MODES = (
+    tv.BendingMode(
+        frequency=13.58,
+        damping=0.005,
+        modal_mass=5.10e5,
+        gimbal_displacement=1.0,
+        gimbal_slope=-0.0682,
+        attitude_slope=0.2724,
+        rate_slope=0.2548,
+        pressure_displacement=-0.434,
+        tank_displacements=(0.250, 1.305),
+        tank_slopes=(0.1664, 0.2452),
+    ),
+    tv.BendingMode(
+        frequency=30.18,
+        damping=0.005,
+        modal_mass=2.15e5,
+        gimbal_displacement=1.0,
+        gimbal_slope=-0.0921,
+        attitude_slope=-0.2260,
+        rate_slope=-0.2007,
+        pressure_displacement=0.170,
+        tank_displacements=(0.679, 0.105),
+        tank_slopes=(-0.0473, -0.1721),
+    ),
+    tv.BendingMode(
+        frequency=61.18,
+        damping=0.005,
+        modal_mass=1.96e5,
+        gimbal_displacement=1.0,
+        gimbal_slope=-0.1206,
+        attitude_slope=0.3321,
+        rate_slope=0.2216,
+        pressure_displacement=0.344,
+        tank_displacements=(-0.788, -0.738),
+        tank_slopes=(-0.1226, 0.1494),
+    ),
+)
+TANKS = (
+    tv.SloshTank(mass=24000.0, station=19.94, damping=0.01, pendulum_length=2.10),
+    tv.SloshTank(mass=7000.0, station=24.94, damping=0.01, pendulum_length=1.79),
+)
+ENGINE = tv.Engine(mass=7000.0, arm=1.4, moment_of_inertia=2.0e4)
+STRUCTURE = tv.Structure(
+    bending=MODES, slosh=TANKS, engine=ENGINE, rate_gyro=tv.Filter.low_pass(120.0, 0.7)
+)
+
+
+def transfer(matrices, s):
+    """Return C (s - A)^-1 B + D at one complex frequency."""
+    A, B, C, D = matrices[:4]
+    return C @ np.linalg.solve(s * np.eye(A.shape[-1]) - A, B) + D

@@ -1,0 +1,98 @@
+"""Winds of files: the tables [wind] and [gust], and files of sampled winds."""
+
+import csv
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tvclin.base.errors import InputError, one_of
+from tvclin.base.files import called, read_text
+from tvclin.base.tables import Table
+from tvclin.base.units import UNITS
+from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
+
+_PULSE = {"peak": "angle", "duration": "time"}
+SOUNDING = "sounding"
+"""The key of a [[wind]] that stands over height."""
+WIND_TABLE = Table(
+    "[wind]", _PULSE, words=("shape", "file", "unit", SOUNDING), required=("peak", "duration")
+)
+SOUNDING_TABLE = Table(
+    "[[wind]]", {"azimuth": "angle"}, (SOUNDING, "name", "format", "time"), required=("azimuth",)
+)
+GUST_TABLE = Table("[gust]", {**_PULSE, "peak_time": "time"}, required=("peak", "duration"))
+_FILE_TABLE = Table("[wind]", words=("file", "unit"))
+_SAMPLES_TABLE = Table("[wind]", words=("time_s", "angle_rad"))
+
+
+def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:
+    """Return the winds of [wind], or of each [[wind]], but for soundings, which need a flight.
+
+    Raises
+    ------
+    InputError
+        For what is no table, and where there is no such wind.
+    """
+    if "wind" not in document:
+        raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
+    tables = [table for table in wind_tables(document) if SOUNDING not in table]
+    if not tables:
+        raise InputError("beside soundings a wind of one shape is needed: give one more [[wind]]")
+    return [wind_of(table, folder) for table in tables]
+
+
+def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return [wind], or each [[wind]]."""
+    given = document.get("wind", {})
+    rows = given if isinstance(given, list) else [given]
+    if not all(isinstance(row, dict) for row in rows):
+        raise InputError("wind must be a table [wind], or [[wind]] once for each")
+    return [dict(row) for row in rows]
+
+
+def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
+    """Return the wind of the table [wind]; a file of winds is looked for in the folder."""
+    if "file" in table:
+        given = _FILE_TABLE.read(table)
+        angles = UNITS["angle"]
+        factor = angles[one_of("unit in [wind]", given.get("unit", "deg"), angles)]
+        time, angle = _read_winds(folder / str(given["file"]))
+        return WindEnsemble(time, angle * factor)
+    if "angle_rad" in table:
+        given = _SAMPLES_TABLE.read(table)
+        return WindEnsemble(np.array(given.get("time_s")), np.array(given["angle_rad"]))
+    given = {"shape": "triangular"} | WIND_TABLE.read(table)
+    if "unit" in given:
+        raise InputError("unit in [wind] stands without the file that it is of")
+    return ShapedWind(**given)
+
+
+def gust_of(document: Mapping[str, Any], duration: float) -> History | None:
+    """Return the gust of [gust] in the time of a wind of a duration [s]; None without it."""
+    if "gust" not in document:
+        return None
+    given = GUST_TABLE.read(GUST_TABLE.one(document))
+    at = given.pop("peak_time", 0.5 * duration)
+    gust = OneMinusCosineGust(**given)
+    return gust.shift(at - 0.5 * float(gust.duration))
+
+
+def _read_winds(path: Path) -> tuple[Any, Any]:
+    """Times [s] from the first column, and one wind for each further column."""
+    text, name = read_text(path, "a file of winds"), called(path)
+    try:
+        rows = [row for row in csv.reader(io.StringIO(text, newline="")) if row]
+    except csv.Error as error:
+        raise InputError(f"{name} is not CSV: {error}") from None
+    try:
+        table = np.array([[float(cell) for cell in row] for row in rows[1:]])
+    except ValueError:
+        raise InputError(f"{name} must hold numbers in equal rows below its headings") from None
+    if not rows or rows[0][0].strip() != "time_s" or table.ndim != 2 or table.shape[1] < 2:
+        raise InputError(f"{name} must have a first column time_s and one for each wind")
+    return table[:, 0], table[:, 1:].T
