@@ -23,6 +23,8 @@ _INDEPENDENT = 1e6
 """Eigenvectors with a higher condition number are not used: poles are repeated, or nearly so."""
 _AT_ORIGIN = 1e-14
 """A pole below this part of the largest is an integrator."""
+_CLUSTER = 1e-7
+"""Several poles below this part of the largest are one repeated integrator, moved by rounding."""
 _ROUNDING = 1e-13
 _VANISHING = 1e-11
 """A sum that is below this part of its terms is zero: their rounding is its value."""
@@ -33,6 +35,8 @@ _NEAR_AXIS, _LOOSE = 1e-4, 1e-3
 _STEPS, _LONGEST, _ARRIVED, _SAME = 20, 0.1, 1e-9, 1e-9
 """Newton's steps to a crossing: how many, how long over the frequency, how little |ln |L|/g| may be
 left; and how close two are one."""
+_ASIDE = 1e-15
+"""So far beside a pole, over the largest, one solves where it is met to rounding."""
 _THIN = 1e-8
 """No |1 - D^2/g^2| is taken to be smaller where |L| = g is looked for."""
 _NUMBERS = 2**16
@@ -98,6 +102,8 @@ class StateLoop:
             with np.errstate(all="ignore"):
                 residues[k] = (C[k] @ right) * (B[k] @ left.conj()) / np.sum(left.conj() * right, 0)
         poles[np.abs(poles) <= _AT_ORIGIN * size] = 0.0
+        cluster = (np.abs(poles) <= _CLUSTER * size) & ~modal[:, np.newaxis]
+        poles[cluster & (cluster.sum(axis=-1, keepdims=True) > 1)] = 0.0
         return cls(A, B, C, D, delay, poles, residues, modal, np.arange(len(A)))
 
     @property
@@ -121,7 +127,9 @@ class StateLoop:
         values = self._values(1j * omega)
         values = np.where(np.isnan(omega), np.nan, values)
         if np.any(self.delay):
-            values = product(values, np.exp(-1j * omega * self.delay[:, np.newaxis]))
+            late = np.exp(-1j * omega * self.delay[:, np.newaxis])
+            with np.errstate(invalid="ignore"):  # at a pole
+                values = product(values, late)
         return self._over(values, omega)
 
     def value(self, s: ComplexArray) -> ComplexArray:
@@ -263,7 +271,11 @@ class StateLoop:
         matrix = np.where(lost, away, s)[..., np.newaxis, np.newaxis] * np.eye(A.shape[-1])
         matrix = matrix - A[:, np.newaxis]
         right = np.broadcast_to(B[:, np.newaxis, :, np.newaxis], (*s.shape, A.shape[-1], 1))
-        first = np.linalg.solve(matrix, right)
+        try:
+            first = np.linalg.solve(matrix, right)
+        except np.linalg.LinAlgError:  # at a pole, to rounding: beside it
+            matrix = matrix + _ASIDE * away[..., np.newaxis, np.newaxis] * np.eye(A.shape[-1])
+            first = np.linalg.solve(matrix, right)
         second = np.linalg.solve(matrix, first)
         row = C[:, np.newaxis, np.newaxis, :]
         value: ComplexArray = (row @ first)[..., 0, 0] + D[:, np.newaxis]
