@@ -182,7 +182,7 @@ def test_the_steps_of_the_vehicle_serve_a_flight():
     # From rest under one command: steady for ever is what the exponential says at that time.
     held = np.zeros((18, 18))
     held[:17, :17], held[:17, 17:] = seen.A, seen.B[:, :1]
-    state, commands = np.zeros((19, 1)), [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
+    state, commands = np.zeros((17, 1)), [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
     for k in range(2, 6):
         state = steps.F @ state + steps.G0 * commands[k - 1] + steps.G1 * commands[k - 2]
     late = 4 * 0.04 - 0.05  # the first command leaves with the first step
