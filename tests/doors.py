@@ -740,6 +740,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "load_sizing": Door(tv.load_sizing, {"source": sizing_file, "soundings": None}),
         "load_study": Door(tv.load_study, {"source": study_file}),
+        "load_structure": Door(tv.load_structure, {"source": "made-up-launcher"}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
         "loop_margins": Door(tv.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
         "lqr_gains": Door(

@@ -123,6 +123,7 @@ from .vehicle.structure import BendingMode as BendingMode
 from .vehicle.structure import Engine as Engine
 from .vehicle.structure import SloshTank as SloshTank
 from .vehicle.structure import Structure as Structure
+from .vehicle.structure_file import load_structure as load_structure
 from .vehicle.vehicle import Vehicle as Vehicle
 from .winds.equivalent import equivalent_triangle as equivalent_triangle
 from .winds.gusts import LayeredGust as LayeredGust

@@ -43,7 +43,8 @@ def test_table_one_is_in_the_package() -> None:
         first.time,
     )
     assert math.radians(37.52) == second.attitude
-    assert ["configuration-i", "configuration-ii"] == tv.list_vehicles()
+    made_up = ["made-up-booster", "made-up-launcher"]
+    assert ["configuration-i", "configuration-ii", *made_up] == tv.list_vehicles()
 
 
 def test_us_units_give_the_same_vehicle() -> None:

@@ -15,17 +15,25 @@ def vehicles(as_json: AsJson = False) -> None:
     from tvclin.cli.output import print_json, print_table
     from tvclin.vehicle.coefficients import Coefficients
     from tvclin.vehicle.file import list_vehicles, load_vehicle
+    from tvclin.vehicle.structure_file import load_structure
 
     rows, document = [], {}
     for key in list_vehicles():
-        vehicle = load_vehicle(key)
+        vehicle, structure = load_vehicle(key), load_structure(key)
         c = Coefficients.from_vehicle(vehicle)
-        document[key] = {"name": vehicle.name, "beta_per_s": np.sqrt(c.mu_alpha), "B": c.B}
-        rows.append([key, vehicle.name, f"{np.sqrt(c.mu_alpha):.4f}", f"{c.B:.4f}"])
+        counts = {"bending": len(structure.bending), "slosh": len(structure.slosh)}
+        document[key] = {
+            "name": vehicle.name,
+            "beta_per_s": np.sqrt(c.mu_alpha),
+            "B": c.B,
+            **counts,
+        }
+        numbers = [f"{np.sqrt(c.mu_alpha):.4f}", f"{c.B:.4f}", *map(str, counts.values())]
+        rows.append([key, vehicle.name, *numbers])
     if as_json:
         print_json(document)
     else:
-        print_table("Vehicles", ["key", "name", "beta [1/s]", "B [-]"], rows)
+        print_table("Vehicles", ["key", "name", "beta [1/s]", "B [-]", "bending", "slosh"], rows)
 
 
 def init(

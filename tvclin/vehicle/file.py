@@ -36,8 +36,8 @@ VEHICLE_TABLE = Table(
     words=("name",),
     required=tuple(_ALWAYS),
 )
-HEADINGS = ("vehicle", "flight")
-"""Tables of a vehicle file; what stands under [flight] is for `flight.FlightCondition`."""
+HEADINGS = ("vehicle", "flight", "structure", "engine", "sensors", "bending", "slosh")
+"""Tables of a vehicle file: [flight] is for `FlightCondition`, the others for `structure_file`."""
 
 
 def list_vehicles() -> list[str]:
