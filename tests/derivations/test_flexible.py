@@ -7,7 +7,7 @@ from itertools import chain
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 import tvclin as tv
 from tvclin.linear.motions import motions
@@ -247,6 +247,25 @@ def test_a_pendulum_in_a_turning_accelerating_body_swings_as_the_plant_says():
         left.append(off / np.abs(linear[[0, 2]]).max(axis=1))
     assert np.all(left[0] < 0.01)
     np.testing.assert_allclose(left[1] / left[0], 4.0, rtol=0.1)
+
+
+def test_what_is_left_out_is_a_percent_or_two_of_the_square_of_a_frequency():
+    """Axial load and following thrust on the diagonal of a uniform tube's first mode, per K."""
+    vehicle, structure = tv.load_vehicle("made-up-launcher"), tv.load_structure("made-up-launcher")
+    mode, k, length = structure.bending[0], 4.730040744862704, 20.0
+    ratio = (np.cosh(k) - np.cos(k)) / (np.sinh(k) - np.sin(k))
+
+    def slope(y):
+        turned = np.sinh(k * y) - np.sin(k * y) - ratio * (np.cosh(k * y) + np.cos(k * y))
+        return k / length * turned / 2
+
+    # The hull carries T at the tail and F_A at the nose, and what it shortens by is slope^2/2.
+    load = lambda y: vehicle.thrust - (vehicle.thrust - vehicle.axial_force) * y  # noqa: E731
+    axial = quad(lambda y: load(y) * slope(y) ** 2 * length, 0.0, 1.0)[0]
+    follows = -vehicle.thrust * mode.gimbal_displacement * mode.gimbal_slope
+    stiffness = mode.modal_mass * mode.frequency**2
+    assert -axial / stiffness == pytest.approx(-0.016, abs=0.0005)
+    assert follows / stiffness == pytest.approx(0.0113, abs=0.0005)
 
 
 def test_all_parts_are_in_the_equations():
