@@ -30,10 +30,12 @@ ANSWERS = {
     "LawTrial",
     "LeftOver",
     "Margins",
+    "ModeBand",
     "Modes",
     "Optimum",
     "RateLimitedOptimum",
     "RequiredDeflection",
+    "RigidBand",
     "Measurement",
     "TrimComparison",
     "Verdict",
@@ -45,7 +47,9 @@ NO_CALLS = {"CRITERIA", "History", "InputError", "Law", "list_vehicles"}
 """A table, two abstract classes, an exception, and a function without an argument."""
 
 INSIDE = {
+    "BandMargins",
     "CampaignResults",
+    "Detuned",
     "FlightBeside",
     "Loads",
     "RangeReference",
@@ -59,7 +63,9 @@ BARE = {
     "demand",  # of laws, for every sample of every flight
     "parts",
     "take",
-    "vanishes",  # of the arithmetic that a loop stands on
+    "aliases",
+    "from_plane",
+    "in_plane",  # of the arithmetic that a loop stands on
     "one",
     "some",
     "path_per_attitude",
@@ -164,8 +170,13 @@ def doors(folder: Path) -> dict[str, Door]:
         engine=tv.Engine(**swinging),
         rate_gyro=tv.Filter.low_pass(120.0, 0.7),
     )
+    flexible = tv.FlexiblePlant.from_vehicle(booster, structure, "drift-exact")
+    notch = tv.Filter.notch(32.0, 0.06, 0.6)
+    steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
+    detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
     return {
         "Actuator": Door(tv.Actuator, {"natural_frequency": 25.0, "damping": 0.7}),
+        "BandMargins.mode": Door(steered.band_margins(flexible).mode, {"name": "slosh 1"}),
         "BendingMode": Door(tv.BendingMode, bending),
         "Engine": Door(tv.Engine, swinging),
         "SloshTank": Door(tv.SloshTank, {**sloshing, "frequency": None}),
@@ -182,8 +193,20 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "AsymmetricTriangularWind": Door(tv.AsymmetricTriangularWind, {**pulse, "peak_time": 2.0}),
         "Autopilot": Door(
-            tv.Autopilot, {"attitude_gain": 0.2, "rate_gain": 0.2, "alpha_gain": 0.0, **options}
+            tv.Autopilot,
+            {
+                "attitude_gain": 0.2,
+                "rate_gain": 0.2,
+                "alpha_gain": 0.0,
+                **options,
+                "filters": steered.filters,
+                "attitude_filters": (),
+                "rate_filters": steered.filters,
+                "sample_rate": 25.0,
+            },
         ),
+        "Autopilot.band_margins": Door(steered.band_margins, {"plant": flexible}),
+        "Autopilot.exact_loop": Door(steered.exact_loop, {"plant": flexible}),
         "Autopilot.answer": Door(autopilot.answer, history),
         "Autopilot.close": Door(autopilot.close, {"plant": plant}),
         "Autopilot.closed_loop_poles": Door(autopilot.closed_loop_poles, {"plant": plant}),
@@ -390,6 +413,10 @@ def doors(folder: Path) -> dict[str, Door]:
         "LayeredGust": Door(tv.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
         "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
         "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
+        "Loop.from_matrices": Door(
+            tv.Loop.from_matrices,
+            {"A": [[-1.0]], "B": [[1.0]], "C": [[2.0]], "D": 0.0, "delay": 0.1},
+        ),
         "Loop.from_system": Door(
             tv.Loop.from_system, {"system": autopilot.loop(plant), "delay": 0.1}
         ),
@@ -579,6 +606,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "compare_with_trim": Door(
             tv.compare_with_trim, {"plant": exact, "autopilot": autopilot, "wind": wind}
         ),
+        "Detuned.row": Door(tv.detuned(**detuned).row, {"change": "nominal"}),
+        "detuned": Door(tv.detuned, {**detuned, "criteria": tv.CRITERIA["classic"]}),
         "design_gains": Door(tv.design_gains, {"coefficients": coefficients, **poles, **options}),
         "disperse_study": Door(
             tv.disperse_study,

@@ -54,6 +54,8 @@ from .boundary.optimum.rate_limit import optimum_with_rate_limit as optimum_with
 from .boundary.optimum.two_poles import single_pole_validity as single_pole_validity
 from .control.autopilot.actuator import Actuator as Actuator
 from .control.autopilot.autopilot import Autopilot as Autopilot
+from .control.autopilot.detuning import Detuned as Detuned
+from .control.autopilot.detuning import detuned as detuned
 from .control.autopilot.gains import canonical_gains as canonical_gains
 from .control.autopilot.gains import design_gains as design_gains
 from .control.autopilot.gains import drift_minimum_gains as drift_minimum_gains
@@ -73,6 +75,9 @@ from .control.laws.law import Law as Law
 from .control.laws.law import Measurement as Measurement
 from .control.laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
 from .control.laws.trim import TrimLaw as TrimLaw
+from .control.margins.bands import BandMargins as BandMargins
+from .control.margins.bands import ModeBand as ModeBand
+from .control.margins.bands import RigidBand as RigidBand
 from .control.margins.criteria import CRITERIA as CRITERIA
 from .control.margins.criteria import Criteria as Criteria
 from .control.margins.loop import Loop as Loop

@@ -195,7 +195,7 @@ def unstable_with_factors(loop, alpha, e):
     """Return the unstable zeros of 1 + f L, f complex, by the argument over the whole axis."""
     near = loop_margins(loop).disk_frequency * np.linspace(0.98, 1.02, 4001)
     omega = np.sort(np.concatenate([np.geomspace(1e-4, 1e4, 20_000), near]))
-    above, below = loop.parts(np.concatenate([-omega[::-1], [0.0], omega]))
+    above, below = loop.form.parts(np.concatenate([-omega[::-1], [0.0], omega]))
     factor = (2 + alpha * e) / (2 - alpha * e)
     values = below + factor[:, np.newaxis] * above
     steps = np.angle(values[:, 1:] / values[:, :-1])

@@ -7,8 +7,7 @@ depends on how fine they are.
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels import polynomials
-from tvclin.kernels.rational import Rational
+from tvclin.kernels.any_loop import AnyLoop
 from tvclin.kernels.stability import Stability, last_frequency
 
 FloatArray = NDArray[np.float64]
@@ -23,8 +22,8 @@ _ON_AXIS = 1e-6
 """The least distance from the axis by which points are spread around a root, over its size."""
 _FAR, _ZERO = 1e7, 1e-12
 """Over the fastest pole: a zero farther out is rounding, and so is a smaller root."""
-_BESIDE, _FARTHEST = 1e-3, 1e30
-"""So near to a frequency at which L is real one looks on both sides; none is beyond the second."""
+_BESIDE = 1e-3
+"""So near to a frequency at which L is real one looks on both sides."""
 _APART = 1e-11
 """Each is moved on beside the one before by this part, so that equal ones have two neighbours."""
 _QUIET, _PAST = 1e-2, 2.0
@@ -34,19 +33,19 @@ _PHASE_STEP, _STEPS_ADDED, _MOST_STEPS = np.pi / 4.0, 12, 20_000
 """Steps of the delay's phase [rad], how many are added at the end, and the most there may be."""
 
 
-def frequencies(loop: Rational, found: Stability) -> FloatArray:
+def frequencies(loop: AnyLoop, found: Stability) -> FloatArray:
     """Return frequencies [rad/s] above zero, rising, ``(k, m)``; NaN fills the ends of rows.
 
     Parameters
     ----------
-    loop : Rational
+    loop : AnyLoop
         A batch of one axis, ``(k,)``.
     found : Stability
         Its closed-loop poles and gain crossovers.
     """
-    poles = [found.poles.astype(complex), polynomials.roots(loop.denominator).astype(complex)]
+    poles = [found.poles.astype(complex), loop.open_poles().astype(complex)]
     fastest = np.abs(np.concatenate(poles, axis=-1)).max(axis=-1)[:, np.newaxis]
-    zeros = polynomials.roots_of_each(loop.numerator)
+    zeros = loop.zeros()
     with np.errstate(invalid="ignore"):
         zeros = np.where(np.abs(zeros) < _FAR * fastest, zeros, np.nan)
     roots = np.concatenate([*poles, zeros], axis=-1)
@@ -61,7 +60,7 @@ def frequencies(loop: Rational, found: Stability) -> FloatArray:
     width = np.maximum(np.abs(roots.real), _ON_AXIS * size)
     offsets = np.concatenate([-AROUND[:0:-1], AROUND])
     near = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
-    turning = np.sqrt(_real_crossings(loop))
+    turning = loop.real_frequencies()
     parts = [steps, near.reshape(len(near), roots.shape[-1] * offsets.size), found.crossovers]
     parts += [turning * factor for factor in (1.0 - _BESIDE, 1.0 + _BESIDE)]
     if np.any(loop.delay > 0.0):
@@ -73,23 +72,14 @@ def frequencies(loop: Rational, found: Stability) -> FloatArray:
     return every * (1.0 + _APART * np.arange(every.shape[-1]))
 
 
-def _real_crossings(loop: Rational) -> FloatArray:
-    """The squares of the frequencies at which L is real, but for its delay; NaN fills the rest."""
-    polynomial = polynomials.imaginary_part(loop.numerator, loop.denominator)
-    with np.errstate(all="ignore"):
-        roots = polynomials.roots_of_each(polynomial)
-        real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0) & (np.real(roots) < _FARTHEST)
-    return np.where(real, np.real(roots), np.nan)
-
-
-def _turning(loop: Rational) -> tuple[FloatArray, FloatArray]:
+def _turning(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
     """Even steps in which the delay turns the phase by an eighth of a turn, and their end.
 
     It is infinite, and the steps NaN, without a delay.
     """
     delayed = loop.delay > 0.0
     step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
-    end = np.maximum(last_frequency(loop, _QUIET), _PAST * polynomials.bound(loop.denominator))
+    end = np.maximum(last_frequency(loop, _QUIET), _PAST * loop.bound())
     count = np.minimum(np.ceil(end / step) + _STEPS_ADDED, _MOST_STEPS)
     every = np.arange(int(count[delayed].max(initial=0.0)) + 1)
     taken = delayed[:, np.newaxis] & (every <= count[:, np.newaxis])

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.kernels.any_loop import AnyLoop
 from tvclin.kernels.crossings import roots_between
 from tvclin.kernels.loop_grid import frequencies
-from tvclin.kernels.rational import Rational, inverse, product
+from tvclin.kernels.rational import inverse, product
 from tvclin.kernels.stability import stability
 
 FloatArray = NDArray[np.float64]
@@ -64,7 +65,7 @@ class LoopFindings:
         return np.asarray((self.unstable_poles == 0) & ~self.marginal)
 
 
-def loop_findings(loop: Rational) -> LoopFindings:
+def loop_findings(loop: AnyLoop) -> LoopFindings:
     """Return the verdict, all crossings and the peaks of a batch of one axis, ``(k,)``."""
     return _joined([_findings(part) for part in _chunks(loop)])
 
@@ -87,13 +88,13 @@ def classical_margins(found: LoopFindings) -> FloatArray:
     return np.asarray([_least(values, where) for values, where in pairs])
 
 
-def _chunks(loop: Rational) -> Iterator[Rational]:
+def _chunks(loop: AnyLoop) -> Iterator[AnyLoop]:
     size = len(loop.delay)
     for start in range(0, max(size, 1), _TOGETHER):
         yield loop.take(np.arange(start, min(start + _TOGETHER, size)))
 
 
-def _findings(loop: Rational) -> LoopFindings:
+def _findings(loop: AnyLoop) -> LoopFindings:
     verdict = stability(loop)
     gains = verdict.crossovers
     phases = _angle(*loop.parts(np.nan_to_num(gains, nan=1.0)))
@@ -113,7 +114,7 @@ def _findings(loop: Rational) -> LoopFindings:
 
 
 def _phase_crossovers(
-    loop: Rational, omega: FloatArray, above: ComplexArray, below: ComplexArray
+    loop: AnyLoop, omega: FloatArray, above: ComplexArray, below: ComplexArray
 ) -> tuple[FloatArray, FloatArray]:
     """Where L is real and negative, and its size there; both ``(k, m)``, filled with NaN.
 
@@ -134,12 +135,15 @@ def _phase_crossovers(
     found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
     true = np.abs(angle(found, case)) < _AT_CROSSING
     true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
-    # L(0) = N(0)/D(0), the last coefficients, is a crossing that no change of sign shows.
-    at_zero = np.flatnonzero(loop.numerator[:, -1] * loop.denominator[:, -1] < 0.0)
+    # L(0) = N(0)/D(0) is a crossing that no change of sign shows; and so is L at infinity.
+    at_zero = np.flatnonzero(above[:, 0].real * below[:, 0].real < 0.0)
+    at_infinity = np.flatnonzero(loop.direct < 0.0)
     case = np.concatenate([at_zero, case[true]])
     found = np.concatenate([np.zeros(at_zero.size), found[true]])
     above, below = loop.take(case).parts(found[:, np.newaxis])
-    sizes = np.abs(above / below)[:, 0]
+    sizes = np.concatenate([np.abs(above / below)[:, 0], -loop.direct[at_infinity]])
+    case = np.concatenate([case, at_infinity])
+    found = np.concatenate([found, np.full(at_infinity.size, np.inf)])
     return _rows(case, found, found, len(omega)), _rows(case, found, sizes, len(omega))
 
 
@@ -155,7 +159,7 @@ def _angle(above: ComplexArray, below: ComplexArray) -> FloatArray:
 
 
 def _peaks(
-    loop: Rational, omega: FloatArray, above: ComplexArray, below: ComplexArray
+    loop: AnyLoop, omega: FloatArray, above: ComplexArray, below: ComplexArray
 ) -> FloatArray:
     """The peaks of stable closed loops, ``(k, 3, 2)``.
 
@@ -187,8 +191,11 @@ def _peaks(
         better = found.success[rising] & (size > height[at])
         at = (at[0][better], at[1][better])
         height[at], where[at] = size[better], found.x[rising][better]
-    beyond = height <= _AT_INFINITY
-    pair = [np.where(beyond, _AT_INFINITY, height), np.where(beyond, np.inf, where)]
+    direct = loop.direct[:, np.newaxis]
+    at_infinity = np.abs(np.concatenate([np.ones_like(direct), direct, 0.5 * (1.0 - direct)], -1))
+    at_infinity /= np.abs(1.0 + direct)  # |S|, |T| and |S - T|/2
+    beyond = height <= at_infinity
+    pair = [np.where(beyond, at_infinity, height), np.where(beyond, np.inf, where)]
     return np.stack(pair, axis=-1)
 
 

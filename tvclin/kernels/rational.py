@@ -14,6 +14,8 @@ FloatArray = NDArray[np.float64]
 
 _ROUNDING = 1e-13
 """A value below this part of the sum of its terms is their rounding: a zero on the axis."""
+_FARTHEST = 1e30
+"""A frequency at which L is real is not beyond this [rad/s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +34,11 @@ class Rational:
     denominator: FloatArray
     delay: FloatArray
 
+    @property
+    def direct(self) -> FloatArray:
+        """The value at infinity, ``(...)``."""
+        return np.asarray(self.numerator[..., 0] / self.denominator[..., 0])
+
     def parts(self, omega: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator, with the delay, and denominator at j omega, ``(..., k)``.
 
@@ -45,6 +52,56 @@ class Rational:
         if np.any(self.delay):
             above = product(above, np.exp(-1j * omega * self.delay[..., np.newaxis]))
         return above, polynomials.on_axis(self.denominator, omega)
+
+    def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
+        s = 1j * omega
+        return polynomials.value(self.numerator, s), polynomials.value(self.denominator, s)
+
+    def log_slope(self, omega: FloatArray) -> FloatArray:
+        """Return d ln|L|/d omega = Im(D'/D - N'/N), ``(..., k)``."""
+        above, below = self.undelayed(omega)
+        slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
+        rises = [polynomials.value(slope, 1j * omega) for slope in slopes]
+        return np.imag(rises[1] / below - rises[0] / above)
+
+    def open_poles(self) -> NDArray[Any]:
+        """Return the roots of the denominator."""
+        return polynomials.roots(self.denominator)
+
+    def closed_poles(self) -> NDArray[Any]:
+        """Return the roots of D + N, the closed-loop poles without the delay."""
+        return polynomials.roots(self.denominator + self.numerator)
+
+    def zeros(self) -> NDArray[Any]:
+        """Return the roots of numerators ``(k, n + 1)``; NaN fills the rows."""
+        return polynomials.roots_of_each(self.numerator)
+
+    def crossovers(self, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Return where |L| is `size` [rad/s], and whether |L| falls with the frequency there.
+
+        They are roots of |D|^2 size^2 - |N|^2 in omega^2; rising, NaN fills the rows.
+        """
+        squares = polynomials.squared_size(self.denominator)
+        squares = size**2 * squares - polynomials.squared_size(self.numerator)
+        roots = polynomials.roots(squares)
+        real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0)
+        frequencies = np.sort(np.sqrt(np.where(real, np.real(roots), np.nan)), axis=-1)
+        with np.errstate(invalid="ignore"):
+            slope = polynomials.value(polynomials.derivative(squares), frequencies**2)
+        return frequencies, np.asarray(slope > 0.0)
+
+    def real_frequencies(self) -> FloatArray:
+        """Return where L, but for its delay, is real [rad/s], of ``(k,)`` loops."""
+        polynomial = polynomials.imaginary_part(self.numerator, self.denominator)
+        with np.errstate(all="ignore"):
+            roots = polynomials.roots_of_each(polynomial)
+            real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0) & (np.real(roots) < _FARTHEST)
+        return np.sqrt(np.where(real, np.real(roots), np.nan))
+
+    def bound(self) -> FloatArray:
+        """Return a number that no pole exceeds in size [rad/s], ``(...)``."""
+        return polynomials.bound(self.denominator)
 
     def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
         """Return whether numerator or denominator is zero, to rounding, at one frequency each.

@@ -1,9 +1,9 @@
 """Whether a closed loop is stable, with its delay exact, and where its gain is one.
 
-Without the delay T the closed-loop poles are the roots of D + N. As a delay grows from zero,
-poles can pass the imaginary axis only at the frequencies at which |N/D| = 1, whatever the delay;
-there they pass each time the phase comes round to -180 degrees, to the right where |D|^2 - |N|^2
-rises with the frequency and to the left where it falls. So they can be counted (after Walton and
+Without the delay T the closed-loop poles are known. As a delay grows from zero,
+poles can pass the imaginary axis only at the frequencies at which |L| = 1, whatever the delay;
+there they pass each time the phase comes round to -180 degrees, to the right where |L| falls
+with the frequency and to the left where it rises. So they can be counted (after Walton and
 Marshall, IEE Proceedings D 134, 1987): no approximation of the delay enters the verdict.
 """
 
@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels import polynomials
-from tvclin.kernels.rational import Rational
+from tvclin.kernels.any_loop import AnyLoop
 
 FloatArray = NDArray[np.float64]
 
@@ -23,6 +22,8 @@ _AXIS = 1e-12
 _TURN = 2.0 * np.pi
 _SAME = 1e-6
 """A pole that is due within this phase [rad] begins on the axis, to rounding."""
+_MANY = 1e15
+"""More poles than these are not counted."""
 _STEPS, _CLOSE = 4, 1e-6
 """How often a root of the squares is moved, and how far, over its frequency."""
 
@@ -49,22 +50,22 @@ class Stability:
     crossovers: FloatArray
 
 
-def stability(loop: Rational) -> Stability:
+def stability(loop: AnyLoop) -> Stability:
     """Return how many closed-loop poles are unstable, and the gain crossovers.
 
     Parameters
     ----------
-    loop : Rational
+    loop : AnyLoop
         One or a batch.
     """
-    poles = polynomials.roots(loop.denominator + loop.numerator)
+    poles = loop.closed_poles()
     slack = _AXIS * np.abs(poles).max(axis=-1, keepdims=True)
     grown = np.sum(np.real(poles) > slack, axis=-1)
     on_axis = np.abs(np.real(poles)) <= slack
     at_zero = np.any(on_axis & (np.abs(poles) <= slack), axis=-1)
-    frequencies, rising = _crossovers(loop, 1.0)
+    frequencies, rising = loop.crossovers(1.0)
     frequencies = _polished(loop, frequencies)
-    above, below = _undelayed(loop, frequencies)
+    above, below = loop.undelayed(frequencies)
     with np.errstate(invalid="ignore"):
         due = np.angle(-above / below) % _TURN
         beginning = (due < _SAME) | (due > _TURN - _SAME)
@@ -73,6 +74,7 @@ def stability(loop: Rational) -> Stability:
         passed = np.maximum(np.ceil(turns), 0.0)
         whole = (np.abs(turns - np.round(turns)) < _AXIS) & (turns > -_AXIS)
     moved = np.nansum(np.where(rising, 2.0, -2.0) * passed, axis=-1)
+    moved = np.clip(moved, -_MANY, _MANY)
     delayed = loop.delay > 0.0
     touching = np.where(delayed, np.any(whole, axis=-1), np.any(on_axis, axis=-1))
     count = grown + np.where(delayed, moved, 0.0).astype(np.intp)
@@ -92,35 +94,16 @@ def _first_due(
     return np.where(right != rising, 0.0, _TURN)
 
 
-def last_frequency(loop: Rational, size: float) -> FloatArray:
+def last_frequency(loop: AnyLoop, size: float) -> FloatArray:
     """Return the highest frequency [rad/s] at which |L| is `size`, ``(...)``; zero if at none."""
-    return np.nan_to_num(_crossovers(loop, size)[0]).max(axis=-1, initial=0.0)
+    return np.nan_to_num(loop.crossovers(size)[0]).max(axis=-1, initial=0.0)
 
 
-def _crossovers(loop: Rational, size: float) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Where |L| is `size`, and whether |D|^2 size^2 - |N|^2 rises with the frequency there."""
-    squares = polynomials.squared_size(loop.denominator)
-    squares = size**2 * squares - polynomials.squared_size(loop.numerator)
-    roots = polynomials.roots(squares)
-    real = (np.imag(roots) == 0.0) & (np.real(roots) > 0.0)
-    frequencies = np.sort(np.sqrt(np.where(real, np.real(roots), np.nan)), axis=-1)
-    with np.errstate(invalid="ignore"):
-        slope = polynomials.value(polynomials.derivative(squares), frequencies**2)
-    return frequencies, np.asarray(slope > 0.0)
-
-
-def _polished(loop: Rational, omega: FloatArray) -> FloatArray:
+def _polished(loop: AnyLoop, omega: FloatArray) -> FloatArray:
     """Newton's steps on ln |L| itself: its squares have half the digits beside undamped poles."""
-    slopes = [polynomials.derivative(p) for p in (loop.numerator, loop.denominator)]
     with np.errstate(all="ignore"):
         for _ in range(_STEPS):
-            above, below = _undelayed(loop, omega)
-            rises = [polynomials.value(slope, 1j * omega) for slope in slopes]
-            step = np.log(np.abs(above / below)) / np.imag(rises[1] / below - rises[0] / above)
+            above, below = loop.undelayed(omega)
+            step = np.log(np.abs(above / below)) / loop.log_slope(omega)
             omega = np.where(np.abs(step) <= _CLOSE * omega, omega - step, omega)
     return omega
-
-
-def _undelayed(loop: Rational, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
-    s = 1j * omega
-    return polynomials.value(loop.numerator, s), polynomials.value(loop.denominator, s)

@@ -225,7 +225,7 @@ def unstable_poles(loop: Loop) -> int:
 
 
 def _frequencies(loop: Loop, margins: Margins) -> FloatArray:
-    one = loop.take(np.array([0]))
+    one = loop.form
     found = frequencies(one, stability(one))[0]
     found = found[np.isfinite(found)]
     decades = np.log10(found[-1] / found[0])

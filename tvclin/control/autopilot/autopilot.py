@@ -1,4 +1,4 @@
-"""The autopilot: attitude and rate feedback, with actuator and delay, around one plant.
+"""The autopilot: attitude and rate feedback, with filters, actuator and delay, around one plant.
 
     delta = a0 (theta - command) + a1 theta' + b0 alpha + aI * integral of (theta - command)
 
@@ -26,11 +26,22 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.answer import WindAnswer, wind_answer
 from tvclin.control.autopilot.diagram import with_diagram
 from tvclin.control.autopilot.feedback import Feedback
+from tvclin.control.autopilot.sampled import sampled_loop
 from tvclin.control.autopilot.systems import closed_loop, open_loop, wind_response
-from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback
-from tvclin.control.autopilot.wiring import ClosedLoop, closed, rational_loop
+from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback, warn_of_sampling
+from tvclin.control.autopilot.wiring import (
+    AnyPlant,
+    ClosedLoop,
+    check_plant,
+    closed,
+    exact_loop,
+    rational_loop,
+)
+from tvclin.control.margins.bands import BandMargins, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -69,12 +80,22 @@ class Autopilot(Feedback):
     pade_order : int
         Order of the Pade approximation that stands for the delay in `loop`, `close` and
         `answer`, 1 to 10. `frequency_response` and `margins` have the exact delay.
+    filters : tuple of Filter
+        Behind the sum of all feedbacks, one after the other.
+    attitude_filters, rate_filters : tuple of Filter
+        On the sensed attitude, ahead of its command, and on the sensed rate.
+    sample_rate : array_like, optional
+        Samples per second [Hz]. With one, gains and filters are steps of a computer, and `delay` is
+        the time from a sample until its command arrives at the actuator, of any length.
+        `exact_loop`, `margins` and `frequency_response` have it exactly; `loop`, `close` and
+        answers to winds are of continuous autopilots, and refuse it.
 
     Raises
     ------
     InputError
         For gains that are all zero or beyond 1e-30 to 1e9 in size, a delay below zero or beyond
-        1e-9 to 1e9 s, and shapes that do not broadcast.
+        1e-9 to 1e9 s, filters that are none, a sample rate beyond 1e-9 to 1e9 Hz, and shapes that
+        do not broadcast.
 
     Examples
     --------
@@ -86,14 +107,14 @@ class Autopilot(Feedback):
     """
 
     @with_diagram
-    def loop(self, plant: Plant) -> control.StateSpace:
+    def loop(self, plant: AnyPlant) -> control.StateSpace:
         """Return the loop L, broken at the deflection command.
 
         LOOP_DIAGRAM
 
         Parameters
         ----------
-        plant : Plant
+        plant : Plant or FlexiblePlant
             One plant of any model.
 
         Returns
@@ -118,7 +139,7 @@ class Autopilot(Feedback):
         return open_loop(self, plant)
 
     @with_diagram
-    def close(self, plant: Plant) -> control.StateSpace:
+    def close(self, plant: AnyPlant) -> control.StateSpace:
         """Return the plant with this autopilot around it.
 
         LOOP_DIAGRAM
@@ -146,7 +167,7 @@ class Autopilot(Feedback):
         """
         return closed_loop(plant, self._closed("close", plant))
 
-    def closed_loop_poles(self, plant: Plant) -> NDArray[np.complex128]:
+    def closed_loop_poles(self, plant: AnyPlant) -> NDArray[np.complex128]:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
         What it takes, refuses and warns of is as of `close`.
@@ -163,14 +184,46 @@ class Autopilot(Feedback):
 
         Returns
         -------
-        tvclin.control.margins.Loop
+        tvclin.Loop
             The L of `loop`, but that its delay is exact.
+
+        Raises
+        ------
+        InputError
+            For a flexible plant and an autopilot with a sample rate, see `exact_loop`.
         """
-        instance("plant", plant, Plant, "see Plant.from_vehicle")
+        instance("plant", plant, Plant, "of a FlexiblePlant see exact_loop")
+        self._require_continuous("rational_loop")
         broadcast(autopilot=self.batch, plant=plant.batch)
         return rational_loop(self, plant)
 
-    def margins(self, plant: Plant) -> Margins:
+    def exact_loop(self, plant: AnyPlant) -> Loop:
+        """Return the loop L with its exact delay and sampling, for one plant or a batch.
+
+        Parameters
+        ----------
+        plant : Plant or FlexiblePlant
+            One plant or a batch of any model; it broadcasts with the gains.
+
+        Returns
+        -------
+        tvclin.Loop
+            Polynomials around a `Plant`, matrices around a `FlexiblePlant`; with a sample rate the
+            loop in steps, a Loop at frequencies up to half the sample rate.
+
+        Raises
+        ------
+        InputError
+            For an engine with inertia behind an actuator that is not of second order, and a
+            filter that is too fast for the sample rate.
+        """
+        check_plant(plant)
+        broadcast(autopilot=self.batch, plant=plant.batch)
+        if self.sample_rate is not None:
+            return sampled_loop(self, plant)
+        return exact_loop(self, plant)
+
+    def margins(self, plant: AnyPlant) -> Margins:
         """Return the margins of the loop around one plant, or around each of a batch.
 
         Parameters
@@ -187,7 +240,7 @@ class Autopilot(Feedback):
         Warns
         -----
         UserWarning
-            As `loop`.
+            As `loop`; and where a mode is sampled less than twice in its period.
 
         Examples
         --------
@@ -199,16 +252,41 @@ class Autopilot(Feedback):
         >>> round(m.aero_margin_dB, 1)
         20.7
         """
-        loop = self.rational_loop(plant)
+        loop = self.exact_loop(plant)
         warn_of_feedback(self, plant)
+        warn_of_sampling(self, plant)
         return loop_margins(loop)
 
-    def frequency_response(self, plant: Plant, omega: ArrayLike) -> NDArray[np.complex128]:
+    def band_margins(self, plant: FlexiblePlant) -> BandMargins:
+        """Return the margins by band: of the rigid body, and of each mode of structure and liquid.
+
+        Parameters
+        ----------
+        plant : FlexiblePlant
+            One plant or a batch of any model; it broadcasts with the gains.
+
+        Returns
+        -------
+        BandMargins
+            Beside the `Margins` of the whole loop, which stay the verdict.
+
+        Warns
+        -----
+        UserWarning
+            As `margins`.
+        """
+        instance("plant", plant, FlexiblePlant, "see FlexiblePlant.from_vehicle")
+        loop = self.exact_loop(plant)
+        warn_of_feedback(self, plant)
+        warn_of_sampling(self, plant)
+        return band_margins(loop, *named_modes(plant))
+
+    def frequency_response(self, plant: AnyPlant, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega) of `loop`, with the exact delay e^(-j omega delay).
 
         Parameters
         ----------
-        plant : Plant
+        plant : Plant or FlexiblePlant
             One plant or a batch of any model.
         omega : array_like
             Frequencies [rad/s], of any shape, which follows that of the batch; where the loop
@@ -219,14 +297,14 @@ class Autopilot(Feedback):
         InputError
             For frequencies that are not finite.
         """
-        return self.rational_loop(plant).response(omega)
+        return self.exact_loop(plant).response(omega)
 
-    def answer(self, plant: Plant, wind: History) -> WindAnswer:
+    def answer(self, plant: AnyPlant, wind: History) -> WindAnswer:
         """Return what the closed loop makes of a wind, without limits, at any time.
 
         Parameters
         ----------
-        plant : Plant
+        plant : Plant or FlexiblePlant
             One plant of any model.
         wind : History
             One wind angle of attack [rad].
@@ -245,7 +323,7 @@ class Autopilot(Feedback):
         """
         return self.in_winds(plant)(wind)
 
-    def in_winds(self, plant: Plant) -> Callable[[History], WindAnswer]:
+    def in_winds(self, plant: AnyPlant) -> Callable[[History], WindAnswer]:
         """Return the function that gives the `answer` to one wind after another.
 
         What it takes and refuses is as of `answer`.
@@ -257,7 +335,9 @@ class Autopilot(Feedback):
         labels = (*plant.outputs, "deflection")
         return partial(wind_answer, A, B[:, 0], C, D[:, 0], labels)
 
-    def respond(self, plant: Plant, wind: History, timepts: ArrayLike) -> control.TimeResponseData:
+    def respond(
+        self, plant: AnyPlant, wind: History, timepts: ArrayLike
+    ) -> control.TimeResponseData:
         """Return the exact response of the closed loop to a wind as `control.TimeResponseData`.
 
         Parameters
@@ -284,7 +364,7 @@ class Autopilot(Feedback):
         title = f"Response to wind, {name}"
         return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
 
-    def _closed(self, what: str, plant: Plant) -> ClosedLoop:
+    def _closed(self, what: str, plant: AnyPlant) -> ClosedLoop:
         """The closed loop, with warnings that point at the caller of the method that asks."""
         self._require_single(what, plant)
         warn_of_feedback(self, plant, stacklevel=4)
@@ -293,10 +373,18 @@ class Autopilot(Feedback):
             warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=3)
         return found
 
-    def _require_single(self, what: str, plant: Plant) -> None:
-        instance("plant", plant, Plant, "see Plant.from_vehicle")
+    def _require_single(self, what: str, plant: AnyPlant) -> None:
+        check_plant(plant)
+        self._require_continuous(what)
         if self.batch or plant.batch:
             raise InputError(
                 f"{what}() is for one autopilot and one plant; got batches of shape"
                 f" {self.batch} and {plant.batch} (use margins(), or take one at a time)"
+            )
+
+    def _require_continuous(self, what: str) -> None:
+        if self.sample_rate is not None:
+            raise InputError(
+                f"{what}() is for continuous autopilots; this one has a sample_rate (use margins()"
+                " or exact_loop(), or replace sample_rate by None)"
             )

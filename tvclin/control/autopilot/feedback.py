@@ -1,4 +1,4 @@
-"""What an autopilot is made of: its gains, its actuator and its delay, checked."""
+"""What an autopilot is made of: gains, filters, actuator, delay and sample rate, checked."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import InputError, broadcast, nonnegative, plain, shown
+from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.lines import Line, Row, significant
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, zero_or_sized
+from tvclin.control.autopilot.sizes import LARGEST, LEAST_GAIN, sized, zero_or_sized
+from tvclin.vehicle.filters import Filter
 
 FloatArray = NDArray[np.float64]
 
@@ -21,6 +22,7 @@ GAINS = {
     "integral_gain": "per time",
 }
 """The gains, and of what kind of `UNITS` each is."""
+CHAINS = ("attitude_filters", "rate_filters", "filters")
 _HIGHEST_PADE = 10
 """Beyond, the coefficients of the approximation span more decades than a number has digits."""
 
@@ -36,6 +38,10 @@ class Feedback:
     actuator: Actuator | None = None
     delay: float | FloatArray = 0.0
     pade_order: int = 4
+    filters: tuple[Filter, ...] = ()
+    attitude_filters: tuple[Filter, ...] = ()
+    rate_filters: tuple[Filter, ...] = ()
+    sample_rate: float | FloatArray | None = None
 
     def __post_init__(self) -> None:
         gains = {name: zero_or_sized(name, getattr(self, name), LEAST_GAIN) for name in GAINS}
@@ -45,6 +51,12 @@ class Feedback:
             object.__setattr__(self, name, plain(array))
         if not isinstance(self.actuator, Actuator | None):
             raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
+        for name in CHAINS:
+            chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
+            object.__setattr__(self, name, chain)
+        if self.sample_rate is not None:
+            rate = sized("sample_rate", self.sample_rate, "Hz")
+            object.__setattr__(self, "sample_rate", plain(rate))
         _ = self.batch  # the shapes go together
         if np.any(np.all(np.stack(np.broadcast_arrays(*gains.values())) == 0.0, axis=0)):
             raise InputError(f"an autopilot needs a gain; {', '.join(GAINS)} are all zero")
@@ -83,4 +95,16 @@ class Feedback:
         shapes = {name: np.shape(getattr(self, name)) for name in (*GAINS, "delay")}
         if self.actuator is not None:
             shapes["actuator"] = self.actuator.batch
+        for name in CHAINS:
+            shapes |= {f"{name} {k}": f.batch for k, f in enumerate(getattr(self, name), start=1)}
+        if self.sample_rate is not None:
+            shapes["sample_rate"] = np.shape(self.sample_rate)
         return broadcast(**shapes)
+
+    def require_plain(self, what: str) -> None:
+        """Raise `InputError` for filters and a sample rate, which `what` does not know."""
+        if self.sample_rate is not None or any(getattr(self, name) for name in CHAINS):
+            raise InputError(
+                f"{what} knows no filters and no sample_rate of an autopilot; replace them by ()"
+                " and None, or ask for margins()"
+            )

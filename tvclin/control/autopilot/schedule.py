@@ -129,6 +129,6 @@ class GainSchedule:
         UserWarning
             As `Autopilot.loop`.
         """
-        loop = self.autopilot.rational_loop(plants)
+        loop = self.autopilot.exact_loop(plants)
         warn_of_feedback(self.autopilot, plants)
         return loop_margins(loop)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wiring import ClosedLoop, wired
-from tvclin.linear.plant import Plant
+from tvclin.control.autopilot.wiring import AnyPlant, ClosedLoop, wired
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -20,11 +20,12 @@ FloatArray = NDArray[np.float64]
 _DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
 
 
-def open_loop(autopilot: Feedback, plant: Plant) -> control.StateSpace:
+def open_loop(autopilot: Feedback, plant: AnyPlant) -> control.StateSpace:
     """Return the loop from the deflection command to minus what returns, for 1 + L = 0."""
     import control
 
-    states, motion, _, returned = wired(autopilot, plant)
+    delay = pade_delay(float(autopilot.delay), autopilot.pade_order)
+    states, motion, _, _, returned = wired(autopilot, plant, delay)
     n = len(states)
     return control.StateSpace(
         motion[:, :n],
@@ -35,11 +36,11 @@ def open_loop(autopilot: Feedback, plant: Plant) -> control.StateSpace:
         name=f"{plant.model} loop",
         inputs=["deflection_command"],
         outputs=["returned_command"],
-        states=states,
+        states=list(states),
     )
 
 
-def closed_loop(plant: Plant, loop: ClosedLoop) -> control.StateSpace:
+def closed_loop(plant: AnyPlant, loop: ClosedLoop) -> control.StateSpace:
     """Return the closed loop from the three disturbances to the plant's outputs and deflection."""
     import control
 
@@ -52,7 +53,7 @@ def closed_loop(plant: Plant, loop: ClosedLoop) -> control.StateSpace:
         name=f"{plant.model} with autopilot",
         inputs=list(_DISTURBANCES),
         outputs=[*plant.outputs, "deflection"],
-        states=loop.states,
+        states=list(loop.states),
     )
 
 

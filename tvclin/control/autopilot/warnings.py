@@ -9,17 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wiring import rational_loop
+from tvclin.control.autopilot.wiring import AnyPlant, exact_loop
 from tvclin.kernels.stability import stability
+from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 
 
-def warn_of_feedback(autopilot: Feedback, plant: Plant, stacklevel: int = 3) -> None:
+def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) -> None:
     """Warn of zero gains, positive feedback, and an actuator slower than the plant.
 
     The warning points at the caller of the method that asks, which is three levels up.
     """
+    plant = plant if isinstance(plant, Plant) else plant.rigid
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
     name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
@@ -58,10 +60,27 @@ def warn_of_feedback(autopilot: Feedback, plant: Plant, stacklevel: int = 3) -> 
         )
 
 
-def pade_misleads(autopilot: Feedback, plant: Plant, A: NDArray[np.float64]) -> bool:
+def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
+    """Warn of a mode that is sampled less than twice in its period; points as the other."""
+    if autopilot.sample_rate is None or isinstance(plant, Plant):
+        return
+    names, poles = named_modes(plant)
+    rate = np.asarray(autopilot.sample_rate)[..., np.newaxis]
+    cycles = np.imag(poles) / (2.0 * np.pi)
+    slow = np.any(np.atleast_2d(rate < 2.0 * cycles).reshape(-1, len(names)), axis=0)
+    if np.any(slow):
+        which = ", ".join(name for name, is_slow in zip(names, slow, strict=True) if is_slow)
+        warnings.warn(
+            f"sample_rate = {np.min(rate):.6g} Hz is below twice the frequency of {which}, which"
+            " the law sees at another frequency (see band_margins)",
+            stacklevel=3,
+        )
+
+
+def pade_misleads(autopilot: Feedback, plant: AnyPlant, A: NDArray[np.float64]) -> bool:
     """Return whether the closed loop A, with a Pade approximation, differs in its stability."""
     if not autopilot.delay:
         return False
-    exact = stability(rational_loop(autopilot, plant))
+    exact = stability(exact_loop(autopilot, plant).form)
     unstable = int(np.sum(np.real(np.linalg.eigvals(A)) > 0.0))
-    return not bool(exact.marginal) and unstable != int(exact.unstable_poles)
+    return not bool(exact.marginal[0]) and unstable != int(exact.unstable_poles[0])

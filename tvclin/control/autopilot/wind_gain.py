@@ -52,7 +52,7 @@ def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
     above = wind_numerator(autopilot, plant)
 
     def lowness(omega: FloatArray) -> FloatArray:
-        returned, below = loop.parts(omega)
+        returned, below = (part[0] for part in loop.form.parts(omega[np.newaxis]))
         return -np.abs(polynomials.value(above, 1j * omega) / (below + returned))
 
     omega = _samples(loop, above, found.crossings.gain_frequencies)

@@ -10,73 +10,144 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.control.autopilot.actuator import THROUGH, pade_delay
-from tvclin.control.autopilot.feedback import Feedback
+from tvclin.base.errors import InputError, shown
+from tvclin.control.autopilot.actuated import actuated
+from tvclin.control.autopilot.actuator import THROUGH, Matrices, pade_delay
+from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels import polynomials
+from tvclin.kernels.state_space import stacked
+from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
+AnyPlant = Plant | FlexiblePlant
 
 
-def wired(
-    autopilot: Feedback, plant: Plant
-) -> tuple[list[str], FloatArray, FloatArray, FloatArray]:
-    """Return all signals of the broken loop of one plant, and the names of its states.
+def check_plant(plant: object) -> None:
+    """Raise `InputError` unless it is a plant."""
+    if not isinstance(plant, Plant | FlexiblePlant):
+        raise InputError(
+            f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle)"
+        )
 
-    Each is a row of factors on the states, the three disturbances (wind, attitude command,
-    deflection disturbance) and the deflection command: the rates of the states, the outputs of
-    the plant and the deflection, and the returned command.
+
+class Wires(NamedTuple):
+    """All signals of a broken loop, each a row of factors on what it depends on.
+
+    That is the states, then wind, attitude command, deflection disturbance, and the deflection
+    command; ``(..., rows, columns)``.
+
+    Attributes
+    ----------
+    states : tuple of str
+        Names of the states.
+    motion : ndarray
+        Their rates.
+    outputs : ndarray
+        The outputs of the plant, then the deflection.
+    sensed : ndarray
+        Attitude and attitude rate as the sensors say them, and the angle of attack.
+    returned : ndarray
+        The returned command.
     """
-    A, B, C, D = plant.matrices()
-    delay = pade_delay(float(autopilot.delay), autopilot.pade_order)
-    engine = THROUGH if autopilot.actuator is None else autopilot.actuator.matrices()
-    integrators = int(autopilot.integral_gain != 0.0)
-    sizes = [len(A), len(engine[0]), len(delay[0]), integrators, 1, 1, 1, 1]
-    x, bent, late, held, wind, command, disturbance, sent = np.split(
+
+    states: tuple[str, ...]
+    motion: FloatArray
+    outputs: FloatArray
+    sensed: FloatArray
+    returned: FloatArray
+
+
+def wired(autopilot: Feedback, plant: AnyPlant, delay: Matrices = THROUGH) -> Wires:
+    """Return all signals of the broken loop, of one or of a batch.
+
+    The states are those of the plant, of the actuator, of the delay as it is given here, of the
+    integrator and of the filters.
+    """
+    A, B, C, D, names, _ = actuated(plant, autopilot.actuator)
+    integrators = int(np.any(np.asarray(autopilot.integral_gain)))
+    chains = {name: getattr(autopilot, name) for name in CHAINS}
+    orders = [one.order for chain in chains.values() for one in chain]
+    sizes = [A.shape[-1], len(delay[0]), integrators, *orders, 1, 1, 1, 1]
+    x, late, held, *stored, wind, command, disturbance, sent = np.split(
         np.eye(sum(sizes)), np.cumsum(sizes)[:-1]
     )
-    arrived = delay[2] @ late + delay[3] @ sent
-    deflection = engine[2] @ bent + engine[3] @ arrived + disturbance
-    forces = np.vstack([deflection, wind])
+    rest = iter(stored)
+    rates: list[FloatArray] = []
+
+    def filtered(name: str, signal: FloatArray) -> FloatArray:
+        for one in chains[name]:
+            a, b, c, d = one.matrices()
+            own = next(rest)
+            rates.append(a @ own + b @ signal)
+            signal = c @ own + d @ signal
+        return signal
+
+    forces = np.vstack([delay[2] @ late + delay[3] @ sent, disturbance, wind])
     seen = C @ x + D @ forces
-    error = seen[:1] - command
+    sensed = stacked(*(seen[..., k : k + 1, :] for k in sensed_places(plant)))
+    error = filtered("attitude_filters", sensed[..., :1, :]) - command
     returned = (
-        autopilot.attitude_gain * error
-        + autopilot.rate_gain * seen[1:2]
-        + autopilot.alpha_gain * seen[-1:]
-        + autopilot.integral_gain * held.sum(axis=0, keepdims=True)
+        _factor(autopilot.attitude_gain) * error
+        + _factor(autopilot.rate_gain) * filtered("rate_filters", sensed[..., 1:2, :])
+        + _factor(autopilot.alpha_gain) * sensed[..., 2:, :]
+        + _factor(autopilot.integral_gain) * held.sum(axis=0, keepdims=True)
     )
-    motion = np.vstack(
-        [
-            A @ x + B @ forces,
-            engine[0] @ bent + engine[1] @ arrived,
-            delay[0] @ late + delay[1] @ sent,
-            error[:integrators],
-        ]
-    )
-    names = [
-        *plant.states,
-        *("actuator_deflection", "actuator_rate")[: len(bent)],
+    returned = filtered("filters", returned)
+    moving = [A @ x + B @ forces, delay[0] @ late + delay[1] @ sent]
+    states = [
+        *names,
         *(f"delay_{k}" for k in range(1, len(late) + 1)),
         *("attitude_error_integral",)[:integrators],
+        *(
+            f"{name.removesuffix('s')}_{k}_{state}"
+            for name, chain in chains.items()
+            for k, one in enumerate(chain, start=1)
+            for state in range(1, one.order + 1)
+        ),
     ]
-    return names, motion, np.vstack([seen, deflection]), returned
+    motion = stacked(*moving, error[..., :integrators, :], *rates)
+    return Wires(tuple(states), motion, seen, sensed, returned)
+
+
+def _factor(gain: float | FloatArray) -> FloatArray:
+    return np.asarray(gain)[..., np.newaxis, np.newaxis]
+
+
+def sensed_places(plant: AnyPlant) -> tuple[int, int, int]:
+    """Return the places of sensed attitude, sensed rate and angle of attack among the outputs."""
+    names = ("attitude", "attitude_rate", "angle_of_attack")
+    if isinstance(plant, FlexiblePlant):
+        names = ("sensed_attitude", "sensed_attitude_rate", "angle_of_attack")
+    first, second, third = (plant.outputs.index(name) for name in names)
+    return first, second, third
+
+
+def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
+    """Return the loop with its exact delay: of a `Plant` as polynomials, else in state space."""
+    if isinstance(plant, Plant):
+        return rational_loop(autopilot, plant)
+    wires = wired(autopilot, plant)
+    n = len(wires.states)
+    A, B = wires.motion[..., :n], wires.motion[..., -1:]
+    return Loop.from_matrices(A, B, 0.0 - wires.returned[..., :n], delay=autopilot.delay)
 
 
 class ClosedLoop(NamedTuple):
     """Names of the states, and the matrices of x' = A x + B w, y = C x + D w."""
 
-    states: list[str]
+    states: tuple[str, ...]
     A: FloatArray
     B: FloatArray
     C: FloatArray
     D: FloatArray
 
 
-def closed(autopilot: Feedback, plant: Plant) -> ClosedLoop:
+def closed(autopilot: Feedback, plant: AnyPlant) -> ClosedLoop:
     """Return the closed loop of one plant."""
-    states, motion, outputs, returned = wired(autopilot, plant)
+    delay = pade_delay(float(autopilot.delay), autopilot.pade_order)
+    states, motion, outputs, _, returned = wired(autopilot, plant, delay)
     n = len(states)
     # No plant passes its deflection on at once, so the returned command does not contain the
     # deflection command, and to put the one for the other closes the loop.
@@ -89,6 +160,9 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
     asked, integrators = _feedback(autopilot, plant, "deflection")
     above, below = _engine(autopilot)
     denominator = polynomials.times_variable(plant.denominator, integrators)
+    for name in CHAINS:
+        if getattr(autopilot, name):
+            denominator = polynomials.multiply(denominator, _chain(autopilot, name)[1])
     return Loop(
         polynomials.multiply(-asked, above),
         polynomials.multiply(denominator, below),
@@ -107,15 +181,36 @@ def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
 def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArray, int]:
     """The numerator from a source to the command, and how many integrators there are.
 
-    It stands over the denominator of the plant times s, if there is an integrator.
+    It stands over the denominator of the plant times s, if there is an integrator, and times those
+    of all filters.
     """
     integrators = int(np.any(np.asarray(autopilot.integral_gain)))
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
-    on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
     on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
-    attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
     angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", source))
-    return polynomials.add(attitude, angle), integrators
+    on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
+    if autopilot.attitude_filters or autopilot.rate_filters:
+        # (a1 s F_r + (a0 + aI/s) F_a) theta + b0 alpha over the denominators of both filters
+        (above_a, below_a), (above_r, below_r) = (_chain(autopilot, name) for name in CHAINS[:2])
+        rate = polynomials.multiply(on_attitude[..., :1], np.eye(1, 2 + integrators)[0])
+        rate = polynomials.multiply(polynomials.multiply(rate, above_r), below_a)
+        rest = polynomials.multiply(polynomials.multiply(on_attitude[..., 1:], above_a), below_r)
+        on_attitude = polynomials.add(rate, rest)
+        angle = polynomials.multiply(angle, polynomials.multiply(below_a, below_r))
+    attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
+    asked = polynomials.add(attitude, angle)
+    if autopilot.filters:
+        asked = polynomials.multiply(asked, _chain(autopilot, "filters")[0])
+    return asked, integrators
+
+
+def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
+    """Numerator and denominator of a chain of filters."""
+    above, below = np.ones(1), np.ones(1)
+    for one in getattr(autopilot, name):
+        above = polynomials.multiply(above, one.numerator)
+        below = polynomials.multiply(below, one.denominator)
+    return above, below
 
 
 def _engine(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:

@@ -36,6 +36,7 @@ class SaturatedLaw(Law):
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
         single("autopilot", self.autopilot.batch)
+        self.autopilot.require_plain("a SaturatedLaw")
         if self.autopilot.actuator is not None or self.autopilot.delay:
             raise InputError("a SaturatedLaw takes gains only: give actuator and delay to fly()")
 

@@ -1,5 +1,6 @@
 """Stability margins that mean what they say, also on an unstable plant.
 
-The files inside: `loop` is what has margins, `record` holds the answer, and `criteria` judges it.
-The arithmetic is in `kernels.loop_margins`.
+The files inside: `loop` is what has margins, `sampled_loop` the same of a law in steps, `record`
+holds the answer, `bands` that of each mode (`band_terms` its arithmetic), and `criteria` judges
+them. The arithmetic is in `kernels.loop_margins`.
 """

@@ -16,6 +16,7 @@ from tvclin.base.errors import (
     text,
 )
 from tvclin.base.tables import Table
+from tvclin.control.margins.bands import BandMargins, ModeBand
 from tvclin.control.margins.record import MARGINS, Margins, factor_to
 
 _UNITS = {name: "s" if unit == "ms" else unit for name, (_, unit, _) in MARGINS.items()}
@@ -24,6 +25,9 @@ CRITERIA_TABLE = Table(
     {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
     words=("name",),
 )
+_OF_MODES = {"mode_gain_margin_dB": "gain_margin_dB", "mode_phase_margin_deg": "phase_margin_deg"}
+"""What is asked of each mode, and its name in a `ModeBand`."""
+_UNITS |= {"mode_gain_margin_dB": "dB", "mode_phase_margin_deg": "deg"}
 _AT_MOST = ("peak_sensitivity", "peak_complementary_sensitivity")
 _LAUNCH_VEHICLE = (
     "customary for the rigid-body attitude loop of launch vehicles, on both sides of the gain"
@@ -42,7 +46,8 @@ class Requirement:
     Attributes
     ----------
     margin : str
-        Name of the attribute of `Margins`, with its unit.
+        Name of the attribute of `Margins`, with its unit; "mode_gain_margin_dB" is asked of each
+        gain-stabilised mode, "mode_phase_margin_deg" of each phase-stabilised one.
     limit : float
         The least that is asked for; of a peak the most.
     source : str
@@ -89,12 +94,15 @@ class Judgement:
         By how much it is met, in its unit; negative where it is not met.
     met : bool or ndarray
         Whether it is met; never for an unstable loop.
+    band : str
+        Name of the mode of which it is asked; empty for the whole loop.
     """
 
     requirement: Requirement
     value: Any
     surplus: Any
     met: Any
+    band: str = ""
 
 
 @dataclass(frozen=True)
@@ -131,7 +139,8 @@ class Criteria:
             Where the numbers come from.
         **limits
             aero_margin_dB, gain_increase_dB, phase_margin_deg, delay_margin [s] and disk_margin
-            are lower limits, peak_sensitivity and peak_complementary_sensitivity upper ones.
+            are lower limits, peak_sensitivity and peak_complementary_sensitivity upper ones;
+            mode_gain_margin_dB and mode_phase_margin_deg are asked of modes, see `judge`.
 
         Raises
         ------
@@ -169,18 +178,44 @@ class Criteria:
         held = {one.margin: one.limit for one in self.requirements}
         return Criteria.own(f"{self.name} as changed", source, **(held | limits))
 
-    def judge(self, margins: Margins) -> tuple[Judgement, ...]:
+    def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
         """Return each margin beside what is asked for.
 
         Parameters
         ----------
-        margins : Margins
-            Of one loop or of a batch.
-        """
-        instance("margins", margins, Margins, "see Autopilot.margins")
-        return tuple(_judged(requirement, margins) for requirement in self.requirements)
+        margins : Margins or BandMargins
+            Of one loop or of a batch. By band, the whole loop is judged, and each mode where one
+            is asked: that it stays so far below one if it is gain-stabilised, that it has so much
+            phase if it is phase-stabilised. Of other modes the value is NaN and the surplus
+            infinite, unless the loop is unstable.
 
-    def are_met(self, margins: Margins) -> Any:
+        Raises
+        ------
+        InputError
+            For limits of modes on margins without bands.
+        """
+        if isinstance(margins, BandMargins):
+            whole, modes = margins.whole, margins.modes
+        else:
+            instance("margins", margins, Margins, "see Autopilot.margins")
+            whole, modes = margins, ()
+        found = []
+        for requirement in self.requirements:
+            if requirement.margin not in _OF_MODES:
+                found.append(_judged(requirement, whole))
+            elif isinstance(margins, Margins):
+                raise InputError(
+                    f"{requirement.margin} is asked of modes; give Autopilot.band_margins in place"
+                    " of margins"
+                )
+            found += [
+                _judged_mode(requirement, whole, mode)
+                for mode in modes
+                if requirement.margin in _OF_MODES
+            ]
+        return tuple(found)
+
+    def are_met(self, margins: Margins | BandMargins) -> Any:
         """Return whether every requirement is met, ``(...)``."""
         every = [np.asarray(one.met) for one in self.judge(margins)]
         return plain_bool(np.logical_and.reduce(every))
@@ -191,6 +226,15 @@ def _judged(requirement: Requirement, margins: Margins) -> Judgement:
     surplus = value - requirement.limit
     surplus = -surplus if requirement.at_most else surplus
     return Judgement(requirement, plain(value), plain(surplus), plain_bool(surplus >= 0.0))
+
+
+def _judged_mode(requirement: Requirement, whole: Margins, mode: ModeBand) -> Judgement:
+    value = np.asarray(getattr(mode, _OF_MODES[requirement.margin]), dtype=float)
+    value = np.where(whole.stable, value, np.nan)
+    asked = np.asarray(whole.stable) & ~np.isnan(value)
+    surplus = np.where(asked, value - requirement.limit, np.where(whole.stable, np.inf, np.nan))
+    met = plain_bool((surplus >= 0.0)[()])
+    return Judgement(requirement, plain(value), plain(surplus), met, mode.name)
 
 
 def plain_bool(array: Any) -> Any:

@@ -1,9 +1,9 @@
-"""A loop as a rational function and a delay: all that its margins depend on."""
+"""A loop as polynomials or in state space, and a delay: all that its margins depend on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,21 +15,28 @@ from tvclin.base.errors import (
     nonnegative,
     within,
 )
+from tvclin.kernels.loop_margins import LoopFindings, loop_findings
 from tvclin.kernels.rational import Rational
+from tvclin.kernels.state_loop import StateLoop
 
 if TYPE_CHECKING:
     import control
 
+FloatArray = NDArray[np.float64]
+
 _STEPS, _BESIDE = 20, 0.05
 _FASTEST = 1e15
 """Frequencies beyond this [rad/s] would overflow in polynomials."""
+_LARGEST = 1e60
+"""Of what a loop takes in and gives out; its squares must not overflow."""
 
 
 @dataclass(frozen=True, eq=False)
-class Loop(Rational):
+class Loop:
     """One loop L(s) = numerator(s)/denominator(s) e^(-s delay), or a batch of them.
 
-    The closed loop is 1 + L = 0. The delay is exact wherever a loop is looked at.
+    The closed loop is 1 + L = 0. The delay is exact wherever a loop is looked at. Of high order, or
+    with modes that lie close together, take matrices: `from_system` or `from_matrices`.
 
     Parameters
     ----------
@@ -39,12 +46,22 @@ class Loop(Rational):
     delay : array_like
         Delay [s], ``(...)``.
 
+    Attributes
+    ----------
+    form : Rational or StateLoop
+        The loops on one axis, which answer what margins ask.
+    batch : tuple of int
+        Shape of the batch; ``()`` for one loop.
+
     Raises
     ------
     InputError
         For numbers that are not finite, a delay below zero, a denominator that begins with zero,
         and an algebraic loop: a numerator of the same degree as the denominator, or higher.
     """
+
+    form: Rational | StateLoop
+    batch: tuple[int, ...]
 
     def __init__(
         self, numerator: ArrayLike, denominator: ArrayLike, delay: ArrayLike = 0.0
@@ -68,16 +85,16 @@ class Loop(Rational):
         )
         missing = below.shape[-1] - above.shape[-1]
         above = np.pad(above, [(0, 0)] * (above.ndim - 1) + [(missing, 0)])
-        size = below.shape[-1]
-        object.__setattr__(self, "numerator", np.broadcast_to(above, (*shape, size)))
-        object.__setattr__(self, "denominator", np.broadcast_to(below, (*shape, size)))
-        object.__setattr__(self, "delay", np.broadcast_to(late, shape))
+        above, below = (_flat(array, shape, 1) for array in (above, below))
+        self._hold(Rational(above, below, _flat(late, shape, 0)), shape)
 
     @classmethod
     def from_system(
         cls, system: control.StateSpace | control.TransferFunction, delay: ArrayLike = 0.0
     ) -> Self:
         """Return the loop of a python-control system with one input and one output.
+
+        A transfer function is held as polynomials, a state space as its matrices.
 
         Parameters
         ----------
@@ -100,13 +117,83 @@ class Loop(Rational):
             )
         if not system.issiso() or system.isdtime(strict=True):
             raise InputError("a loop must have one input and one output, in continuous time")
-        rational = control.tf(system)
-        return cls(rational.num[0][0], rational.den[0][0], delay)
+        if isinstance(system, control.StateSpace):
+            return cls.from_matrices(system.A, system.B, system.C, system.D, delay)
+        return cls(system.num[0][0], system.den[0][0], delay)
+
+    @classmethod
+    def from_matrices(
+        cls, A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike = 0.0, delay: ArrayLike = 0.0
+    ) -> Self:
+        """Return the loops x' = A x + B u, L: u to C x, with a delay, or a batch of them.
+
+        Parameters
+        ----------
+        A, B, C : array_like
+            ``(..., n, n)``, ``(..., n, 1)`` and ``(..., 1, n)``; the leading axes broadcast.
+        D : array_like
+            Zero, of shape ``()`` or ``(..., 1, 1)``.
+        delay : array_like
+            Delay [s], ``(...)``.
+
+        Raises
+        ------
+        InputError
+            For shapes that are not those of one input and one output, numbers that are not
+            finite or beyond 1e15 (A) and 1e60 (B, C), a delay below zero, and an algebraic
+            loop, D other than zero.
+        """
+        arrays = [
+            within(name, array, -largest, largest)
+            for name, array, largest in (("A", A, _FASTEST), ("B", B, _LARGEST), ("C", C, _LARGEST))
+        ]
+        through, late = finite("D", D), nonnegative("delay", delay, "s")
+        n = arrays[0].shape[-1] if arrays[0].ndim else 0
+        for name, array, size in zip("ABC", arrays, ((n, n), (n, 1), (1, n)), strict=True):
+            if not n or array.shape[-2:] != size:
+                raise InputError(
+                    "a loop needs A (..., n, n), B (..., n, 1) and C (..., 1, n), with n of 1 or"
+                    f" more; got {name} of shape {array.shape}"
+                )
+        if np.any(through):
+            raise InputError(
+                "this is an algebraic loop: its command comes back at once (D ="
+                f" {through[through != 0.0].flat[0]:.6g}); put an actuator into it"
+            )
+        shape = broadcast(
+            **{name: a.shape[:-2] for name, a in zip("ABC", arrays, strict=True)}, delay=late.shape
+        )
+        spread = [_flat(array, shape, 2) for array in arrays]
+        held = StateLoop.balanced(
+            spread[0],
+            spread[1][:, :, 0],
+            spread[2][:, 0],
+            np.zeros(len(spread[0])),
+            _flat(late, shape, 0),
+        )
+        loop = cls.__new__(cls)
+        loop._hold(held, shape)
+        return loop
 
     @property
-    def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one loop."""
-        return self.delay.shape
+    def numerator(self) -> FloatArray:
+        """Coefficients of the numerator, highest power first; `InputError` for matrices."""
+        return self._polynomials.numerator.reshape((*self.batch, -1))
+
+    @property
+    def denominator(self) -> FloatArray:
+        """Coefficients of the denominator, highest power first; `InputError` for matrices."""
+        return self._polynomials.denominator.reshape((*self.batch, -1))
+
+    @property
+    def delay(self) -> FloatArray:
+        """Delay [s], ``(...)``."""
+        return self.form.delay.reshape(self.batch)
+
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """Poles without the delay [1/s], ``(..., n)``."""
+        return self.form.open_poles().astype(complex).reshape((*self.batch, -1))
 
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
@@ -122,11 +209,60 @@ class Loop(Rational):
             For frequencies that are not finite, or beyond 1e15 rad/s.
         """
         frequencies = within("omega", omega, -_FASTEST, _FASTEST, "rad/s")
-        above, below = self.parts(frequencies.ravel())
+        found = self._values(frequencies.reshape(1, -1))
+        return found.reshape((*self.batch, *frequencies.shape))
+
+    def findings(self) -> LoopFindings:
+        """Return verdict, crossings and peaks of the loops on one axis."""
+        return loop_findings(self.form)
+
+    def in_plane(self, s: NDArray[Any]) -> NDArray[Any]:
+        """Return the variable of `form` for s ``(k, m)`` [1/s]: s itself, unless it is sampled."""
+        return s
+
+    def from_plane(self, w: NDArray[Any]) -> NDArray[Any]:
+        """Return the s ``(k, m)`` [1/s] of the variable of `form`."""
+        return w
+
+    def highest(self) -> FloatArray:
+        """Return the highest frequency ``(k, 1)`` [rad/s]: of a sampled loop half its rate."""
+        return np.full((self.form.delay.size, 1), np.inf)
+
+    def aliases(self, omega: FloatArray) -> FloatArray:
+        """Return where frequencies ``(k, m)`` [rad/s] appear when sampled; NaN: where they are."""
+        return np.full(np.shape(omega), np.nan)
+
+    def take(self, index: Any) -> Loop:
+        """Return the loops at the positions `index` of the flattened batch."""
+        held = self.form.take(np.atleast_1d(index))
+        loop = type(self).__new__(type(self))
+        loop._hold(held, np.shape(index))
+        return loop
+
+    def _values(self, omega: FloatArray) -> NDArray[np.complex128]:
+        """The values ``(k, m)`` at frequencies of `form`; infinite at a pole."""
+        above, below = self.form.parts(omega)
         pole = (below == 0.0) & (above != 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            values = np.where(pole, np.inf, above / below)
-        return np.asarray(values.reshape((*self.batch, *frequencies.shape)))
+            return np.asarray(np.where(pole, np.inf, above / below))
+
+    def _hold(self, form: Rational | StateLoop, batch: tuple[int, ...]) -> None:
+        object.__setattr__(self, "form", form)
+        object.__setattr__(self, "batch", batch)
+
+    @property
+    def _polynomials(self) -> Rational:
+        if isinstance(self.form, Rational):
+            return self.form
+        raise InputError(
+            "this loop is held as matrices and has no polynomials; use response() and poles"
+        )
+
+
+def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
+    """The array spread over the batch, and the batch on one axis."""
+    own = array.shape[array.ndim - axes :]
+    return np.broadcast_to(array, (*batch, *own)).reshape((-1, *own))
 
 
 def beside_exact(found: NDArray[np.complex128], loop: Loop) -> NDArray[np.bool_]:

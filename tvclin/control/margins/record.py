@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels.loop_margins import classical_margins, loop_findings
-from tvclin.kernels.rational import Rational
+from tvclin.kernels.loop_margins import LoopFindings, classical_margins
 
 FloatArray = NDArray[np.float64]
 
@@ -238,10 +237,11 @@ def loop_margins(loop: Loop) -> Margins:
 
     Notes
     -----
-    Stability is decided by the roots of D + N and, with a delay, by counting what crosses the
-    imaginary axis as it grows: exactly, not by an approximation of the delay. Gain crossovers are
-    roots of ``|N|^2 - |D|^2``. Phase crossovers and peaks are bracketed between frequencies laid
-    around all poles and zeros, and refined to rounding.
+    Stability is decided by the closed-loop poles without the delay and, with one, by counting what
+    crosses the imaginary axis as it grows: exactly, not by an approximation of the delay. Gain
+    crossovers are roots of ``|N|^2 - |D|^2``, or eigenvalues of a Hamiltonian matrix. Phase
+    crossovers and peaks are bracketed between frequencies laid around all poles and zeros, and
+    refined to rounding.
 
     Examples
     --------
@@ -252,11 +252,12 @@ def loop_margins(loop: Loop) -> Margins:
     (62.4, 20.7, inf)
     """
     instance("loop", loop, Loop, "see Loop.from_system")
-    rows = loop.delay.size
-    above, below = (
-        p.reshape(rows, loop.denominator.shape[-1]) for p in (loop.numerator, loop.denominator)
-    )
-    return _shaped(_flat_margins(Rational(above, below, loop.delay.reshape(rows))), loop.batch)
+    return margins_of(loop.findings(), loop.batch)
+
+
+def margins_of(found: LoopFindings, batch: tuple[int, ...]) -> Margins:
+    """Return the margins in what was found of loops on one axis, in the shape of their batch."""
+    return _shaped(_flat_margins(found), batch)
 
 
 def decibels(factor: Any) -> Any:
@@ -265,9 +266,8 @@ def decibels(factor: Any) -> Any:
         return plain(20.0 * np.log10(np.asarray(factor)))
 
 
-def _flat_margins(loop: Rational) -> Margins:
+def _flat_margins(found: LoopFindings) -> Margins:
     """The margins of a batch of one axis."""
-    found = loop_findings(loop)
     good = found.stable
     status = np.where(found.marginal, MARGINAL, np.where(good, OK, UNSTABLE))
     status = np.where(found.unstable_poles > 0, UNSTABLE, status)

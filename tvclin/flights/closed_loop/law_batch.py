@@ -103,6 +103,7 @@ def _array(law: Any) -> NDArray[Any]:
 
 
 def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
+    gains.require_plain("a flight")
     if gains.actuator is not None or np.any(np.asarray(gains.delay)):
         raise InputError(
             "an autopilot is flown for its gains only: give actuator and delay to the flight"

@@ -1,0 +1,211 @@
+"""Sampled autopilots: check cases, sums over aliases, small steps, a simulation at the edge."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.signal import bilinear, tf2ss
+
+import tvclin as tv
+from tests.control.test_flexible_loops import AUTOPILOT, FILTERS, booster, to_margin
+from tests.flexible import BOOSTER, transfer
+from tvclin.control.autopilot.actuated import actuated
+from tvclin.control.autopilot.sampled import vehicle_steps
+
+SAMPLED = replace(AUTOPILOT, sample_rate=25.0)
+SLOW = "is below twice the frequency of bending 3"
+
+
+def test_the_booster_sampled_at_25_hertz():
+    plant = booster()
+    loop = SAMPLED.exact_loop(plant)
+    assert loop.response(14.0) == pytest.approx(-2.24657083 - 4.72188699j, abs=1e-8)
+    assert np.abs(loop.closed_loop_poles).max() == pytest.approx(0.99815586, abs=1e-8)
+    found = SAMPLED.band_margins(plant)
+    m = found.whole
+    assert m.aero_margin_dB == to_margin(9.952950)
+    assert (m.gain_increase_dB, m.gain_increase_frequency) == (
+        to_margin(7.774023),
+        to_margin(4.888663),
+    )
+    assert (m.phase_margin_deg, m.crossover_frequency) == (
+        to_margin(38.082280),
+        to_margin(14.859371),
+    )
+    assert found.rigid.phase_margin_deg == to_margin(41.333057)
+    assert found.rigid.crossover_frequency == to_margin(1.412942)
+    assert m.disk_margin == pytest.approx(0.62741270, abs=1e-8)
+    late = np.radians(m.phase_margin_deg) / m.crossover_frequency
+    assert m.delay_margin == pytest.approx(late, rel=1e-12)
+
+
+def test_the_booster_sampled_at_12_hertz_and_a_half():
+    slow = replace(AUTOPILOT, sample_rate=12.5, delay=0.08)
+    plant = booster()
+    with pytest.warns(UserWarning, match=SLOW):
+        assert slow.margins(plant).unstable_poles == 2
+    loop = slow.exact_loop(plant)
+    assert np.sum(np.abs(loop.closed_loop_poles) > 1.0) == 2
+    with pytest.warns(UserWarning, match=SLOW):
+        found = slow.band_margins(plant)
+    # 64.96 rad/s is seen at 2 pi 12.5 - 64.96 rad/s.
+    assert found.mode("bending 3").alias == pytest.approx(25 * np.pi - 64.96177493, abs=1e-7)
+    assert np.isnan(found.mode("bending 1").alias)
+
+
+def by_aliases(autopilot, plant, omega, terms=640):
+    """Return L(e^(j omega h)) as the sum over all frequencies that have the same samples."""
+    rate, delay = autopilot.sample_rate, autopilot.delay
+    h = 1.0 / rate
+    seen = actuated(plant, autopilot.actuator)
+    rows = [seen.outputs.index(n) for n in ("sensed_attitude", "sensed_attitude_rate")]
+    held = np.zeros(2, dtype=complex)
+    for k in range(-terms, terms + 1):
+        s = 1j * (omega + 2.0 * np.pi * rate * k)
+        hold = (1.0 - np.exp(-s * h)) / (s * h)
+        held += transfer(seen, s)[rows, 0] * hold * np.exp(-s * delay)
+    z = np.exp(1j * omega * h)
+    value = autopilot.attitude_gain * held[0] + autopilot.rate_gain * held[1]
+    for one, own in zip(autopilot.filters, (13.0, 32.0), strict=True):
+        value *= one(own / np.tan(0.5 * own * h) * (z - 1.0) / (z + 1.0))[()]
+    return -value
+
+
+@pytest.mark.parametrize(("rate", "delay"), [(25.0, 0.02), (25.0, 0.11), (12.5, 0.08), (40.0, 0.0)])
+def test_the_loop_is_the_sum_over_all_aliases(rate, delay):
+    autopilot = replace(AUTOPILOT, sample_rate=rate, delay=delay)
+    loop = autopilot.exact_loop(booster())
+    for omega in (0.3, 5.0, 13.6, 0.9 * np.pi * rate):
+        # The terms fall as 1/omega^3, with the inertia of the engine; those left out are 1e-9.
+        expected = by_aliases(autopilot, booster(), omega)
+        assert loop.response(omega) == pytest.approx(expected, rel=1e-7, abs=1e-9)
+
+
+def test_with_small_steps_the_loop_is_the_continuous_one():
+    plant = booster()
+    omega = np.array([0.3, 1.4, 5.0, 14.0])
+    exact = AUTOPILOT.frequency_response(plant, omega)
+    # A hold is half a step late; with that taken off what is left falls with the square.
+    errors = []
+    for rate in (400.0, 800.0):
+        one = replace(AUTOPILOT, sample_rate=rate, delay=AUTOPILOT.delay - 0.5 / rate)
+        errors.append(np.abs(one.frequency_response(plant, omega) - exact))
+    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
+
+
+def test_a_delay_of_any_length_moves_on_in_step_with_the_samples():
+    plant = booster()
+    omega = np.array([0.5, 3.0, 14.0])
+    first = SAMPLED.frequency_response(plant, omega)
+    for whole in (1, 3):
+        later = replace(SAMPLED, delay=0.02 + 0.04 * whole).frequency_response(plant, omega)
+        np.testing.assert_allclose(later, first * np.exp(-0.04j * whole * omega), rtol=1e-10)
+    near = [
+        replace(SAMPLED, delay=0.04 + e).frequency_response(plant, omega) for e in (-1e-9, 1e-9)
+    ]
+    np.testing.assert_allclose(near[0], near[1], rtol=1e-6)
+
+
+def test_a_rigid_plant_is_sampled_as_well_with_all_its_feedbacks():
+    plant = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
+    gains = {"attitude_gain": 0.36, "rate_gain": 0.56, "alpha_gain": 0.1, "integral_gain": 0.02}
+    omega = np.array([0.3, 1.4])
+    exact = tv.Autopilot(**gains, delay=0.02).frequency_response(plant, omega)
+    errors = [
+        np.abs(
+            tv.Autopilot(**gains, delay=0.02 - 0.5 / rate, sample_rate=rate).frequency_response(
+                plant, omega
+            )
+            - exact
+        )
+        for rate in (100.0, 200.0)
+    ]
+    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
+
+
+def flown(autopilot, plant, seconds, parts=8):
+    """Return the attitude of a flight in which every command is applied at its time."""
+    seen = actuated(plant, autopilot.actuator)
+    h, n = 1.0 / autopilot.sample_rate, len(seen.A)
+    rows = [seen.outputs.index(name) for name in ("sensed_attitude", "sensed_attitude_rate")]
+    held = np.zeros((n + 1, n + 1))
+    held[:n, :n], held[:n, n:] = seen.A * h / parts, seen.B[:, :1] * h / parts
+    step = expm(held)
+    late = round(autopilot.delay * parts / h)
+    assert late == pytest.approx(autopilot.delay * parts / h)
+    chain = []
+    for one, own in zip(autopilot.filters, (13.0, 32.0), strict=True):
+        c = own / np.tan(0.5 * own * h)
+        chain.append([*tf2ss(*bilinear(one.numerator, one.denominator, 0.5 * c)), np.zeros((2, 1))])
+    state = np.zeros(n)
+    state[1] = 1e-3
+    commands = np.zeros(round(seconds / h) * parts + late + parts)
+    attitude = []
+    for k in range(round(seconds / h)):
+        y = seen.C[rows] @ state
+        attitude.append(y[0])
+        u = autopilot.attitude_gain * y[0] + autopilot.rate_gain * y[1]
+        for one in chain:
+            A, B, C, D, x = one
+            u, one[4] = (C @ x + D * u).item(), A @ x + B * u
+        commands[k * parts + late :] = u
+        for part in range(parts):
+            state = step[:n, :n] @ state + step[:n, n] * commands[k * parts + part]
+    return np.array(attitude)
+
+
+def test_a_long_simulation_grows_just_beyond_the_margin_and_dies_just_before():
+    plant = booster()
+    rise = SAMPLED.margins(plant).gain_increase
+    for part, grows in ((0.995, False), (1.005, True)):
+        gains = {"attitude_gain": 0.36 * rise * part, "rate_gain": 0.56 * rise * part}
+        seen = flown(replace(SAMPLED, **gains), plant, 240.0)
+        early, end = (np.abs(seen[a : a + 1000]).max() for a in (2000, 5000))
+        assert (end > early) == grows
+
+
+def test_filters_are_exact_at_their_own_frequency():
+    plant = booster()
+    for one, own in ((FILTERS[0], 13.0), (FILTERS[1], 32.0), (tv.Filter.lead_lag(4.0, 9.0), 9.0)):
+        bare = replace(SAMPLED, filters=()).frequency_response(plant, own)
+        found = replace(SAMPLED, filters=(one,)).frequency_response(plant, own)
+        assert found / bare == pytest.approx(one(1j * own)[()], rel=1e-10)
+
+
+def test_the_steps_of_the_vehicle_serve_a_flight():
+    plant = booster()
+    steps = vehicle_steps(replace(SAMPLED, delay=0.05), plant)
+    assert steps.states == (*plant.states, "actuator_deflection", "actuator_rate")
+    assert (steps.whole, steps.period) == (1, 0.04)
+    seen = actuated(plant, SAMPLED.actuator)
+    # From rest under one command: steady for ever is what the exponential says at that time.
+    held = np.zeros((18, 18))
+    held[:17, :17], held[:17, 17:] = seen.A, seen.B[:, :1]
+    state, commands = np.zeros((17, 1)), [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
+    for k in range(2, 6):
+        state = steps.F @ state + steps.G0 * commands[k - 1] + steps.G1 * commands[k - 2]
+    late = 4 * 0.04 - 0.05  # the first command leaves with the first step
+    np.testing.assert_allclose(state, expm(held * late)[:17, 17:], rtol=1e-9, atol=1e-12)
+
+
+def test_a_batch_of_rates_and_delays_is_each_of_them():
+    plant = booster()
+    rates, delays = np.array([25.0, 25.0, 50.0]), np.array([0.02, 0.05, 0.02])
+    many = replace(SAMPLED, sample_rate=rates, delay=delays).margins(plant)
+    for k in range(3):
+        one = replace(SAMPLED, sample_rate=rates[k], delay=delays[k]).margins(plant)
+        assert many.phase_margin[k] == pytest.approx(one.phase_margin, rel=1e-8)
+        assert many.gain_increase[k] == pytest.approx(one.gain_increase, rel=1e-8)
+
+
+def test_what_cannot_be_sampled_is_refused():
+    with pytest.raises(tv.InputError, match="must lie below half the sample rate"):
+        replace(SAMPLED, sample_rate=8.0).margins(booster())
+    for call in (SAMPLED.loop, SAMPLED.close, SAMPLED.closed_loop_poles, SAMPLED.in_winds):
+        with pytest.raises(tv.InputError, match="is for continuous autopilots"):
+            call(booster())
+    with pytest.raises(tv.InputError, match="sample_rate"):
+        replace(SAMPLED, sample_rate=0.0)
+    with pytest.raises(tv.InputError, match="omega"):
+        SAMPLED.frequency_response(booster(), 100.0)

@@ -1,0 +1,252 @@
+"""What becomes of a loop whose modes are not where they are thought to be.
+
+A mode's frequency is moved and its displacements, slopes and modal mass kept, so that what it gives
+at low frequencies falls as 1/omega^2. Texts that keep a modal gain find other numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.criteria import CRITERIA, Criteria
+from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.kernels.stability import stability
+from tvclin.linear.flexible import FlexiblePlant
+from tvclin.vehicle.structure import SloshTank, Structure
+
+FloatArray = NDArray[np.float64]
+
+_SEARCHED, _HALVED = 41, 20
+"""So many factors on a frequency are tried between the least and the largest, and how often the
+interval is halved in which the loop becomes unstable."""
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """Where a loop becomes unstable as the frequency of one mode is moved.
+
+    Attributes
+    ----------
+    name : str
+        Name of the mode.
+    lower, upper : float
+        The factors on its frequency, below and above one and nearest to it, at which the loop
+        becomes unstable; NaN where it stays stable as far as it was asked.
+    """
+
+    name: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class Detuned:
+    """A loop with modes off their places; one row for each change, the first without any.
+
+    Attributes
+    ----------
+    changes : tuple of str
+        What is changed in each row.
+    margins : Margins
+        Those of the rows, ``(n,)``.
+    first : tuple of str
+        The margin of each row that lacks most, or has least to spare, over what is asked for;
+        "unstable" where there are none.
+    edges : tuple of Edge
+        Where the loop becomes unstable, mode by mode.
+    plants : FlexiblePlant
+        The changed plants, ``(n,)``, as for `Autopilot.band_margins`.
+    """
+
+    changes: tuple[str, ...]
+    margins: Margins
+    first: tuple[str, ...]
+    edges: tuple[Edge, ...]
+    plants: FlexiblePlant
+
+    def row(self, change: str) -> int:
+        """Return the place of a row by what is changed in it."""
+        return self.changes.index(one_of("change", change, self.changes))
+
+    def _repr_html_(self) -> str:
+        m = self.margins
+        rows: list[tuple[str, Any, str]] = []
+        for k, change in enumerate(self.changes):
+            numbers = f"{m.aero_margin_dB[k]:.2f} and {m.gain_increase_dB[k]:.2f} dB"
+            numbers += f", {m.phase_margin_deg[k]:.1f} deg; first {self.first[k]}"
+            rows.append((change, numbers if m.status[k] == "ok" else str(m.status[k]), ""))
+        for edge in self.edges:
+            sides = [f"{side:.3f}" for side in (edge.lower, edge.upper) if np.isfinite(side)]
+            rows.append((f"{edge.name}, unstable at", " and ".join(sides) or "none", "times"))
+        return card("Detuned: aero margin, gain increase, phase margin", rows)
+
+
+def detuned(
+    autopilot: Autopilot,
+    plant: FlexiblePlant,
+    factors: ArrayLike = (0.8, 0.9, 1.1, 1.2),
+    criteria: Criteria = CRITERIA["classic"],
+) -> Detuned:
+    """Return the margins with each mode off its frequency, with half its damping, and turned.
+
+    Parameters
+    ----------
+    autopilot : Autopilot
+        One.
+    plant : FlexiblePlant
+        One, with a bending mode or a tank.
+    factors : array_like
+        On the frequency of one bending mode or tank after the other, positive, ``(n,)``. Between
+        the least and the largest the loop is searched for where it becomes unstable.
+    criteria : Criteria
+        What is asked for.
+
+    Raises
+    ------
+    InputError
+        For a batch, a plant without modes, factors that are not positive, and what
+        `Autopilot.exact_loop` refuses.
+
+    Notes
+    -----
+    Further rows: the damping of each halved, and the slopes of each bending mode at the sensors
+    with the other sign, as of a source that counts them the other way.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tank = tv.SloshTank(mass=2400.0, station=19.94, damping=0.01, pendulum_length=2.1)
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> plant = tv.FlexiblePlant.from_vehicle(vehicle, tv.Structure(slosh=(tank,)))
+    >>> autopilot = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=tv.Actuator())
+    >>> found = tv.detuned(autopilot, plant, factors=[0.8, 1.2])
+    >>> found.changes
+    ('nominal', 'slosh 1 x 0.8', 'slosh 1 x 1.2', 'slosh 1, half its damping')
+    >>> found.margins.status.tolist(), found.first[0]
+    (['ok', 'ok', 'ok', 'ok'], 'aero_margin_dB')
+    """
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    instance("plant", plant, FlexiblePlant, "see FlexiblePlant.from_vehicle")
+    instance("criteria", criteria, Criteria, "see Criteria.own")
+    single("autopilot", autopilot.batch)
+    single("plant", plant.batch)
+    row = positive("factors", one_row("factors", factors))
+    names = _names(plant.structure)
+    if not names:
+        raise InputError("detuned() needs a plant with a bending mode or a tank; this has none")
+    count = len(names)
+    bending = len(plant.structure.bending)
+    changes = ["nominal", *(f"{name} x {factor:.6g}" for name in names for factor in row)]
+    changes += [f"{name}, half its damping" for name in names]
+    changes += [f"{name}, slopes at the sensors turned" for name in names[:bending]]
+    # One row for each change, one column for each mode.
+    place = np.arange(count)
+    moved, damped, turned = np.ones((3, len(changes), count))
+    start = 1 + count * row.size
+    moved[np.arange(1, start), np.repeat(place, row.size)] = np.tile(row, count)
+    damped[start + place, place] = 0.5
+    turned[start + count + place[:bending], place[:bending]] = -1.0
+    plants = _changed(plant, moved, damped, turned)
+    margins = loop_margins(autopilot.exact_loop(plants))
+    return Detuned(
+        tuple(changes),
+        margins,
+        _first(criteria, margins, len(changes)),
+        tuple(_edges(autopilot, plant, names, float(row.min()), float(row.max()))),
+        plants,
+    )
+
+
+def _names(structure: Structure) -> tuple[str, ...]:
+    parts = {"bending": structure.bending, "slosh": structure.slosh}
+    return tuple(f"{kind} {k}" for kind, modes in parts.items() for k in range(1, len(modes) + 1))
+
+
+def _changed(
+    plant: FlexiblePlant, moved: FloatArray, damped: FloatArray, turned: FloatArray
+) -> FlexiblePlant:
+    """The plants with factors ``(k, modes)`` on frequencies, dampings and slopes at sensors."""
+    structure = plant.structure
+    columns = list(zip(moved.T, damped.T, turned.T, strict=True))
+    bending = tuple(
+        replace(
+            mode,
+            frequency=mode.frequency * frequency,
+            damping=mode.damping * damping,
+            attitude_slope=mode.attitude_slope * sign,
+            rate_slope=mode.rate_slope * sign,
+        )
+        for mode, (frequency, damping, sign) in zip(structure.bending, columns, strict=False)
+    )
+    slosh = tuple(
+        _tank(tank, frequency, damping)
+        for tank, (frequency, damping, _) in zip(
+            structure.slosh, columns[len(bending) :], strict=True
+        )
+    )
+    return replace(plant, structure=replace(structure, bending=bending, slosh=slosh))
+
+
+def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshTank:
+    """A tank with its frequency moved, that of a pendulum by its length."""
+    changes: dict[str, Any] = {"damping": tank.damping * damping}
+    if tank.frequency is None:
+        changes["pendulum_length"] = np.asarray(tank.pendulum_length) / frequency**2
+    else:
+        changes["frequency"] = tank.frequency * frequency
+    return replace(tank, **changes)
+
+
+def _first(criteria: Criteria, margins: Margins, count: int) -> tuple[str, ...]:
+    """The margin of each row with the least surplus over what is asked for."""
+    judged = criteria.judge(margins)
+    asked = [max(one.requirement.limit, np.finfo(float).tiny) for one in judged]
+    parts = np.stack(
+        [np.broadcast_to(j.surplus, count) / limit for j, limit in zip(judged, asked, strict=True)]
+    )
+    least = np.argmin(np.where(np.isnan(parts), np.inf, parts), axis=0)
+    names = [one.requirement.margin for one in judged]
+    good = np.broadcast_to(margins.stable, count)
+    return tuple(names[k] if fine else "unstable" for k, fine in zip(least, good, strict=True))
+
+
+def _edges(
+    autopilot: Autopilot, plant: FlexiblePlant, names: tuple[str, ...], low: float, high: float
+) -> list[Edge]:
+    """Where the loop becomes unstable between two factors, by its poles alone."""
+
+    def unstable(factors: FloatArray, modes: NDArray[np.intp]) -> NDArray[np.bool_]:
+        moved = np.ones((factors.size, len(names)))
+        moved[np.arange(factors.size), modes] = factors
+        even = np.ones_like(moved)
+        found = stability(autopilot.exact_loop(_changed(plant, moved, even, even)).form)
+        return np.asarray((found.unstable_poles > 0) | found.marginal)
+
+    count = len(names)
+    outward = [np.linspace(1.0, end, _SEARCHED // 2 + 1)[1:] for end in (min(low, 1), max(high, 1))]
+    inner, outer = np.full((2, 2, count), np.nan)
+    every = np.concatenate(outward)
+    states = unstable(np.tile(every, count), np.repeat(np.arange(count), every.size))
+    if unstable(np.ones(1), np.zeros(1, dtype=int))[0]:
+        return [Edge(name, 1.0, 1.0) for name in names]
+    for end, (factors, fails) in enumerate(
+        zip(outward, np.split(states.reshape(count, -1), 2, axis=1), strict=True)
+    ):
+        place = np.argmax(fails, axis=1)
+        found = np.any(fails, axis=1)
+        outer[end] = np.where(found, factors[place], np.nan)
+        inner[end] = np.where(found, np.append(1.0, factors)[place], np.nan)
+    side, mode = np.nonzero(np.isfinite(outer))
+    for _ in range(_HALVED if side.size else 0):
+        middle = 0.5 * (inner[side, mode] + outer[side, mode])
+        fails = unstable(middle, mode)
+        outer[side, mode] = np.where(fails, middle, outer[side, mode])
+        inner[side, mode] = np.where(fails, inner[side, mode], middle)
+    return [Edge(name, *outer[:, k].tolist()) for k, name in enumerate(names)]

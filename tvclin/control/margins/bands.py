@@ -1,0 +1,268 @@
+"""Margins by band: what the rigid body has, and what each mode of structure and liquid has.
+
+The loop is a sum of partial fractions. Each lightly damped pair of poles of the plant owns its two
+terms, the rigid body the rest; at any frequency the largest of them owns the loop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import InputError, instance, one_of, plain
+from tvclin.control.margins.band_terms import Terms, distance, followed, peak
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.record import Margins, decibels, margins_of
+from tvclin.kernels.loop_margins import LoopFindings
+from tvclin.kernels.state_loop import StateLoop
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[Any]
+
+GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable"
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBand:
+    """Margins of a stable loop at the crossings that the rigid body owns; ``(...)``.
+
+    NaN for a loop that is not stable; infinite, and the frequency NaN, where there is none.
+
+    Attributes
+    ----------
+    aero_margin, gain_increase, phase_margin : float or ndarray
+        As of `Margins`: factors on the gain, and a phase [rad].
+    aero_frequency, gain_increase_frequency, crossover_frequency : float or ndarray
+        Where they are [rad/s].
+    """
+
+    aero_margin: Any
+    aero_frequency: Any
+    gain_increase: Any
+    gain_increase_frequency: Any
+    phase_margin: Any
+    crossover_frequency: Any
+
+    @property
+    def aero_margin_dB(self) -> Any:
+        """The aero margin in dB, positive."""
+        return decibels(self.aero_margin)
+
+    @property
+    def gain_increase_dB(self) -> Any:
+        """The gain-increase margin in dB, positive."""
+        return decibels(self.gain_increase)
+
+    @property
+    def phase_margin_deg(self) -> Any:
+        """The phase margin in degrees."""
+        return plain(np.degrees(self.phase_margin))
+
+
+@dataclass(frozen=True, eq=False)
+class ModeBand:
+    """One mode in the loop; numbers have the shape ``(...)`` of the batch.
+
+    Attributes
+    ----------
+    name : str
+        Name of the mode in the plant.
+    pole : complex or ndarray
+        Its pole in the plant [1/s].
+    closed_pole : complex or ndarray
+        Where it goes as the gain of the loop grows from zero to one [1/s]. Of a sampled loop that
+        of least frequency which has the same samples.
+    stabilised : str or ndarray of str
+        "gain": it is felt, and |L| stays below one. "phase": |L| is one where it owns the loop.
+        "with the rigid body": the rest of the loop is larger even at its pole. "unstable": its
+        closed pole lies in the right half plane.
+    peak, peak_frequency : float or ndarray
+        The largest |L| at frequencies that it owns, and where [rad/s]; NaN if it owns none.
+    lag_margin, lead_margin : float or ndarray
+        The least phase [rad] by which L may lag, and lead, at crossovers that it owns; infinite
+        without one, and NaN in a loop that is not stable.
+    gain_reduction, gain_increase : float or ndarray
+        Factors above one by which the gain may fall and rise at phase crossovers that it owns.
+    distance : float or ndarray
+        The least |1 + L| within eight half-widths of its pole.
+    alias : float or ndarray
+        The frequency [rad/s] at which a sampled law sees it, where that is another; else NaN.
+    """
+
+    name: str
+    pole: Any
+    closed_pole: Any
+    stabilised: Any
+    peak: Any
+    peak_frequency: Any
+    lag_margin: Any
+    lead_margin: Any
+    gain_reduction: Any
+    gain_increase: Any
+    distance: Any
+    alias: Any
+
+    @property
+    def frequency(self) -> Any:
+        """Frequency of the mode in the plant [rad/s]."""
+        return plain(np.abs(self.pole))
+
+    @property
+    def peak_dB(self) -> Any:
+        """The peak in dB."""
+        return decibels(self.peak)
+
+    @property
+    def gain_margin_dB(self) -> Any:
+        """By how many dB a gain-stabilised mode stays below one; NaN for others."""
+        stays = np.asarray(self.stabilised) == GAIN
+        return plain(np.where(stays, -np.asarray(self.peak_dB), np.nan)[()])
+
+    @property
+    def phase_margin_deg(self) -> Any:
+        """The smaller of lag and lead margin in degrees; NaN unless it is phase-stabilised."""
+        least = np.degrees(np.minimum(self.lag_margin, self.lead_margin))
+        return plain(np.where(np.asarray(self.stabilised) == PHASE, least, np.nan)[()])
+
+
+@dataclass(frozen=True, eq=False)
+class BandMargins:
+    """The margins of one loop by band, or of a batch.
+
+    Attributes
+    ----------
+    whole : Margins
+        Of the whole loop: the verdict.
+    rigid : RigidBand
+        Of the rigid body.
+    modes : tuple of ModeBand
+        Of each bending mode and tank.
+    """
+
+    whole: Margins
+    rigid: RigidBand
+    modes: tuple[ModeBand, ...]
+
+    def mode(self, name: str) -> ModeBand:
+        """Return the band of one mode by its name."""
+        names = [one.name for one in self.modes]
+        return self.modes[names.index(one_of("name", name, names))]
+
+    def _repr_html_(self) -> str:
+        rows: list[tuple[str, Any, str]] = [
+            ("whole loop", self.whole.status, ""),
+            ("rigid body, aero margin", self.rigid.aero_margin_dB, "dB"),
+            ("rigid body, gain increase", self.rigid.gain_increase_dB, "dB"),
+            ("rigid body, phase margin", self.rigid.phase_margin_deg, "deg"),
+        ]
+        for one in self.modes:
+            rows += [
+                (f"{one.name}, at", one.frequency, "rad/s"),
+                (f"{one.name}, stabilised by", one.stabilised, ""),
+                (f"{one.name}, peak of |L|", one.peak_dB, "dB"),
+                (f"{one.name}, phase margin", one.phase_margin_deg, "deg"),
+                (f"{one.name}, least |1 + L|", one.distance, "-"),
+            ]
+        return card("Margins by band", rows)
+
+
+def band_margins(loop: Loop, names: tuple[str, ...], poles: ComplexArray) -> BandMargins:
+    """Return the margins of a loop by band.
+
+    Parameters
+    ----------
+    loop : Loop
+        Held as matrices, one or a batch ``(...)``.
+    names : tuple of str
+        Names of the modes.
+    poles : ndarray
+        Upper pole of each in the plant [1/s], ``(..., n)``; each is a pole of the loop.
+
+    Raises
+    ------
+    InputError
+        For a loop that is held as polynomials.
+    """
+    instance("loop", loop, Loop, "see Autopilot.exact_loop")
+    if not isinstance(loop.form, StateLoop):
+        raise InputError(
+            "band_margins() takes loops that are held as matrices; see Loop.from_system"
+        )
+    count = len(loop.form.case)
+    own = np.broadcast_to(poles, (*loop.batch, len(names))).reshape(count, len(names))
+    terms = Terms.of(loop, own)
+    found = loop.findings()
+    ends = followed(terms)
+    numbers = [_rigid(terms, found)]
+    numbers += [_mode(terms, found, k, ends[:, k]) for k in range(len(names))]
+    shaped = [{key: _shaped(v, loop.batch) for key, v in one.items()} for one in numbers]
+    modes = (ModeBand(name=name, **one) for name, one in zip(names, shaped[1:], strict=True))
+    return BandMargins(margins_of(found, loop.batch), RigidBand(**shaped[0]), tuple(modes))
+
+
+def _rigid(terms: Terms, found: LoopFindings) -> dict[str, Any]:
+    phases, factors = _owned(terms, found, -1)
+    with np.errstate(divide="ignore"):
+        fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
+    rise = np.where(factors > 1.0, factors, np.nan)
+    at, omega = found.phase_frequencies, found.gain_frequencies
+    triples = [(fall, at), (rise, at), (np.abs(phases), omega)]
+    pairs = [number for values, where in triples for number in _least(values, where, found)]
+    return dict(zip((field.name for field in fields(RigidBand)), pairs, strict=True))
+
+
+def _mode(terms: Terms, found: LoopFindings, k: int, closed: ComplexArray) -> dict[str, Any]:
+    pole = terms.plant[:, k]
+    phases, factors = _owned(terms, found, k)
+    highest, where = peak(terms, k)
+    felt = terms.owner(np.nan_to_num(np.imag(pole), nan=1.0)[:, np.newaxis])[:, 0] == k
+    crosses = np.any(~np.isnan(phases), axis=-1)
+    words = np.select([closed.real > 0.0, crosses, ~felt], [UNSTABLE, PHASE, RIGID], GAIN)
+    at, omega = found.phase_frequencies, found.gain_frequencies
+    with np.errstate(divide="ignore", invalid="ignore"):
+        fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
+        rise = np.where(factors > 1.0, factors, np.nan)
+        lag, lead = np.where(phases > 0.0, phases, np.nan), np.where(phases <= 0.0, -phases, np.nan)
+    return {
+        "pole": pole,
+        "closed_pole": terms.loop.from_plane(closed[:, np.newaxis])[:, 0],
+        "stabilised": words,
+        "peak": highest,
+        "peak_frequency": where,
+        "lag_margin": _least(lag, omega, found)[0],
+        "lead_margin": _least(lead, omega, found)[0],
+        "gain_reduction": _least(fall, at, found)[0],
+        "gain_increase": _least(rise, at, found)[0],
+        "distance": distance(terms, k),
+        "alias": terms.loop.aliases(np.imag(pole)[:, np.newaxis])[:, 0],
+    }
+
+
+def _owned(terms: Terms, found: LoopFindings, k: int) -> tuple[FloatArray, FloatArray]:
+    """Phases and factors at the crossings that the k-th mode owns; NaN at others."""
+    pairs = []
+    for omega, values in (
+        (found.gain_frequencies, found.phases),
+        (found.phase_frequencies, found.factors),
+    ):
+        pairs.append(np.where(terms.owner(np.nan_to_num(omega)) == k, values, np.nan))
+    return pairs[0], pairs[1]
+
+
+def _least(values: FloatArray, omega: FloatArray, found: LoopFindings) -> tuple[Any, Any]:
+    """The least of each row and its frequency; infinite and NaN without one, NaN if unstable."""
+    wide = [np.pad(a, [(0, 0), (0, 1)], constant_values=np.nan) for a in (values, omega)]
+    filled = np.where(np.isnan(wide[0]), np.inf, wide[0])
+    place = np.argmin(filled, axis=-1)[:, np.newaxis]
+    least, where = (np.take_along_axis(a, place, axis=-1)[:, 0] for a in (filled, wide[1]))
+    where = np.where(np.isinf(least), np.nan, where)
+    return np.where(found.stable, least, np.nan), np.where(found.stable, where, np.nan)
+
+
+def _shaped(values: Any, batch: tuple[int, ...]) -> Any:
+    array = np.asarray(values).reshape(batch)
+    return array if array.ndim else array.item()

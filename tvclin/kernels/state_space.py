@@ -1,0 +1,101 @@
+"""Systems in state space put together, in batches: A, B, C and D with leading axes.
+
+Those in steps and those in continuous time are put together alike. `to_steps` and `from_steps`
+are the bilinear rule and its inverse (Franklin, Powell and Workman, Digital Control of Dynamic
+Systems).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+
+def gain(value: ArrayLike) -> Matrices:
+    """Return the system without states of a gain ``(...)``."""
+    through = np.asarray(value, float)[..., np.newaxis, np.newaxis]
+    return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), through
+
+
+def series(first: Matrices, second: Matrices) -> Matrices:
+    """Return the second behind the first."""
+    (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
+    n = A1.shape[-1], A2.shape[-1]
+    A = stacked(beside(A1, np.zeros(n)), beside(B2 @ C1, A2))
+    return A, stacked(B1, B2 @ D1), beside(D2 @ C1, C2), D2 @ D1
+
+
+def parallel(first: Matrices, second: Matrices) -> Matrices:
+    """Return the sum of two systems with the same input."""
+    (A1, B1, C1, D1), (A2, B2, C2, D2) = first, second
+    return _diagonal(A1, A2), stacked(B1, B2), beside(C1, C2), D1 + D2
+
+
+def summed(systems: Sequence[Matrices]) -> Matrices:
+    """Return the sum of systems with an input each."""
+    A, B, C, D = systems[0]
+    for one in systems[1:]:
+        A, B = _diagonal(A, one[0]), _diagonal(B, one[1])
+        C, D = beside(C, one[2]), beside(D, one[3])
+    return A, B, C, D
+
+
+def to_steps(system: Matrices, c: FloatArray) -> Matrices:
+    """Return the system in steps that s = c (z - 1)/(z + 1) makes of one in continuous time.
+
+    Parameters
+    ----------
+    system : tuple of ndarray
+        A, B, C and D.
+    c : ndarray
+        Two over the period, or what makes one frequency exact [1/s], ``(...)``.
+    """
+    A, B, C, D = system
+    c = np.asarray(c)[..., np.newaxis, np.newaxis]
+    unit = np.eye(A.shape[-1])
+    # (s - A)^-1 = (z + 1) (z - Z)^-1 (c - A)^-1 with Z = (c - A)^-1 (c + A)
+    left = np.linalg.inv(c * unit - A)
+    return left @ (c * unit + A), 2.0 * c * (left @ B), C @ left, D + C @ left @ B
+
+
+def from_steps(system: Matrices, half: FloatArray) -> Matrices:
+    """Return the system in w, z = (1 + w h/2)/(1 - w h/2), of one in steps.
+
+    Parameters
+    ----------
+    system : tuple of ndarray
+        A, B, C and D.
+    half : ndarray
+        Half the period [s], ``(...)``.
+    """
+    A, B, C, D = system
+    half = np.asarray(half)[..., np.newaxis, np.newaxis]
+    unit = np.eye(A.shape[-1])
+    # (z - A)^-1 = (1 - w h/2) (w - W)^-1 (1 + A)^-1/(h/2) with W = (1 + A)^-1 (A - 1)/(h/2)
+    left = np.linalg.inv(unit + A)
+    return left @ (A - unit) / half, 2.0 / half * (left @ B), C @ left, D - C @ left @ B
+
+
+def beside(*blocks: FloatArray) -> FloatArray:
+    """Return blocks beside each other, their batches broadcast."""
+    return np.concatenate(_spread(blocks), axis=-1)
+
+
+def stacked(*blocks: FloatArray) -> FloatArray:
+    """Return blocks below each other, their batches broadcast."""
+    return np.concatenate(_spread(blocks), axis=-2)
+
+
+def _spread(blocks: Sequence[FloatArray]) -> list[FloatArray]:
+    shape = np.broadcast_shapes(*(block.shape[:-2] for block in blocks))
+    return [np.broadcast_to(block, (*shape, *block.shape[-2:])) for block in blocks]
+
+
+def _diagonal(first: FloatArray, second: FloatArray) -> FloatArray:
+    (m, n), (p, q) = first.shape[-2:], second.shape[-2:]
+    return stacked(beside(first, np.zeros((m, q))), beside(np.zeros((p, n)), second))
