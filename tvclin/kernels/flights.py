@@ -48,7 +48,8 @@ class Flights(NamedTuple):
     joint : ndarray
         J of each part of a step, the part after the delay first, ``(p, parts, N, N + 1 + terms)``.
     ramp : ndarray
-        What the deflection at both ends of a part does to the vehicle, ``(p, parts, n, 2)``.
+        What the deflection at both ends of a part does to the vehicle, ``(p, parts, n, 2)``; where
+        its acceleration is an input, then what its rates before and after do, ``(p, parts, n, 4)``.
     lengths : ndarray
         Of a step, and of its parts [s], ``(p, 1 + parts)``.
     quick : ndarray
@@ -62,7 +63,7 @@ class Flights(NamedTuple):
     A, gust : ndarray
         Of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and ``(p, n)``.
     judges : ndarray
-        Rows of the fast and of the slow unstable coordinate, ``(p, 2, n)``.
+        Rows of the fast and of the slow unstable coordinate, ``(p, 2, N)``.
     reach, ratio : ndarray
         Of the coordinates over the deflection limit, NaN where nothing judges; and of their
         poles, ``(p,)``.
@@ -193,8 +194,8 @@ def looked(f: Flights, i: int, k: int) -> bool:
             total += f.shown[p, r, j] * x[j]
         measured[r] = total
     measured[4] = min(max(x[n], -f.limit[i]), f.limit[i])
-    raised(peaks, 0, measured[0])
-    raised(peaks, 1, measured[1])
+    raised(peaks, 0, x[0])
+    raised(peaks, 1, x[1])
     raised(peaks, 4, measured[3])
     after = k - f.ends[i]
     if after > 0 and after % LOOK == 0 and f.outcome[i] != LOST:
@@ -242,12 +243,12 @@ def polynomial(
 @inlined
 def judged(f: Flights, i: int) -> None:
     """Decide a flight after its wind, if that can be done; one that was saved may yet be lost."""
-    p, n = f.vehicle[i], f.A.shape[1]
+    p = f.vehicle[i]
     reach, ratio = f.reach[p] * f.limit[i], f.ratio[p]
     if not reach > 0.0:
         return
     fast, slow = 0.0, 0.0
-    for j in range(n):
+    for j in range(f.judges.shape[2]):
         fast += f.judges[p, 0, j] * f.y[i, j]
         slow += f.judges[p, 1, j] * f.y[i, j]
     recoverable = abs(fast) < reach
@@ -300,7 +301,10 @@ def moved(f: Flights, i: int, part: int, row: int, c: float, begin: float, end: 
     limit = f.limit[i]
     last = min(max(new[n], -limit), limit)
     if bounded:
-        evenly(f, i, f.joint[p, part], f.ramp[p, part], min(max(y[n], -limit), limit), last)
+        first = min(max(y[n], -limit), limit)
+        evenly(f, i, f.joint[p, part], f.ramp[p, part], first, last)
+        if f.ramp.shape[3] > 2:
+            jerked(f, i, f.ramp[p, part])
     size = y.size
     if row < f.track.shape[0]:
         for r in range(size):
@@ -354,6 +358,25 @@ def evenly(f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, la
         for j in range(n):
             total += J[r, j] * y[j]
         new[r] = total
+
+
+@inlined
+def jerked(f: Flights, i: int, ramp: FloatArray) -> None:
+    """Add what an engine with inertia does to the vehicle when its rate jumps, at both ends.
+
+    The even rate v of a part follows the rate before and is followed by that after: the
+    acceleration is (v - before) and (after - v) as impulses. What v does is in the first columns.
+    """
+    y, new, limit = f.y[i], f.next[i], f.limit[i]
+    before, after = turning(y, f.A.shape[1], limit), turning(new, f.A.shape[1], limit)
+    for r in range(f.A.shape[1]):
+        new[r] += ramp[r, 2] * before + ramp[r, 3] * after
+
+
+@inlined
+def turning(y: FloatArray, n: int, limit: float) -> float:
+    """Return the rate of a nozzle of second order [rad/s]: zero on its stop."""
+    return y[n + 1] if abs(y[n]) <= limit else 0.0
 
 
 @inlined

@@ -126,7 +126,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         shown=_shown(batch.plant, C, D),
         A=A,
         gust=np.ascontiguousarray(inputs[..., 1]),
-        judges=np.ascontiguousarray(judges.rows[place]),
+        judges=_widened(judges.rows[place], N),
         reach=judges.reach[place],
         ratio=judges.ratio[place],
         knots=knots,
@@ -239,6 +239,13 @@ def _places(own: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:
     return np.broadcast_to(index, shape).ravel()
 
 
+def _widened(rows: FloatArray, width: int) -> FloatArray:
+    """Rows of the vehicle's states, with zeros for what follows them."""
+    wide = np.zeros((*rows.shape[:-1], width))
+    wide[..., : rows.shape[-1]] = rows
+    return wide
+
+
 def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     return np.broadcast_to(array, shape).astype(float).ravel()
 
@@ -298,8 +305,11 @@ def _steps(
     whole = np.zeros((p, wind + terms, wind + terms))
     whole[:, :n, :n], whole[:, :n, wind] = A, inputs[..., 1]
     whole[:, :n, N if servo is None else n] = inputs[..., 0]
+    heavy = servo is not None and inputs.shape[2] > 2
     if servo is not None:
         whole[:, n:N, n : N + 1] = servo
+        if heavy:  # what accelerates the deflection, its last row, moves the vehicle as well
+            whole[:, :n, n : N + 1] += inputs[..., 2:] * servo[:, -1:]
     for k in range(1, terms):
         whole[:, wind + k - 1, wind + k] = k
     even = np.zeros((p, n + 2, n + 2))
@@ -311,8 +321,13 @@ def _steps(
             J[:, n], J[:, n, N] = 0.0, 1.0
         joint.append(J)
         gone = exponentials(even + _slope(n, part), part)
-        rise = gone[:, :n, n + 1]
-        ramp.append(np.stack([gone[:, :n, n] - rise, rise], axis=-1))
+        rise, kick = gone[:, :n, n + 1], []
+        if heavy:  # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of a part
+            b3 = inputs[..., 2]
+            later = np.einsum("pij,pj->pi", gone[:, :n, :n], b3)
+            rise = rise + (later - b3) / np.where(part > 0.0, part, 1.0)[:, np.newaxis]
+            kick = [-later, b3]
+        ramp.append(np.stack([gone[:, :n, n] - rise, rise, *kick], axis=-1))
     return np.stack(joint, axis=1), np.stack(ramp, axis=1)
 
 

@@ -14,6 +14,9 @@ from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
+_PLAIN = 2
+"""Inputs of a plant whose engine has no inertia: deflection and wind."""
+
 
 def check_track(f: Flights, order: int) -> None:
     """Raise `InputError` when states of a flight have grown beyond all meaning."""
@@ -47,12 +50,16 @@ def between_samples(
     y, (command, last, met) = f.track[row, :N], f.track[row, N:].T
     bounded = met > 0.0
     servo = (np.zeros((0, 0)), np.zeros((0, 1))) if actuator is None else actuator.matrices()[:2]
-    free = _free(A, inputs[:, 0], servo, y, command, u)
+    free = _free(A, inputs, servo, y, command, u)
     lengths = np.diff(begins, append=begins[-1] + f.lengths[0, 1])[row]
     first = np.clip(y[:, n], -limit, limit)
     slope = (last - first) / lengths
     even = exponentials(driven(A, np.column_stack([inputs[:, 0], np.zeros(n)]), np.eye(2, k=1)), u)
-    begun = np.column_stack([y[:, :n], first, slope])
+    vehicle = y[:, :n]
+    if inputs.shape[1] > _PLAIN:  # an engine with inertia: b3 delta'' is an impulse where v begins
+        before = np.where(np.abs(y[:, n]) <= limit, y[:, n + 1], 0.0)
+        vehicle = vehicle + (slope - before)[:, np.newaxis] * inputs[:, 2]
+    begun = np.column_stack([vehicle, first, slope])
     straight = np.einsum("mij,mj->im", even[:, :n], begun)
     rows = np.zeros((n + 1, times.size))
     rows[:n] = np.where(bounded, straight, free[:n]) + _blown(A, inputs[:, 1], wind, begins[row], u)
@@ -72,7 +79,7 @@ def _begins(f: Flights) -> FloatArray:
 
 def _free(
     A: FloatArray,
-    drive: FloatArray,
+    inputs: FloatArray,
     servo: tuple[FloatArray, FloatArray],
     y: FloatArray,
     command: FloatArray,
@@ -83,9 +90,12 @@ def _free(
     whole, given = np.zeros((n + q, n + q)), np.zeros((n + q, 1))
     whole[:n, :n] = A
     if q:
-        whole[:n, n], whole[n:, n:], given[n:] = drive, servo[0], servo[1]
+        whole[:n, n], whole[n:, n:], given[n:] = inputs[:, 0], servo[0], servo[1]
+        if inputs.shape[1] > _PLAIN:  # b3 delta'', the last row of the servo
+            whole[:n, n:] += np.outer(inputs[:, 2], servo[0][-1])
+            given[:n, 0] += inputs[:, 2] * servo[1][-1, 0]
     else:
-        given[:n, 0] = drive
+        given[:n, 0] = inputs[:, 0]
     moved = exponentials(driven(whole, given), u)[:, : n + q]
     begun = np.column_stack([y[:, : n + q], command])
     return np.einsum("mij,mj->im", moved, begun)
