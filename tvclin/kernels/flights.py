@@ -26,6 +26,8 @@ UNDECIDED, SURVIVED, LOST = range(3)
 """What became of a flight."""
 SETTLED = 0.3
 """Saved: every unstable coordinate is below this part of the reach for a while."""
+MEASURED = 5
+"""Numbers that a law is shown."""
 LOOK = 8
 """Samples between two looks at a flight."""
 PEAKS = 6
@@ -73,8 +75,11 @@ class Flights(NamedTuple):
     laws : sequence of LawNumbers
         Or an array with their fields; `law` says whose.
     own, driven : ndarray
-        What a step makes of the states of a law and of what it sees, ``(l, s, s)``, ``(l, s, 5)``;
-        one for each flight, or one for all.
+        What a step makes of the states of a law with its filters, and of what is sensed,
+        ``(l, s, s)``, ``(l, s, 6)``; one for each flight, or one for all.
+    seen, told : ndarray
+        With filters, what a law sees and what the nozzle is told: of the states and of what is
+        sensed, ``(l, 5, s + 6)`` and ``(l, s + 6)``; of no length without filters.
     limit, rate_limit : ndarray
         Of the deflection, ``(m,)``.
     start : ndarray
@@ -86,9 +91,12 @@ class Flights(NamedTuple):
         Of the measured attitude rate [rad/s], ``(sequences, samples)``.
     sequence : ndarray of int
         The sequence of each flight, ``(m,)``.
-    y, states, measured, here : ndarray
-        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, what is
-        measured ``(m, 5)``, and the wind about now ``(m, terms)``.
+    y, states, here : ndarray
+        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, and the wind
+        about now ``(m, terms)``.
+    sensed, measured : ndarray
+        What sensors give, and last what the law asks for, ``(m, 6)``; and what the law sees,
+        behind its filters, ``(m, 5)``.
     next, series : ndarray
         Room for the next states, ``(m, max(N, s))`` and ``(m, n)``.
     commands : ndarray
@@ -124,6 +132,8 @@ class Flights(NamedTuple):
     laws: Any
     own: FloatArray
     driven: FloatArray
+    seen: FloatArray
+    told: FloatArray
     limit: FloatArray
     rate_limit: FloatArray
     start: FloatArray
@@ -135,8 +145,9 @@ class Flights(NamedTuple):
     sequence: IntArray
     y: FloatArray
     states: FloatArray
-    measured: FloatArray
     here: FloatArray
+    sensed: FloatArray
+    measured: FloatArray
     next: FloatArray
     series: FloatArray
     commands: FloatArray
@@ -185,18 +196,18 @@ def advance(
 @inlined
 def looked(f: Flights, i: int, k: int) -> bool:
     """Write what a law is shown at a sample; return whether the flight goes on."""
-    p, peaks, measured, x = f.vehicle[i], f.peaks[i], f.measured[i], f.y[i]
+    p, peaks, sensed, x = f.vehicle[i], f.peaks[i], f.sensed[i], f.y[i]
     n = f.A.shape[1]
     about(f, i, f.start[i] + f.lengths[p, 0] * k)
     for r in range(4):
         total = f.shown[p, r, n] * f.here[i, 0]
         for j in range(n):
             total += f.shown[p, r, j] * x[j]
-        measured[r] = total
-    measured[4] = min(max(x[n], -f.limit[i]), f.limit[i])
+        sensed[r] = total
+    sensed[4] = min(max(x[n], -f.limit[i]), f.limit[i])
     raised(peaks, 0, x[0])
     raised(peaks, 1, x[1])
-    raised(peaks, 4, measured[3])
+    raised(peaks, 4, sensed[3])
     after = k - f.ends[i]
     if after > 0 and after % LOOK == 0 and f.outcome[i] != LOST:
         judged(f, i)
@@ -205,8 +216,25 @@ def looked(f: Flights, i: int, k: int) -> bool:
         f.ended[i] = k
         return False
     if k < f.noise.shape[1]:
-        measured[1] += f.noise[f.sequence[i], k]
+        sensed[1] += f.noise[f.sequence[i], k]
+    for r in range(MEASURED):
+        f.measured[i, r] = sensed[r]
+    if f.seen.shape[0]:
+        own = i if f.seen.shape[0] > 1 else 0
+        for r in range(MEASURED):
+            f.measured[i, r] = filtered(f, i, f.seen[own, r])
     return True
+
+
+@inlined
+def filtered(f: Flights, i: int, row: FloatArray) -> float:
+    """Return what a row makes of the states of a law and of what is sensed."""
+    s, total = f.states.shape[1], 0.0
+    for j in range(s):
+        total += row[j] * f.states[i, j]
+    for j in range(MEASURED + 1):
+        total += row[s + j] * f.sensed[i, j]
+    return total
 
 
 @inlined
@@ -266,7 +294,10 @@ def judged(f: Flights, i: int) -> None:
 @inlined
 def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
     """Move a flight by a sample."""
-    p, limit, measured = f.vehicle[i], f.limit[i], f.measured[i]
+    p, limit, sensed = f.vehicle[i], f.limit[i], f.sensed[i]
+    sensed[MEASURED] = demand
+    if f.told.shape[0]:
+        demand = filtered(f, i, f.told[i if f.told.shape[0] > 1 else 0])
     mode = switched(engage * limit, release * limit, demand, f.mode[i])
     f.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
@@ -289,7 +320,7 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     n = f.A.shape[1]
     deflection = min(max(f.y[i, n], -limit), limit)
     raised(f.peaks[i], 2, deflection)
-    raised(f.peaks[i], 3, (deflection - measured[4]) / f.lengths[p, 0])
+    raised(f.peaks[i], 3, (deflection - sensed[4]) / f.lengths[p, 0])
 
 
 @inlined
@@ -381,15 +412,15 @@ def turning(y: FloatArray, n: int, limit: float) -> float:
 
 @inlined
 def learnt(f: Flights, i: int) -> None:
-    """Move the law's own states, by what was measured."""
+    """Move the states of a law and of its filters, by what was sensed and asked for."""
     s = f.states.shape[1]
     own = i if f.own.shape[0] > 1 else 0
     for r in range(s):
         total = 0.0
         for j in range(s):
             total += f.own[own, r, j] * f.states[i, j]
-        for j in range(5):
-            total += f.driven[own, r, j] * f.measured[i, j]
+        for j in range(MEASURED + 1):
+            total += f.driven[own, r, j] * f.sensed[i, j]
         f.next[i, r] = total
     for r in range(s):
         f.states[i, r] = f.next[i, r]

@@ -23,7 +23,7 @@ from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import NEVER, PEAKS, Flights
+from tvclin.kernels.flights import MEASURED, NEVER, PEAKS, Flights
 from tvclin.kernels.propagation import exponentials
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.plant import Plant
@@ -134,6 +134,8 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         laws=[one or LawNumbers() for one in batch.laws.numbers],
         own=kept,
         driven=learnt,
+        seen=np.zeros((0, MEASURED, states + MEASURED + 1)),
+        told=np.zeros((0, states + MEASURED + 1)),
         limit=_flat(batch.limit, shape),
         rate_limit=_flat(batch.rate_limit, shape),
         start=start.copy(),
@@ -145,8 +147,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         sequence=sequence,
         y=np.zeros((m, N)),
         states=np.zeros((m, states)),
-        measured=np.zeros((m, 5)),
         here=np.zeros((m, terms)),
+        sensed=np.zeros((m, MEASURED + 1)),
+        measured=np.zeros((m, MEASURED)),
         next=np.zeros((m, max(N, states))),
         series=np.zeros((m, n)),
         commands=np.zeros((m, int(late.max(initial=0)) + joint.shape[1])),
