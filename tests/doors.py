@@ -147,8 +147,34 @@ def doors(folder: Path) -> dict[str, Door]:
         return tv.run_campaign(folder=given, **others)
 
     pulse = {"peak": 0.09, "duration": 7.5}
+    bending = {"frequency": 13.6, "damping": 0.005, "modal_mass": 5.1e4}
+    bending |= {"gimbal_displacement": 1.0, "gimbal_slope": -0.068, "attitude_slope": 0.27}
+    bending |= {"rate_slope": 0.25, "pressure_displacement": -0.43}
+    bending |= {"tank_displacements": (0.25,), "tank_slopes": (0.17,)}
+    sloshing = {"mass": 2400.0, "station": 19.9, "damping": 0.01, "pendulum_length": 2.1}
+    swinging = {"mass": 700.0, "arm": 1.4, "moment_of_inertia": 2e3}
+    structure = tv.Structure(
+        bending=(tv.BendingMode(**bending),),
+        slosh=(tv.SloshTank(**sloshing),),
+        engine=tv.Engine(**swinging),
+        rate_gyro=tv.Filter.low_pass(120.0, 0.7),
+    )
     return {
         "Actuator": Door(tv.Actuator, {"natural_frequency": 25.0, "damping": 0.7}),
+        "BendingMode": Door(tv.BendingMode, bending),
+        "Engine": Door(tv.Engine, swinging),
+        "SloshTank": Door(tv.SloshTank, {**sloshing, "frequency": None}),
+        "Structure": Door(
+            tv.Structure,
+            {
+                "bending": structure.bending,
+                "slosh": structure.slosh,
+                "engine": structure.engine,
+                "attitude_sensor": None,
+                "rate_gyro": structure.rate_gyro,
+                "thrust_follows": True,
+            },
+        ),
         "AsymmetricTriangularWind": Door(tv.AsymmetricTriangularWind, {**pulse, "peak_time": 2.0}),
         "Autopilot": Door(
             tv.Autopilot, {"attitude_gain": 0.2, "rate_gain": 0.2, "alpha_gain": 0.0, **options}
@@ -248,6 +274,24 @@ def doors(folder: Path) -> dict[str, Door]:
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
         "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
+        "FlexiblePlant": Door(
+            tv.FlexiblePlant,
+            {"vehicle": booster, "structure": structure, "model": "fixed-path", "plane": "yaw"},
+        ),
+        "FlexiblePlant.from_vehicle": Door(
+            tv.FlexiblePlant.from_vehicle,
+            {"vehicle": booster, "structure": structure, "model": "drift-exact", "plane": "pitch"},
+        ),
+        "Filter": Door(tv.Filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
+        "Filter.__call__": Door(tv.Filter.notch(32.0, 0.06, 0.6), {"s": [0.0, 1.0 + 2.0j]}),
+        "Filter.from_coefficients": Door(
+            tv.Filter.from_coefficients, {"numerator": [1.0], "denominator": [1.0, 0.5]}
+        ),
+        "Filter.lead_lag": Door(tv.Filter.lead_lag, {"zero": -3.0, "pole": 5.0}),
+        "Filter.low_pass": Door(tv.Filter.low_pass, {"frequency": 13.0, "damping": 0.95}),
+        "Filter.notch": Door(
+            tv.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
+        ),
         "Flight": Door(
             tv.Flight,
             {

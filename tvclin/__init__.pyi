@@ -94,6 +94,7 @@ from .linear.deflections import BangBang as BangBang
 from .linear.deflections import HeldDeflection as HeldDeflection
 from .linear.deflections import trim_deflection as trim_deflection
 from .linear.deflections import trim_then_hold as trim_then_hold
+from .linear.flexible import FlexiblePlant as FlexiblePlant
 from .linear.loads import Loads as Loads
 from .linear.loads import wind_loads as wind_loads
 from .linear.modes import Modes as Modes
@@ -114,6 +115,11 @@ from .show.report.page import report_html as report_html
 from .vehicle.coefficients import Coefficients as Coefficients
 from .vehicle.file import list_vehicles as list_vehicles
 from .vehicle.file import load_vehicle as load_vehicle
+from .vehicle.filters import Filter as Filter
+from .vehicle.structure import BendingMode as BendingMode
+from .vehicle.structure import Engine as Engine
+from .vehicle.structure import SloshTank as SloshTank
+from .vehicle.structure import Structure as Structure
 from .vehicle.vehicle import Vehicle as Vehicle
 from .winds.equivalent import equivalent_triangle as equivalent_triangle
 from .winds.gusts import LayeredGust as LayeredGust

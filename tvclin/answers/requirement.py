@@ -34,7 +34,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.flights.closed_loop.many import fly_many
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.modes import unstable_poles
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -154,7 +154,7 @@ def required_deflection(
     ('the minimum over all unstable poles', 0.195, 0.124)
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     boundary = boundary_alone(plant, wind, K, True)[0]
     needs = open_loop_needs(plant, wind, K, boundary)

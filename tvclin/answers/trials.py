@@ -21,7 +21,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind
@@ -114,7 +114,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
     with drift they would let its slow mode creep away.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     gains = canonical_gains(plant.coefficients)
     fixed = Plant.from_coefficients(plant.coefficients)
     laws = (

@@ -26,7 +26,7 @@ from tvclin.kernels.choice import run
 from tvclin.kernels.pieces import rows
 from tvclin.kernels.switches import largest_futures
 from tvclin.linear.modes import poles_in_words, unstable_poles, wind_strength
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -115,7 +115,7 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     >>> round(found.limit, 4), round(found.foresight, 4)
     (0.4653, 0.1)
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     R = number("reversal", reversal, nonnegative)
     ending("wind", wind.end)

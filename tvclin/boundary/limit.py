@@ -34,7 +34,7 @@ from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.boundary.switching import Problem
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import unstable_poles
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.equivalent import equivalent_triangle
 from tvclin.winds.histories import History
 
@@ -146,7 +146,7 @@ def boundary_limit(
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
     one_of("switch", switch, SWITCHES)
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     same = switch == "literal" or plant.model == "fixed-path"
     found = boundary_alone(plant, wind, K, *((True,) if same else (False, True)))

@@ -23,7 +23,7 @@ from tvclin.kernels.choice import run
 from tvclin.kernels.control_laws import slow_ends
 from tvclin.kernels.reaches import least_reaches
 from tvclin.linear.modes import poles_in_words, unstable_poles
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 
 FloatArray = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     >>> unstable_coordinates(plant).rows  # attitude + rate/beta
     array([[1., 2.]])
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     single("plant", plant.batch)
     poles = unstable_poles(plant)
     if not poles.size or np.iscomplexobj(poles) or poles.size > _MOST_MODES:

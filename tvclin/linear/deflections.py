@@ -26,7 +26,7 @@ from tvclin.base.errors import (
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.crossings import first_crossing
 from tvclin.kernels.pieces import Pieces
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 
 FloatArray = NDArray[np.float64]
@@ -131,7 +131,7 @@ def trim_deflection(plant: Plant, wind: History) -> History:
     wind : History
         Wind angle of attack; batches broadcast.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     from_wind = plant.numerator("attitude", "wind")
     return wind.filter(-from_wind, plant.numerator("attitude", "deflection"))

@@ -15,7 +15,7 @@ from tvclin.base.errors import (
     number,
 )
 from tvclin.linear.extremes import probe_times, summit
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
 
@@ -72,7 +72,7 @@ def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
     The report's conclusions say that a control below trim reduces angle of attack and bending
     moment. The peaks are sought between the samples of the exact response.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     if plant.batch or deflection.batch or wind.batch:

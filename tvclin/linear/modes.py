@@ -12,7 +12,7 @@ from tvclin.base.cards import card
 from tvclin.base.errors import instance
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import growing
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import INPUTS, RIGID, Plant
 
 _TOGETHER = 2e-6
 """Poles nearer to each other than this part of their size count as repeated ones."""
@@ -56,7 +56,7 @@ def all_modes(plant: Plant) -> Modes:
     plant : Plant
         One plant or a batch.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     return _with_residues(plant, plant.poles)
 
 
@@ -82,7 +82,7 @@ def unstable_modes(plant: Plant) -> Modes:
     >>> tv.unstable_modes(plant).poles.round(5)
     array([0.5102 , 0.01285])
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     return _with_residues(plant, unstable_poles(plant))
 
 

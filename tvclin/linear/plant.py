@@ -33,6 +33,8 @@ FloatArray = NDArray[np.float64]
 
 MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
 INPUTS = ("deflection", "wind")
+RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
+"""How to get a `Plant`, for messages where only a rigid one has an answer."""
 _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 
 

@@ -29,7 +29,7 @@ from tvclin.base.errors import (
     times_row,
 )
 from tvclin.kernels import responses
-from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.plant import INPUTS, RIGID, Plant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def attitude_responses(
         broadcast, and for outputs that the model does not have.
     """
     times = times_row("timepts", timepts)
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("deflection", deflection, History, "such as HeldDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)

@@ -24,7 +24,7 @@ from tvclin.base.errors import (
     single,
 )
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -155,7 +155,7 @@ def constraints_of(
 
 
 def _check_single(plant: Plant, wind: History) -> None:
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     single("plant", plant.batch)
     single("wind", wind.batch)

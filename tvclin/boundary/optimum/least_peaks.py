@@ -19,7 +19,7 @@ from tvclin.kernels.choice import run
 from tvclin.kernels.pieces import rows
 from tvclin.kernels.switches import from_onset
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -65,7 +65,7 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of
     lambda . e, over the directions of lambda.
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, wind=wind.batch)
     if np.any(np.isneginf(wind.end)):

@@ -90,12 +90,14 @@ class Actuator:
         )
 
     def matrices(self) -> Matrices:
-        """Return A, B, C, D of one; the states are the deflection [rad] and its rate [rad/s]."""
-        order = self.denominator.size - 1
-        A, B, C = np.eye(order, k=1), np.zeros((order, 1)), np.eye(1, order)
-        A[-1] = -self.denominator[:0:-1]
-        B[-1] = self.denominator[-1]
-        return A, B, C, np.zeros((1, 1))
+        """Return A, B, C, D; the states are the deflection [rad] and its rate [rad/s]."""
+        order = self.denominator.shape[-1] - 1
+        A = np.zeros((*self.batch, order, order)) + np.eye(order, k=1)
+        B = np.zeros((*self.batch, order, 1))
+        C, D = np.zeros((*self.batch, 1, order)) + np.eye(1, order), np.zeros((*self.batch, 1, 1))
+        A[..., -1, :] = -self.denominator[..., :0:-1]
+        B[..., -1, 0] = self.denominator[..., -1]
+        return A, B, C, D
 
 
 def pade_delay(delay: float, order: int) -> Matrices:

@@ -19,7 +19,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.autopilot.wiring import closed
 from tvclin.control.margins.record import loop_margins
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -97,7 +97,7 @@ def worst_duration(
     >>> round(worst.duration, 1), worst.at_the_end
     (17.7, False)
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    instance("plant", plant, Plant, RIGID)
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     if plant.batch or autopilot.batch:
         raise InputError("worst_duration is for one case; take those of a batch one by one")
