@@ -11,7 +11,7 @@ and the doors of `Plant`. Everything is a deviation from the nominal flight.
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Self
 
@@ -22,9 +22,9 @@ from tvclin.base.errors import InputError, broadcast, instance, one_of, plain
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import INPUTS, MODELS, Plant
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
-from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure import Structure, chosen
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 if TYPE_CHECKING:
@@ -141,6 +141,19 @@ class FlexiblePlant:
     def rigid(self) -> Plant:
         """The same vehicle without its structure."""
         return Plant.from_vehicle(self.vehicle, self.model, self.plane)
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """Those of the rigid vehicle."""
+        return self.rigid.coefficients
+
+    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> FlexiblePlant:
+        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
+        return replace(
+            self,
+            vehicle=chosen(self.vehicle, cases, shape),
+            structure=chosen(self.structure, cases, shape),
+        )
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -303,3 +316,7 @@ class FlexiblePlant:
             C[..., -2, first + 2 * k] = mode.attitude_slope
             C[..., -1, first + 2 * k + 1] = mode.rate_slope
         return C, D
+
+
+AnyPlant = Plant | FlexiblePlant
+"""What can be flown: rigid or flexible."""
