@@ -54,9 +54,7 @@ def between_samples(
     slope = (last - first) / lengths
     even = exponentials(driven(A, np.column_stack([inputs[:, 0], np.zeros(n)]), np.eye(2, k=1)), u)
     vehicle = y[:, :n]
-    if inputs.shape[1] > len(
-        INPUTS
-    ):  # an engine with inertia: b3 delta'' is an impulse where v begins
+    if inputs.shape[1] > len(INPUTS):  # b3 delta'' is an impulse where the even rate begins
         before = np.where(np.abs(y[:, n]) <= limit, y[:, n + 1], 0.0)
         vehicle = vehicle + (slope - before)[:, np.newaxis] * inputs[:, 2]
     begun = np.column_stack([vehicle, first, slope])
