@@ -264,7 +264,8 @@ def chosen(value: Any, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Any:
         return tuple(chosen(one, cases, shape) for one in value)
     if is_dataclass(value):
         parts = {one.name: chosen(getattr(value, one.name), cases, shape) for one in fields(value)}
-        return type(value)(**parts)
+        kind: Any = type(value)
+        return kind(**parts)
     if value is None or isinstance(value, bool | str):
         return value
     return np.broadcast_to(value, shape).ravel()[cases]
