@@ -26,6 +26,8 @@ UNDECIDED, SURVIVED, LOST = range(3)
 """What became of a flight."""
 SETTLED = 0.3
 """Saved: every unstable coordinate is below this part of the reach for a while."""
+MEASURED = 5
+"""Numbers that a law is shown."""
 LOOK = 8
 """Samples between two looks at a flight."""
 PEAKS = 6
@@ -48,7 +50,8 @@ class Flights(NamedTuple):
     joint : ndarray
         J of each part of a step, the part after the delay first, ``(p, parts, N, N + 1 + terms)``.
     ramp : ndarray
-        What the deflection at both ends of a part does to the vehicle, ``(p, parts, n, 2)``.
+        What the deflection at both ends of a part does to the vehicle, ``(p, parts, n, 2)``; where
+        its acceleration is an input, then what its rates before and after do, ``(p, parts, n, 4)``.
     lengths : ndarray
         Of a step, and of its parts [s], ``(p, 1 + parts)``.
     quick : ndarray
@@ -62,7 +65,7 @@ class Flights(NamedTuple):
     A, gust : ndarray
         Of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and ``(p, n)``.
     judges : ndarray
-        Rows of the fast and of the slow unstable coordinate, ``(p, 2, n)``.
+        Rows of the fast and of the slow unstable coordinate, ``(p, 2, N)``.
     reach, ratio : ndarray
         Of the coordinates over the deflection limit, NaN where nothing judges; and of their
         poles, ``(p,)``.
@@ -72,8 +75,11 @@ class Flights(NamedTuple):
     laws : sequence of LawNumbers
         Or an array with their fields; `law` says whose.
     own, driven : ndarray
-        What a step makes of the states of a law and of what it sees, ``(l, s, s)``, ``(l, s, 5)``;
-        one for each flight, or one for all.
+        What a step makes of the states of a law with its filters, and of what is sensed,
+        ``(l, s, s)``, ``(l, s, 6)``; one for each flight, or one for all.
+    seen, told : ndarray
+        With filters, what a law sees and what the nozzle is told: of the states and of what is
+        sensed, ``(l, 5, s + 6)`` and ``(l, s + 6)``; of no length without filters.
     limit, rate_limit : ndarray
         Of the deflection, ``(m,)``.
     start : ndarray
@@ -85,9 +91,12 @@ class Flights(NamedTuple):
         Of the measured attitude rate [rad/s], ``(sequences, samples)``.
     sequence : ndarray of int
         The sequence of each flight, ``(m,)``.
-    y, states, measured, here : ndarray
-        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, what is
-        measured ``(m, 5)``, and the wind about now ``(m, terms)``.
+    y, states, here : ndarray
+        Where flights are: states of the system ``(m, N)`` and of the law ``(m, s)``, and the wind
+        about now ``(m, terms)``.
+    sensed, measured : ndarray
+        What sensors give, and last what the law asks for, ``(m, 6)``; and what the law sees,
+        behind its filters, ``(m, 5)``.
     next, series : ndarray
         Room for the next states, ``(m, max(N, s))`` and ``(m, n)``.
     commands : ndarray
@@ -123,6 +132,8 @@ class Flights(NamedTuple):
     laws: Any
     own: FloatArray
     driven: FloatArray
+    seen: FloatArray
+    told: FloatArray
     limit: FloatArray
     rate_limit: FloatArray
     start: FloatArray
@@ -134,8 +145,9 @@ class Flights(NamedTuple):
     sequence: IntArray
     y: FloatArray
     states: FloatArray
-    measured: FloatArray
     here: FloatArray
+    sensed: FloatArray
+    measured: FloatArray
     next: FloatArray
     series: FloatArray
     commands: FloatArray
@@ -184,18 +196,18 @@ def advance(
 @inlined
 def looked(f: Flights, i: int, k: int) -> bool:
     """Write what a law is shown at a sample; return whether the flight goes on."""
-    p, peaks, measured, x = f.vehicle[i], f.peaks[i], f.measured[i], f.y[i]
+    p, peaks, sensed, x = f.vehicle[i], f.peaks[i], f.sensed[i], f.y[i]
     n = f.A.shape[1]
     about(f, i, f.start[i] + f.lengths[p, 0] * k)
     for r in range(4):
         total = f.shown[p, r, n] * f.here[i, 0]
         for j in range(n):
             total += f.shown[p, r, j] * x[j]
-        measured[r] = total
-    measured[4] = min(max(x[n], -f.limit[i]), f.limit[i])
-    raised(peaks, 0, measured[0])
-    raised(peaks, 1, measured[1])
-    raised(peaks, 4, measured[3])
+        sensed[r] = total
+    sensed[4] = min(max(x[n], -f.limit[i]), f.limit[i])
+    raised(peaks, 0, x[0])
+    raised(peaks, 1, x[1])
+    raised(peaks, 4, sensed[3])
     after = k - f.ends[i]
     if after > 0 and after % LOOK == 0 and f.outcome[i] != LOST:
         judged(f, i)
@@ -204,8 +216,25 @@ def looked(f: Flights, i: int, k: int) -> bool:
         f.ended[i] = k
         return False
     if k < f.noise.shape[1]:
-        measured[1] += f.noise[f.sequence[i], k]
+        sensed[1] += f.noise[f.sequence[i], k]
+    for r in range(MEASURED):
+        f.measured[i, r] = sensed[r]
+    if f.seen.shape[0]:
+        own = i if f.seen.shape[0] > 1 else 0
+        for r in range(MEASURED):
+            f.measured[i, r] = filtered(f, i, f.seen[own, r])
     return True
+
+
+@inlined
+def filtered(f: Flights, i: int, row: FloatArray) -> float:
+    """Return what a row makes of the states of a law and of what is sensed."""
+    s, total = f.states.shape[1], 0.0
+    for j in range(s):
+        total += row[j] * f.states[i, j]
+    for j in range(MEASURED + 1):
+        total += row[s + j] * f.sensed[i, j]
+    return total
 
 
 @inlined
@@ -249,12 +278,12 @@ def judged(f: Flights, i: int) -> None:
     Lost outside the recoverable set |z1| < D, slow_ends(z1) about z2 (see `boundary.recoverable`,
     whose rows times the states are z1 and z2); saved when both stay below a part of D for a while.
     """
-    p, n = f.vehicle[i], f.A.shape[1]
+    p = f.vehicle[i]
     reach, ratio = f.reach[p] * f.limit[i], f.ratio[p]
     if not reach > 0.0:
         return
     fast, slow = 0.0, 0.0
-    for j in range(n):
+    for j in range(f.judges.shape[2]):
         fast += f.judges[p, 0, j] * f.y[i, j]
         slow += f.judges[p, 1, j] * f.y[i, j]
     recoverable = abs(fast) < reach
@@ -276,7 +305,10 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     The command of sample k acts from k + late on, or where the delay is no whole number of samples
     within that step: its first part (1) still has the command before, its second (0) this one.
     """
-    p, limit, measured = f.vehicle[i], f.limit[i], f.measured[i]
+    p, limit, sensed = f.vehicle[i], f.limit[i], f.sensed[i]
+    sensed[MEASURED] = demand
+    if f.told.shape[0]:
+        demand = filtered(f, i, f.told[i if f.told.shape[0] > 1 else 0])
     mode = switched(engage * limit, release * limit, demand, f.mode[i])
     f.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
@@ -299,7 +331,7 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     n = f.A.shape[1]
     deflection = min(max(f.y[i, n], -limit), limit)
     raised(f.peaks[i], 2, deflection)
-    raised(f.peaks[i], 3, (deflection - measured[4]) / f.lengths[p, 0])
+    raised(f.peaks[i], 3, (deflection - sensed[4]) / f.lengths[p, 0])
 
 
 @inlined
@@ -311,7 +343,10 @@ def moved(f: Flights, i: int, part: int, row: int, c: float, begin: float, end: 
     limit = f.limit[i]
     last = min(max(new[n], -limit), limit)
     if bounded:
-        evenly(f, i, f.joint[p, part], f.ramp[p, part], min(max(y[n], -limit), limit), last)
+        first = min(max(y[n], -limit), limit)
+        evenly(f, i, f.joint[p, part], f.ramp[p, part], first, last)
+        if f.ramp.shape[3] > 2:
+            jerked(f, i, f.ramp[p, part])
     size = y.size
     if row < f.track.shape[0]:
         for r in range(size):
@@ -375,16 +410,35 @@ def evenly(f: Flights, i: int, J: FloatArray, ramp: FloatArray, first: float, la
 
 
 @inlined
+def jerked(f: Flights, i: int, ramp: FloatArray) -> None:
+    """Add what an engine with inertia does to the vehicle when its rate jumps, at both ends.
+
+    The even rate v of a part follows the rate before and is followed by that after: the
+    acceleration is (v - before) and (after - v) as impulses. What v does is in the first columns.
+    """
+    y, new, limit = f.y[i], f.next[i], f.limit[i]
+    before, after = turning(y, f.A.shape[1], limit), turning(new, f.A.shape[1], limit)
+    for r in range(f.A.shape[1]):
+        new[r] += ramp[r, 2] * before + ramp[r, 3] * after
+
+
+@inlined
+def turning(y: FloatArray, n: int, limit: float) -> float:
+    """Return the rate of a nozzle of second order [rad/s]: zero on its stop."""
+    return y[n + 1] if abs(y[n]) <= limit else 0.0
+
+
+@inlined
 def learnt(f: Flights, i: int) -> None:
-    """Move the law's own states, by what was measured."""
+    """Move the states of a law and of its filters, by what was sensed and asked for."""
     s = f.states.shape[1]
     own = i if f.own.shape[0] > 1 else 0
     for r in range(s):
         total = 0.0
         for j in range(s):
             total += f.own[own, r, j] * f.states[i, j]
-        for j in range(5):
-            total += f.driven[own, r, j] * f.measured[i, j]
+        for j in range(MEASURED + 1):
+            total += f.driven[own, r, j] * f.sensed[i, j]
         f.next[i, r] = total
     for r in range(s):
         f.states[i, r] = f.next[i, r]

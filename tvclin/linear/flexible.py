@@ -11,20 +11,20 @@ and the doors of `Plant`. Everything is a deviation from the nominal flight.
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import InputError, broadcast, instance, one_of, plain
+from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, shown
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import INPUTS, MODELS, Plant
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
-from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure import Structure, chosen
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 if TYPE_CHECKING:
@@ -141,6 +141,19 @@ class FlexiblePlant:
     def rigid(self) -> Plant:
         """The same vehicle without its structure."""
         return Plant.from_vehicle(self.vehicle, self.model, self.plane)
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """Those of the rigid vehicle."""
+        return self.rigid.coefficients
+
+    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> FlexiblePlant:
+        """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
+        return replace(
+            self,
+            vehicle=chosen(self.vehicle, cases, shape),
+            structure=chosen(self.structure, cases, shape),
+        )
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -303,3 +316,15 @@ class FlexiblePlant:
             C[..., -2, first + 2 * k] = mode.attitude_slope
             C[..., -1, first + 2 * k + 1] = mode.rate_slope
         return C, D
+
+
+AnyPlant = Plant | FlexiblePlant
+"""What an autopilot controls, and what flies."""
+
+
+def check_plant(plant: object) -> None:
+    """Raise `InputError` unless it is a plant, rigid or flexible."""
+    if not isinstance(plant, AnyPlant):
+        raise InputError(
+            f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle)"
+        )

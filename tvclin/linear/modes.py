@@ -100,7 +100,11 @@ def unstable_poles(plant: Plant) -> NDArray[Any]:
         The fastest first, ``(..., N)`` [1/s]; NaN where a plant of a batch has fewer, and real
         where all are.
     """
-    every = plant.poles
+    return that_grow(plant.poles)
+
+
+def that_grow(every: NDArray[Any]) -> NDArray[Any]:
+    """Return those of all poles ``(..., N)``, the fastest first, that `unstable_poles` has."""
     unstable = growing(every)
     most = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
     poles = np.where(unstable[..., :most], every[..., :most], np.nan)

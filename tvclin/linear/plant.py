@@ -96,6 +96,16 @@ class Plant:
         return Plant(Coefficients(**held), self.model)
 
     @property
+    def rigid(self) -> Plant:
+        """The plant itself, as that of a `FlexiblePlant` is the one without its structure."""
+        return self
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs."""
+        return INPUTS
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs; the fixed-path model has no flight path angle."""
         path = () if self.model == "fixed-path" else ("flight_path_angle",)

@@ -252,6 +252,25 @@ class Structure:
         return _batch(self)
 
 
+def chosen(value: Any, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Any:
+    """Return some of a batch spread to `shape`, ``(k,)``, by flat positions there: every number."""
+    if isinstance(value, Filter):
+        rows = [
+            np.broadcast_to(one, (*shape, one.shape[-1]))
+            for one in (value.numerator, value.denominator)
+        ]
+        return Filter(*(one.reshape(-1, one.shape[-1])[cases] for one in rows))
+    if isinstance(value, tuple):
+        return tuple(chosen(one, cases, shape) for one in value)
+    if is_dataclass(value):
+        parts = {one.name: chosen(getattr(value, one.name), cases, shape) for one in fields(value)}
+        kind: Any = type(value)
+        return kind(**parts)
+    if value is None or isinstance(value, bool | str):
+        return value
+    return np.broadcast_to(value, shape).ravel()[cases]
+
+
 def _keep(value: Any, checks: tuple[tuple[str, Check, str], ...]) -> None:
     """Put the checked numbers of a frozen value in place of those that were given."""
     for name, check, unit in checks:

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, broadcast
 from tvclin.control.autopilot.actuator import THROUGH, Actuator
-from tvclin.linear.flexible import FlexiblePlant
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
 
 FloatArray = NDArray[np.float64]
 
@@ -41,7 +40,7 @@ class Actuated(NamedTuple):
     outputs: tuple[str, ...]
 
 
-def actuated(plant: Plant | FlexiblePlant, actuator: Actuator | None) -> Actuated:
+def actuated(plant: AnyPlant, actuator: Actuator | None) -> Actuated:
     """Return a plant with its actuator, from the command to the outputs.
 
     Parameters
@@ -57,13 +56,9 @@ def actuated(plant: Plant | FlexiblePlant, actuator: Actuator | None) -> Actuate
     InputError
         For an engine with inertia and any but a second-order actuator.
     """
+    check_engine(plant, actuator)
     A, B, C, D = plant.matrices()
     swinging = B.shape[-1] - 2
-    if swinging and (actuator is None or actuator.damping is None):
-        raise InputError(
-            "the inertia of an engine needs an actuator of second order, which says how fast the"
-            " deflection speeds up; give the actuator a damping, or leave the engine out"
-        )
     a, b, c, d = THROUGH if actuator is None else actuator.matrices()
     batch = broadcast(plant=A.shape[:-2], actuator=a.shape[:-2])
     n, k = A.shape[-1], a.shape[-1]
@@ -80,3 +75,12 @@ def actuated(plant: Plant | FlexiblePlant, actuator: Actuator | None) -> Actuate
         (*plant.states, *_STATES[:k]),
         (*plant.outputs, "deflection"),
     )
+
+
+def check_engine(plant: AnyPlant, actuator: Actuator | None) -> None:
+    """Raise `InputError` for an engine with inertia and any but a second-order actuator."""
+    if "deflection_acceleration" in plant.inputs and (actuator is None or actuator.damping is None):
+        raise InputError(
+            "the inertia of an engine needs an actuator of second order, which says how fast the"
+            " deflection speeds up; give the actuator a damping, or leave the engine out"
+        )

@@ -30,9 +30,7 @@ from tvclin.control.autopilot.sampled import sampled_loop
 from tvclin.control.autopilot.systems import closed_loop, open_loop, wind_response
 from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback, warn_of_sampling
 from tvclin.control.autopilot.wiring import (
-    AnyPlant,
     ClosedLoop,
-    check_plant,
     closed,
     exact_loop,
     rational_loop,
@@ -40,7 +38,7 @@ from tvclin.control.autopilot.wiring import (
 from tvclin.control.margins.bands import BandMargins, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
-from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History

@@ -22,11 +22,12 @@ from numpy.typing import NDArray
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
-from tvclin.control.autopilot.wiring import AnyPlant, sensed_places
+from tvclin.control.autopilot.wiring import sensed_places
 from tvclin.control.margins.sampled_loop import SampledLoop
 from tvclin.kernels import state_space
 from tvclin.kernels.state_loop import StateLoop
 from tvclin.kernels.state_space import Matrices
+from tvclin.linear.flexible import AnyPlant
 from tvclin.vehicle.filters import Filter
 
 FloatArray = NDArray[np.float64]

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wiring import AnyPlant, ClosedLoop, wired
+from tvclin.control.autopilot.wiring import ClosedLoop, wired
+from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wiring import AnyPlant, exact_loop
+from tvclin.control.autopilot.wiring import exact_loop
 from tvclin.kernels.stability import stability
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant

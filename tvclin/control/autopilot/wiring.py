@@ -10,26 +10,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import InputError, shown
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import THROUGH, Matrices, pade_delay
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels import polynomials
 from tvclin.kernels.state_space import stacked
-from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
-AnyPlant = Plant | FlexiblePlant
-
-
-def check_plant(plant: object) -> None:
-    """Raise `InputError` unless it is a plant."""
-    if not isinstance(plant, Plant | FlexiblePlant):
-        raise InputError(
-            f"plant must be a Plant or a FlexiblePlant; got {shown(plant)} (see Plant.from_vehicle)"
-        )
 
 
 class Wires(NamedTuple):

@@ -31,6 +31,7 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.checks import (
@@ -45,7 +46,7 @@ from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.law_batch import law_batch
 from tvclin.flights.closed_loop.many import SURVIVED, UNDECIDED, fly_many
 from tvclin.flights.closed_loop.sampled import Batch
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -125,7 +126,7 @@ class ClosedLoopBoundary:
 
 
 def closed_loop_boundary(
-    plant: Plant,
+    plant: AnyPlant,
     law: Law,
     wind: History,
     *,
@@ -142,7 +143,7 @@ def closed_loop_boundary(
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant or FlexiblePlant
         The plant that flies, with one or two real unstable poles.
     law : Law
         The law, designed on this plant or on another.
@@ -191,7 +192,8 @@ def closed_loop_boundary(
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
     check_flight(plant, law, wind)
-    modes = unstable_coordinates(plant)
+    check_engine(plant, actuator)
+    modes = unstable_coordinates(plant.rigid)
     length = 1.0 / check_sample_rate(sample_rate, actuator)
     most_rate = check_rate_limit(rate_limit)
     check_samples(1.0 / float(modes.poles[0]), length)

@@ -22,7 +22,7 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.kernels import polynomials
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -43,9 +43,9 @@ _SAMPLES = 2.0
 """Least samples of the law in the time 1/omega_n of the actuator."""
 
 
-def check_flight(plant: Plant, law: Law, wind: History) -> None:
+def check_flight(plant: AnyPlant, law: Law, wind: History) -> None:
     """Raise `InputError` unless these are one plant, a law, and one wind that ends."""
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    check_plant(plant)
     instance("law", law, Law, "such as TrimLaw")
     instance("wind", wind, History, "such as TriangularWind")
     if plant.batch or wind.batch:
@@ -108,7 +108,7 @@ def check_samples(span: float, length: float) -> None:
         )
 
 
-def check_pace(plant: Plant, length: float) -> None:
+def check_pace(plant: AnyPlant, length: float) -> None:
     """Raise `InputError` when a plant moves by far more than a law can follow in a sample [s]."""
     pace = float(paces(plant))
     if not pace * length <= FASTEST:
@@ -118,8 +118,10 @@ def check_pace(plant: Plant, length: float) -> None:
         )
 
 
-def paces(plant: Plant) -> NDArray[np.float64]:
+def paces(plant: AnyPlant) -> NDArray[np.float64]:
     """Return the size of the fastest pole [1/s] of each plant."""
+    if isinstance(plant, FlexiblePlant):
+        return np.asarray(np.abs(plant.poles).max(axis=-1))
     return np.asarray(np.abs(polynomials.roots(plant.denominator)).max(axis=-1))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, nonnegative, number, positive, times_row
+from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.systems import wind_response
 from tvclin.control.laws.law import Law
@@ -26,7 +27,8 @@ from tvclin.flights.closed_loop.equations import LinearEquations
 from tvclin.flights.closed_loop.law_batch import law_batch
 from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.flights.closed_loop.track import between_samples, check_track
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.linear.plant import INPUTS, Plant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ FloatArray = NDArray[np.float64]
 
 
 def fly(
-    plant: Plant,
+    plant: AnyPlant,
     law: Law,
     wind: History,
     timepts: ArrayLike,
@@ -53,8 +55,9 @@ def fly(
 
     Parameters
     ----------
-    plant : Plant
-        One plant of any model.
+    plant : Plant or FlexiblePlant
+        One plant of any model. A flexible one needs a sample rate, and a law sees what its
+        sensors say.
     law : Law
         The law, designed on this plant or on another.
     wind : History
@@ -111,11 +114,14 @@ def fly(
     times = times_row("timepts", timepts)
     limit = number("deflection_limit", deflection_limit, positive, "rad")
     most = check_rate_limit(rate_limit)
+    check_engine(plant, actuator)
     start = float(wind.onset)
     check_span(start, float(times.max()))
     if sample_rate is None:
         if delay:
             raise InputError("a delay belongs to samples; give a sample_rate")
+        if isinstance(plant, FlexiblePlant):
+            raise InputError("a flexible plant is flown by samples; give a sample_rate")
         rows = _continuous(plant, law, wind, times, (limit, most), actuator, start)
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
@@ -144,7 +150,7 @@ def _continuous(
 
 
 def _sampled(
-    plant: Plant,
+    plant: AnyPlant,
     law: Law,
     wind: History,
     times: FloatArray,
@@ -166,9 +172,11 @@ def _sampled(
     return between_samples(f, plant, actuator, wind, times)
 
 
-def _response(plant: Plant, wind: History, times: FloatArray, rows: FloatArray) -> TimeResponseData:
+def _response(
+    plant: AnyPlant, wind: History, times: FloatArray, rows: FloatArray
+) -> TimeResponseData:
     _, _, C, D = plant.matrices()
-    outputs = C @ rows[:-1] + D @ np.stack([rows[-1], wind(times)])
+    outputs = C @ rows[:-1] + D[:, : len(INPUTS)] @ np.stack([rows[-1], wind(times)])
     return wind_response(
         times,
         np.vstack([outputs, rows[-1:]]),

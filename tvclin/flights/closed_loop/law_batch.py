@@ -12,12 +12,10 @@ from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.kernels.control_laws import LawNumbers
+from tvclin.kernels.flights import MEASURED
 from tvclin.kernels.propagation import driven, exponentials
 
 FloatArray = NDArray[np.float64]
-
-SEEN = 5
-"""Numbers that a law is shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,24 +44,26 @@ class LawBatch:
     def steps(self, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what steps [s] ``(m,)`` make of the laws' own states, and of what they see.
 
-        ``(m, s, s)`` and ``(m, s, 5)``; of one flight where no law has states.
+        ``(m, s, s)`` and ``(m, s, 6)``, the last what a law asks for, which moves none of them; of
+        one flight where no law has states.
         """
         systems = [law.states for law in self.laws] or [self._integral()]
         size = max(len(F) for F, _ in systems)
         if not size:
-            return np.zeros((1, 0, 0)), np.zeros((1, 0, SEEN))
+            return np.zeros((1, 0, 0)), np.zeros((1, 0, MEASURED + 1))
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
-        kept, learnt = np.zeros((lengths.size, size, size)), np.zeros((lengths.size, size, SEEN))
+        kept = np.zeros((lengths.size, size, size))
+        learnt = np.zeros((lengths.size, size, MEASURED + 1))
         for k, (F, G) in enumerate(systems):
             own, mine = len(F), np.flatnonzero(which == k)
             whole = exponentials(driven(F, G), lengths[mine])
             kept[mine, :own, :own] = whole[:, :own, :own]
-            learnt[mine, :own] = whole[:, :own, own:]
+            learnt[mine, :own, :MEASURED] = whole[:, :own, own:]
         return kept, learnt
 
     def _integral(self) -> tuple[FloatArray, FloatArray]:
         some = any(one is not None and one.first_state for one in self.numbers)
-        return np.zeros((int(some), int(some))), np.eye(int(some), SEEN)
+        return np.zeros((int(some), int(some))), np.eye(int(some), MEASURED)
 
 
 def shape_of(law: Any) -> tuple[int, ...]:

@@ -20,6 +20,7 @@ from tvclin.base.errors import (
     numbers,
     positive,
 )
+from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import (
     FASTEST,
@@ -34,7 +35,7 @@ from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.kernels.flights import Flights
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -100,7 +101,7 @@ class FlownCases:
 
 
 def fly_many(
-    plant: Plant,
+    plant: AnyPlant,
     law: Any,
     wind: History,
     *,
@@ -118,8 +119,8 @@ def fly_many(
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
+    plant : Plant or FlexiblePlant
+        One plant or a batch. Of a flexible one a law sees what its sensors say.
     law : Law, array of Law, or Autopilot
         An `Autopilot` with a batch of gains stands for a `SaturatedLaw` of each.
     wind : History
@@ -170,11 +171,12 @@ def fly_many(
     >>> flown.status.tolist()
     ['lost', 'lost', 'survived', 'survived']
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    check_plant(plant)
     instance("wind", wind, History, "such as TriangularWind")
     limits = {"deflection_limit": deflection_limit, "rate_limit": rate_limit}
     limit, most = (_limit(name, value) for name, value in limits.items())
     rate = check_sample_rates(sample_rate, actuator)
+    check_engine(plant, actuator)
     late = check_delays(delay, 1.0 / rate)
     shape = broadcast(
         plant=plant.batch,

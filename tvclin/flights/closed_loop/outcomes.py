@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.boundary.recoverable import MOST_MODES
-from tvclin.linear.modes import unstable_poles
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.linear.modes import that_grow
+from tvclin.linear.plant import INPUTS
 
 FloatArray = NDArray[np.float64]
 
@@ -26,6 +27,7 @@ class Judging(NamedTuple):
     ----------
     rows : ndarray
         Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n)``; zeros for no second.
+        Of a flexible plant then of the deflection and its rate, ``(p, 2, n + 2)``.
     reach : ndarray
         Of the coordinates, over the deflection limit, ``(p,)``. NaN where a plant has not one or
         two real unstable poles, so that nothing can be said of its flights.
@@ -42,10 +44,10 @@ class Judging(NamedTuple):
     waiting: FloatArray
 
 
-def judging(plant: Plant) -> Judging:
+def judging(plant: AnyPlant) -> Judging:
     """Return what judges the flights of a batch of plants, flattened."""
     size = int(np.prod(plant.batch))
-    poles = unstable_poles(plant)
+    poles = that_grow(plant.poles)
     poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
     columns = np.ascontiguousarray(poles.T)
     real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
@@ -68,14 +70,16 @@ def judging(plant: Plant) -> Judging:
     )
 
 
-def decidable(plant: Plant) -> NDArray[np.bool_]:
+def decidable(plant: AnyPlant) -> NDArray[np.bool_]:
     """Return which plants of a batch have one or two real unstable poles and a moment."""
     judges = judging(plant)
     return (np.isfinite(judges.reach) & (judges.reach > 0.0)).reshape(plant.batch)
 
 
-def _coordinate(plant: Plant, pole: FloatArray, B: FloatArray) -> FloatArray:
+def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
     """The rows z of `recoverable.unstable_coordinates`, ``(plants, n)``: l with l A = pole l."""
+    if isinstance(plant, FlexiblePlant):
+        return _flexible_coordinate(plant, pole, B)
     A, inputs, _, _ = plant.matrices()
     n = A.shape[-1]
     A, drive = A.reshape(-1, n, n), inputs.reshape(-1, n, 2)[..., 0]
@@ -88,3 +92,22 @@ def _coordinate(plant: Plant, pole: FloatArray, B: FloatArray) -> FloatArray:
         row[:, 3] = row[:, 2] * A[:, 2, 3] / pole
     with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
         return row * (-pole / B / np.einsum("mi,mi->m", row, drive))[:, np.newaxis]
+
+
+def _flexible_coordinate(plant: FlexiblePlant, pole: FloatArray, B: FloatArray) -> FloatArray:
+    """The same with an engine's inertia, ``(plants, n + 2)``: of states, delta and delta'.
+
+    With z = l x, z' = p z + l b delta + l b3 delta''. What the deflection moves alone is
+
+        z - l b3 (delta' + p delta),    by l b + p^2 l b3.
+    """
+    A, inputs, _, _ = plant.matrices()
+    n, count = A.shape[-1], inputs.shape[-1]
+    A, inputs = A.reshape(-1, n, n), inputs.reshape(-1, n, count)
+    values, left = np.linalg.eig(np.swapaxes(A, 1, 2))
+    nearest = np.abs(values - pole[:, np.newaxis]).argmin(axis=1)
+    row = np.real(np.take_along_axis(left, nearest[:, np.newaxis, np.newaxis], axis=2)[..., 0])
+    moved = np.einsum("mi,mij->mj", row, inputs)
+    swing = moved[:, len(INPUTS) :].sum(axis=1)
+    rows = np.column_stack([row, -pole * swing, -swing])
+    return rows * (-pole / B / (moved[:, 0] + pole**2 * swing))[:, np.newaxis]

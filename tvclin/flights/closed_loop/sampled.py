@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Measurement
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
@@ -23,10 +24,11 @@ from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import NEVER, PEAKS, Flights
+from tvclin.kernels.flights import MEASURED, NEVER, PEAKS, Flights
 from tvclin.kernels.propagation import exponentials
 from tvclin.kernels.threads import in_slices
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.plant import INPUTS
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -49,7 +51,7 @@ class Batch:
 
     Attributes
     ----------
-    plant, wind : Plant, History
+    plant, wind : Plant or FlexiblePlant, History
         One each or a batch.
     laws : LawBatch
         Of the flights.
@@ -65,7 +67,7 @@ class Batch:
         Of the batch.
     """
 
-    plant: Plant
+    plant: AnyPlant
     wind: History
     laws: LawBatch
     limit: FloatArray
@@ -92,16 +94,17 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     hardware = () if batch.actuator is None else batch.actuator.batch
     own = np.broadcast_shapes(batch.plant.batch, hardware, batch.length.shape, batch.delay.shape)
     vehicle = _places(own, shape)
-    A, inputs, C, D = batch.plant.matrices()
+    A, inputs, C, D = (_spread(a, own, 2) for a in batch.plant.matrices())
     n = A.shape[-1]
-    A, inputs, C, D = (_spread(a, own, 2) for a in (A, inputs, C, D))
     knots, pieces = polynomial_pieces(batch.wind)
     wind = _places(batch.wind.batch, shape)
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
     late, lengths = _parts(length, delay)
-    servo = _servo(batch.actuator, own)
-    pace = np.minimum(_quickness(servo, len(A)), _AT_ONCE)[:, np.newaxis]
-    joint, ramp = _steps(A, inputs, servo, lengths[:, 1:], pieces.shape[2])
+    whole = actuated(batch.plant, batch.actuator)
+    moving, driven = (_spread(a, own, 2) for a in (whole.A, whole.B))
+    pace = np.minimum(_spread(_quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
+    joint = _joint(moving, driven, n, lengths[:, 1:], pieces.shape[2])
+    ramp = _ramps(A, inputs, lengths[:, 1:])
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
     start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
@@ -129,7 +132,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         shown=_shown(batch.plant, C, D),
         A=A,
         gust=np.ascontiguousarray(inputs[..., 1]),
-        judges=np.ascontiguousarray(judges.rows[place]),
+        judges=_widened(judges.rows[place], N),
         reach=judges.reach[place],
         ratio=judges.ratio[place],
         knots=knots,
@@ -137,6 +140,8 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         laws=[one or LawNumbers() for one in batch.laws.numbers],
         own=kept,
         driven=learnt,
+        seen=np.zeros((0, MEASURED, states + MEASURED + 1)),
+        told=np.zeros((0, states + MEASURED + 1)),
         limit=_flat(batch.limit, shape),
         rate_limit=_flat(batch.rate_limit, shape),
         start=start.copy(),
@@ -148,8 +153,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         sequence=sequence,
         y=np.zeros((m, N)),
         states=np.zeros((m, states)),
-        measured=np.zeros((m, 5)),
         here=np.zeros((m, terms)),
+        sensed=np.zeros((m, MEASURED + 1)),
+        measured=np.zeros((m, MEASURED)),
         next=np.zeros((m, max(N, states))),
         series=np.zeros((m, n)),
         commands=np.zeros((m, int(late.max(initial=0)) + joint.shape[1])),
@@ -242,6 +248,14 @@ def _places(own: tuple[int, ...], shape: tuple[int, ...]) -> IntArray:
     return np.broadcast_to(index, shape).flatten()
 
 
+def _widened(rows: FloatArray, width: int) -> FloatArray:
+    """Rows of states, with zeros for those that follow, and without what is no state here."""
+    wide = np.zeros((*rows.shape[:-1], width))
+    some = min(width, rows.shape[-1])
+    wide[..., :some] = rows[..., :some]
+    return wide
+
+
 def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
     return np.broadcast_to(array, shape).astype(float).ravel()
 
@@ -267,57 +281,62 @@ def _parts(length: FloatArray, delay: FloatArray) -> tuple[IntArray, FloatArray]
     return late.astype(np.int64), np.stack([length, *parts], axis=-1)
 
 
-def _servo(actuator: Actuator | None, shape: tuple[int, ...]) -> FloatArray | None:
-    """The nozzle's s' = F s + g c as [F, g], ``(p, q, q + 1)``."""
-    if actuator is None:
-        return None
-    terms = actuator.denominator
-    q = terms.shape[-1] - 1
-    rows = np.zeros((*terms.shape[:-1], q, q + 1))
-    rows[..., :, :q] = np.eye(q, k=1)
-    rows[..., -1, :q], rows[..., -1, q] = -terms[..., :0:-1], terms[..., -1]
-    return _spread(rows, shape, 2)
-
-
-def _quickness(servo: FloatArray | None, vehicles: int) -> FloatArray:
+def _quickness(actuator: Actuator | None) -> FloatArray:
     """The bandwidth of a nozzle of first order [1/s], infinite without one, else zero."""
-    if servo is None:
-        return np.full(vehicles, np.inf)
-    return servo[:, 0, -1] if servo.shape[1] == 1 else np.zeros(vehicles)
+    if actuator is None:
+        return np.asarray(np.inf)
+    bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
+    return bandwidth if actuator.damping is None else np.zeros(actuator.batch)
 
 
-def _steps(
-    A: FloatArray, inputs: FloatArray, servo: FloatArray | None, parts: FloatArray, terms: int
-) -> tuple[FloatArray, FloatArray]:
-    """J and ramp of `Flights`.
+def _joint(A: FloatArray, B: FloatArray, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
+    """J of `Flights`, of a vehicle and its nozzle, which `actuated` has put together.
 
     d/dt [x, s, c, w0, w1, ...] is linear in these, the wind being w0' = w1, w1' = 2 w2, ..., and J
-    the upper rows of the exponential of its matrix. With a deflection that goes evenly from a to b
-    in h, d' = (b - a)/h beside x' = A x + B d: what d = 1 does, less what a rise by one does, is
-    the factor of a, and the latter that of b.
+    the upper rows of the exponential of its matrix.
     """
-    p, n = A.shape[:2]
-    q = 1 if servo is None else servo.shape[1]
-    N, wind = n + q, n + q + 1
+    p, order = A.shape[:2]
+    wind = order + 1
     whole = np.zeros((p, wind + terms, wind + terms))
-    whole[:, :n, :n], whole[:, :n, wind] = A, inputs[..., 1]
-    whole[:, :n, N if servo is None else n] = inputs[..., 0]
-    if servo is not None:
-        whole[:, n:N, n : N + 1] = servo
+    command, _, gust = range(B.shape[2])
+    whole[:, :order, :order] = A
+    whole[:, :order, order], whole[:, :order, wind] = B[..., command], B[..., gust]
     for k in range(1, terms):
         whole[:, wind + k - 1, wind + k] = k
+    steps = np.stack([exponentials(whole, part)[:, :order] for part in parts.T], axis=1)
+    if order > vehicle:
+        return steps
+    # Without a nozzle the deflection is a state all the same: at its command at once.
+    at_once = np.zeros((p, parts.shape[1], order + 1, wind + terms + 1))
+    at_once[..., :order, :order], at_once[..., :order, order + 1 :] = (
+        steps[..., :order],
+        steps[..., order:],
+    )
+    at_once[..., order, order + 1] = 1.0
+    return at_once
+
+
+def _ramps(A: FloatArray, inputs: FloatArray, parts: FloatArray) -> FloatArray:
+    """The ramp of `Flights`: x' = A x + b d with a deflection d that goes evenly from a to b in h.
+
+    d' = (b - a)/h: what d = 1 does, less what a rise by one does, is the factor of a, and the
+    latter that of b.
+    """
+    p, n = A.shape[:2]
     even = np.zeros((p, n + 2, n + 2))
     even[:, :n, :n], even[:, :n, n] = A, inputs[..., 0]
-    joint, ramp = [], []
+    ramps = []
     for part in parts.T:
-        J = exponentials(whole, part)[:, :N]
-        if servo is None:  # the deflection is at its command at once
-            J[:, n], J[:, n, N] = 0.0, 1.0
-        joint.append(J)
         gone = exponentials(even + _slope(n, part), part)
-        rise = gone[:, :n, n + 1]
-        ramp.append(np.stack([gone[:, :n, n] - rise, rise], axis=-1))
-    return np.stack(joint, axis=1), np.stack(ramp, axis=1)
+        rise, kick = gone[:, :n, n + 1], []
+        if inputs.shape[2] > len(INPUTS):
+            # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of the part
+            b3 = inputs[..., 2]
+            later = np.einsum("pij,pj->pi", gone[:, :n, :n], b3)
+            rise = rise + (later - b3) / np.where(part > 0.0, part, 1.0)[:, np.newaxis]
+            kick = [-later, b3]
+        ramps.append(np.stack([gone[:, :n, n] - rise, rise, *kick], axis=-1))
+    return np.stack(ramps, axis=1)
 
 
 def _slope(n: int, part: FloatArray) -> FloatArray:
@@ -327,13 +346,16 @@ def _slope(n: int, part: FloatArray) -> FloatArray:
     return slope
 
 
-def _shown(plant: Plant, C: FloatArray, D: FloatArray) -> FloatArray:
-    """Attitude, rate, path and angle of attack, of the states and of the wind."""
-    n = C.shape[-1]
-    rows = np.zeros((len(C), 4, n + 1))
-    rows[:, :3, :n] = np.eye(3, n)
-    angle = plant.outputs.index("angle_of_attack")
-    rows[:, 3, :n], rows[:, 3, n] = C[:, angle], D[:, angle, 1]
+def _shown(plant: AnyPlant, C: FloatArray, D: FloatArray) -> FloatArray:
+    """Attitude, rate, path and angle of attack as sensors give them, of states and wind."""
+    n, rows = C.shape[-1], np.zeros((len(C), 4, C.shape[-1] + 1))
+    places = {name: k for k, name in enumerate(plant.outputs)}
+    for row, name in enumerate(
+        ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
+    ):
+        k = places.get(f"sensed_{name}", places.get(name))
+        if k is not None:
+            rows[:, row, :n], rows[:, row, n] = C[:, k], D[:, k, 1]
     return rows
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.control.autopilot.actuated import Actuated, actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels.flights import Flights
 from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.plant import INPUTS
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +28,7 @@ def check_track(f: Flights, order: int) -> None:
 
 
 def between_samples(
-    f: Flights, plant: Plant, actuator: Actuator | None, wind: History, times: FloatArray
+    f: Flights, plant: AnyPlant, actuator: Actuator | None, wind: History, times: FloatArray
 ) -> FloatArray:
     """Return the states of the plant and the deflection at times ``(n,)``, zero before the start.
 
@@ -34,7 +36,7 @@ def between_samples(
     ----------
     f : Flights
         One flight, flown with its track.
-    plant, actuator, wind : Plant, Actuator or None, History
+    plant, actuator, wind : Plant or FlexiblePlant, Actuator or None, History
         What flew.
     times : ndarray
         Times [s] up to its end.
@@ -46,13 +48,16 @@ def between_samples(
     u = np.maximum(times - begins[row], 0.0)
     y, (command, last, met) = f.track[row, :N], f.track[row, N:].T
     bounded = met > 0.0
-    servo = (np.zeros((0, 0)), np.zeros((0, 1))) if actuator is None else actuator.matrices()[:2]
-    free = _free(A, inputs[:, 0], servo, y, command, u)
+    free = _free(actuated(plant, actuator), y, command, u)
     lengths = np.diff(begins, append=begins[-1] + f.lengths[0, 1])[row]
     first = np.clip(y[:, n], -limit, limit)
     slope = (last - first) / lengths
     even = exponentials(driven(A, np.column_stack([inputs[:, 0], np.zeros(n)]), np.eye(2, k=1)), u)
-    begun = np.column_stack([y[:, :n], first, slope])
+    vehicle = y[:, :n]
+    if inputs.shape[1] > len(INPUTS):  # b3 delta'' is an impulse where the even rate begins
+        before = np.where(np.abs(y[:, n]) <= limit, y[:, n + 1], 0.0)
+        vehicle = vehicle + (slope - before)[:, np.newaxis] * inputs[:, 2]
+    begun = np.column_stack([vehicle, first, slope])
     straight = np.einsum("mij,mj->im", even[:, :n], begun)
     rows = np.zeros((n + 1, times.size))
     rows[:n] = np.where(bounded, straight, free[:n]) + _blown(A, inputs[:, 1], wind, begins[row], u)
@@ -70,25 +75,11 @@ def _begins(f: Flights) -> FloatArray:
     return np.asarray((begins + offsets).ravel())
 
 
-def _free(
-    A: FloatArray,
-    drive: FloatArray,
-    servo: tuple[FloatArray, FloatArray],
-    y: FloatArray,
-    command: FloatArray,
-    u: FloatArray,
-) -> FloatArray:
+def _free(whole: Actuated, y: FloatArray, command: FloatArray, u: FloatArray) -> FloatArray:
     """States of plant and nozzle after times `u` without a limit, in still air, ``(N, m)``."""
-    n, q = len(A), len(servo[0])
-    whole, given = np.zeros((n + q, n + q)), np.zeros((n + q, 1))
-    whole[:n, :n] = A
-    if q:
-        whole[:n, n], whole[n:, n:], given[n:] = drive, servo[0], servo[1]
-    else:
-        given[:n, 0] = drive
-    moved = exponentials(driven(whole, given), u)[:, : n + q]
-    begun = np.column_stack([y[:, : n + q], command])
-    return np.einsum("mij,mj->im", moved, begun)
+    order = len(whole.A)
+    moved = exponentials(driven(whole.A, whole.B[:, :1]), u)[:, :order]
+    return np.einsum("mij,mj->im", moved, np.column_stack([y[:, :order], command]))
 
 
 def _blown(
