@@ -124,11 +124,13 @@ from .winds.pulses import RectangularWind as RectangularWind
 from .winds.pulses import TrapezoidalWind as TrapezoidalWind
 from .winds.pulses import TriangularWind as TriangularWind
 from .winds.sampled import SampledWind as SampledWind
+from .winds.soundings.archive import Soundings as Soundings
 from .winds.soundings.profile import WindProfile as WindProfile
 from .winds.soundings.range_reference import RangeReference as RangeReference
 from .winds.soundings.range_reference import read_range_reference as read_range_reference
 from .winds.soundings.range_reference import worst_month as worst_month
 from .winds.soundings.read import read_sounding as read_sounding
+from .winds.soundings.read_soundings import read_soundings as read_soundings
 from .winds.soundings.steady import Climb as Climb
 from .winds.soundings.steady import steady_climb as steady_climb
 from .winds.soundings.synthetic import add_gust as add_gust
