@@ -1,0 +1,169 @@
+"""The wind that a flight meets in each sounding of an archive, and in what of it nobody measured."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.winds.soundings.archive import Soundings, gathered
+from tvclin.winds.soundings.passage import checked_flight
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+WIDEST = 2000.0
+"""Between two levels farther apart [m] the wind is not known."""
+_BESIDE = 0.01
+"""m from the edge of such a gap to where nothing is known."""
+_APART = 1e6
+"""m between the heights of one sounding and those of the next, where all stand in one row."""
+_LONGEST = 0.5
+"""s, between two times of a flight at which its trim is looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlownPath:
+    """A flight over height: its arrays ``(f,)``, and the height of its largest dynamic pressure.
+
+    Attributes
+    ----------
+    height, time, speed, climb : ndarray
+        [m], [s], [m/s], flight path angle [rad].
+    densest : float
+        Height [m] at which rho V^2 is largest, in the standard atmosphere.
+    parts : int
+        Into so many each line between two knots is cut.
+    """
+
+    height: FloatArray
+    time: FloatArray
+    speed: FloatArray
+    climb: FloatArray
+    densest: float
+    parts: int
+
+    @classmethod
+    def of(cls, flight: FlightSchedule) -> FlownPath:
+        """Return that of a schedule; `InputError` where it has no altitude, or does not ascend."""
+        time, height, speed, climb = checked_flight(flight)
+        density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
+        densest = float(height[np.argmax(density * speed**2)])
+        return cls(height, time, speed, climb, densest, math.ceil(np.diff(time).max() / _LONGEST))
+
+    def angle(self, wind: FloatArray, time: FloatArray, plane: str) -> FloatArray:
+        """Return wind angles [rad], eq (B1e), of winds [m/s] at times; NaN for winds too fast."""
+        across = 1.0 if plane == "yaw" else np.sin(np.interp(time, self.time, self.climb))
+        sine = wind * across / np.interp(time, self.time, self.speed)
+        return np.asarray(np.arcsin(np.where(np.abs(sine) < 1.0, sine, np.nan)))
+
+
+@dataclass(frozen=True, eq=False)
+class KnownWinds:
+    """Soundings with the edges of what they did not see.
+
+    Attributes
+    ----------
+    height, east, north, offsets
+        As of `Soundings`, with two levels more in each gap.
+    gaps : ndarray of int
+        The first of these two levels, for each gap.
+    """
+
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    offsets: IntArray
+    gaps: IntArray
+
+    @classmethod
+    def of(cls, soundings: Soundings, path: FlownPath) -> KnownWinds:
+        """Return those of soundings that can all be used."""
+        height, offsets = soundings.height, soundings.offsets
+        wide = np.diff(height) > WIDEST
+        wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
+        wide[offsets[1:-1] - 1] = False
+        below = np.flatnonzero(wide)
+        at = np.repeat(below + 1, 2)
+        edges = np.stack([height[below] + _BESIDE, height[below + 1] - _BESIDE], axis=-1).ravel()
+        more = 2 * np.bincount(np.searchsorted(offsets, below, side="right"), minlength=offsets.size)
+        return cls(
+            np.insert(height, at, edges),
+            np.insert(soundings.east, at, 0.0),
+            np.insert(soundings.north, at, 0.0),
+            offsets + np.cumsum(more[: offsets.size]),
+            below + 1 + 2 * np.arange(below.size),
+        )
+
+    def some(self, index: NDArray[np.intp]) -> KnownWinds:
+        """Return those of some soundings."""
+        offsets, levels = gathered(self.offsets, index)
+        marked = np.zeros(self.height.size, dtype=bool)
+        marked[self.gaps] = True
+        flat = (getattr(self, name)[levels] for name in ("height", "east", "north"))
+        return KnownWinds(*flat, offsets, np.flatnonzero(marked[levels]))
+
+    @property
+    def bottom(self) -> FloatArray:
+        """The lowest level of each [m]."""
+        return np.asarray(self.height[self.offsets[:-1]])
+
+    @property
+    def top(self) -> FloatArray:
+        """The highest level of each [m]."""
+        return np.asarray(self.height[self.offsets[1:] - 1])
+
+    def incomplete(self, path: FlownPath) -> BoolArray:
+        """Which do not know the wind all along a flight."""
+        gap = np.zeros(self.offsets.size - 1, dtype=bool)
+        gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
+        return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
+
+    def wind(self, azimuth: float, plane: str, held: bool) -> FloatArray:
+        """Return the wind [m/s] at the levels, as `WindProfile` has it; a gap is calm, or `held`."""
+        sine, cosine = np.sin(azimuth), np.cos(azimuth)
+        wind = self.east * sine + self.north * cosine
+        if plane == "yaw":
+            wind = self.north * sine - self.east * cosine
+        if self.gaps.size:
+            below, above = wind[self.gaps - 1], wind[self.gaps + 2]
+            stronger = np.where(np.abs(below) > np.abs(above), below, above)
+            wind[self.gaps] = wind[self.gaps + 1] = stronger if held else 0.0
+        return np.asarray(wind)
+
+    def knots(self, path: FlownPath, held: bool) -> FloatArray:
+        """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
+
+        From the lowest to the highest level, or, `held`, all along the flight; rows with fewer
+        levels repeat some.
+        """
+        counts = np.diff(self.offsets)
+        place = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
+        levels = self.height[self.offsets[:-1, np.newaxis] + place]
+        first, last = path.height[0], path.height[-1]
+        low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
+        if held:
+            low, high = np.full_like(low, first), np.full_like(high, last)
+        rows = np.broadcast_to(path.height, (counts.size, path.height.size))
+        return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
+
+    def at(self, wind: FloatArray, height: FloatArray) -> FloatArray:
+        """Return a wind [m/s] at heights ``(n, k)``, beyond the levels that of the nearest."""
+        apart = _APART * np.arange(self.offsets.size - 1)
+        inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
+        flat = self.height + np.repeat(apart, np.diff(self.offsets))
+        return np.asarray(np.interp(inside + apart[:, np.newaxis], flat, wind))
+
+
+def in_parts(values: FloatArray, parts: int) -> FloatArray:
+    """Return what lies on straight lines between values ``(n, k)``, each cut into parts."""
+    if parts == 1:
+        return values
+    way = np.arange(parts) / parts
+    lines = values[:, :-1, np.newaxis] + way * np.diff(values)[..., np.newaxis]
+    return np.concatenate([lines.reshape(values.shape[0], -1), values[:, -1:]], axis=1)
