@@ -2,6 +2,12 @@
 
 from . import boundary as boundary
 from . import plots as plots
+from .answers.availability.availability import availability as availability
+from .answers.availability.growth import PairGrowth as PairGrowth
+from .answers.availability.growth import WindGrowth as WindGrowth
+from .answers.availability.parts import Part as Part
+from .answers.availability.record import Availability as Availability
+from .answers.availability.record import Today as Today
 from .answers.campaign.dispersions import Dispersion as Dispersion
 from .answers.campaign.dispersions import Dispersions as Dispersions
 from .answers.campaign.engine import open_campaign as open_campaign

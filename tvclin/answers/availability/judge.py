@@ -1,13 +1,14 @@
 """What each sounding of an archive asks of a flight: between two needs, or one of them twice.
 
-Where a sounding is not known the wind is taken as calm, and as that which was met last, and the
-need lies between what these two ask for.
+Where a sounding does not know the wind it is taken as calm; and as blowing against the vehicle, as
+strong as where it was known last, or as 95 % of the archive have at that height, if that is more.
+The need lies between what these two ask for.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,8 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
 _AT_ONCE = 40_000
 """Levels of soundings that are looked at together."""
 _GUST_PARTS = 64
+_HEIGHTS = 40
+"""Of a flight, at which the strength of winds in an archive is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,7 @@ class Needs:
     Attributes
     ----------
     least, most : ndarray
-        With calm, and with the last wind held, where the wind is not known [rad], ``(a, n)`` for
+        With calm, and with a strong wind, where it is not known [rad], ``(a, n)`` for
         azimuths and soundings; NaN where nothing can be said.
     why : list of str
         Why it cannot, ``(n,)``; empty where it can.
@@ -90,6 +93,7 @@ class Judge:
     growth: WindGrowth | None
     gust: History | None
     known_to: float | None
+    strength: dict[tuple[str, float], FloatArray] = field(default_factory=dict)
 
     @classmethod
     def of(cls, flight: FlightSchedule, *, plane: str, model: str, **asked: Any) -> Judge:
@@ -100,6 +104,18 @@ class Judge:
             one: flight_tables(GrowingMode(flight, model, one, flight.span)) for one in planes
         }
         return cls(flight, path, tables, **asked)
+
+    def used_to(self, soundings: Soundings) -> Judge:
+        """Return the same that takes what is not known to be as strong as in an archive."""
+        known = KnownWinds.of(soundings[soundings.usable], self.path)
+        every = self.path.height
+        some = every[:: max(every.size // _HEIGHTS, 1)]
+        found = {
+            (plane, azimuth): np.interp(every, some, known.strength(some, azimuth, plane))
+            for plane in self.tables
+            for azimuth in self.azimuths.tolist()
+        }
+        return replace(self, strength=found)
 
     def needs(
         self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
@@ -152,14 +168,20 @@ class Judge:
         height = known.knots(self.path, held)
         times = np.interp(height, self.path.height, self.path.time)
         fine = in_parts(times, self.path.parts)
+        hidden = known.unknown(height) if held else None
         found = np.zeros((len(self.tables), self.azimuths.size, height.shape[0]))
         for p, (plane, tables) in enumerate(self.tables.items()):
             rows = tables.at(fine)
             for a, azimuth in enumerate(self.azimuths.tolist()):
                 wind = known.at(known.wind(azimuth, plane, held), height)
-                sides = [self._side(plane, tables, height, times, s * wind, fine, rows)
-                         for s in (1.0, -1.0)]
-                found[p, a] = np.maximum(*sides)
+                strong = np.abs(wind)
+                if held and self.strength:
+                    most = np.interp(height, self.path.height, self.strength[plane, azimuth])
+                    strong = np.maximum(strong, most)
+                for side in (1.0, -1.0):
+                    blows = side * wind if hidden is None else np.where(hidden, strong, side * wind)
+                    met = self._side(plane, tables, height, times, blows, fine, rows)
+                    found[p, a] = np.maximum(found[p, a], met)
         return np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
 
     def _side(

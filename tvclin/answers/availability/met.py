@@ -23,6 +23,8 @@ _BESIDE = 0.01
 """m from the edge of such a gap to where nothing is known."""
 _APART = 1e6
 """m between the heights of one sounding and those of the next, where all stand in one row."""
+_USUAL = 0.95
+"""Of the soundings that know the wind at a height, so many have no more of it."""
 _LONGEST = 0.5
 """s, between two times of a flight at which its trim is looked at."""
 
@@ -135,6 +137,27 @@ class KnownWinds:
             stronger = np.where(np.abs(below) > np.abs(above), below, above)
             wind[self.gaps] = wind[self.gaps + 1] = stronger if held else 0.0
         return np.asarray(wind)
+
+    def unknown(self, height: FloatArray) -> BoolArray:
+        """Where at heights ``(n, k)`` nothing was measured."""
+        edge = np.zeros(self.height.size)
+        edge[self.gaps] = edge[self.gaps + 1] = 1.0
+        outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
+        return np.asarray(outside | (self.at(edge, height) > 0.5))
+
+    def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
+        """Return the speed [m/s] that 95 % have no more of, at heights [m] in a row.
+
+        Counted at each height by itself; zero where nobody has measured.
+        """
+        height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
+        speed = np.abs(self.at(self.wind(azimuth, plane, held=False), height))
+        speed[self.unknown(height)] = np.inf
+        speed.sort(axis=0)
+        count = np.sum(np.isfinite(speed), axis=0)
+        place = np.maximum(np.ceil(_USUAL * count).astype(np.int64) - 1, 0)
+        found = speed[place, np.arange(place.size)] if speed.size else np.zeros(place.size)
+        return np.where(count > 0, found, 0.0)
 
     def knots(self, path: FlownPath, held: bool) -> FloatArray:
         """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
