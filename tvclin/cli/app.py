@@ -14,6 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from tvclin.cli.autopilot import autopilot
+from tvclin.cli.availability import availability
 from tvclin.cli.boundary import boundary
 from tvclin.cli.campaign import campaign
 from tvclin.cli.doctor import doctor
@@ -61,7 +62,7 @@ _PANELS: dict[str, tuple[Callable[..., None], ...]] = {
     "Start here": (study, init, vehicles, report, explore),
     "Theory": (boundary, optimum, respond, poles, reproduce),
     "Control": (autopilot, margins, laws),
-    "Flights": (size, fly),
+    "Flights": (size, availability, fly),
     "This installation": (doctor,),
 }
 _LIGHT = (init, explore, doctor)
