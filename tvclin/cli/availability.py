@@ -154,8 +154,10 @@ def _persistence(degrees: float | None, hours: float | None) -> Any:
         raise InputError("give --persistence-deg or --persistence-hours, not both")
     if hours is not None:
         return PairGrowth(hours)
-    return None if degrees is None else float(
-        np.radians(within("--persistence-deg", degrees, 0.0, 90.0))
+    return (
+        None
+        if degrees is None
+        else float(np.radians(within("--persistence-deg", degrees, 0.0, 90.0)))
     )
 
 

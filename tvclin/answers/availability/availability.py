@@ -73,8 +73,8 @@ def availability(
     plane : {"both", "pitch", "yaw"}
         Which plane of the motion counts.
     stop : {"round", "square"}
-        How both go together: a round stop takes the root of the sum of squares of both needs, though
-        their peaks need not coincide; a square one the larger.
+        How both go together: a round stop takes the root of the sum of squares of both needs,
+        though their peaks need not coincide; a square one the larger.
     model : str
         As of `Plant`.
     persistence : float, WindGrowth, PairGrowth or "pairs", optional

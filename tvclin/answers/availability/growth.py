@@ -49,7 +49,9 @@ class WindGrowth:
         """Return the speed [m/s] at heights [m]."""
         if self.height is None:
             return np.full(np.shape(height), np.asarray(self.speed))
-        return np.asarray(np.interp(np.asarray(height, dtype=float), self.height, self.speed))
+        return np.asarray(
+            np.interp(np.asarray(height), np.asarray(self.height), np.asarray(self.speed))
+        )
 
 
 @dataclass(frozen=True)

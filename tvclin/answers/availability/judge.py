@@ -198,7 +198,7 @@ class Judge:
         if self.growth is not None:
             wind = wind + self.growth.at(height)
         angle = self.path.angle(wind, times, plane)
-        lost = np.isnan(angle).any(axis=1)
+        lost = np.asarray(np.isnan(angle).any(axis=1))
         angle = in_parts(np.where(lost[:, np.newaxis], 0.0, angle), self.path.parts)
         need, leaves = needs_of_winds(tables, fine, angle, rows)
         if self.gust is not None:

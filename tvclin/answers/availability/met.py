@@ -1,4 +1,4 @@
-"""The wind that a flight meets in each sounding of an archive, and in what of it nobody measured."""
+"""The wind that a flight meets in each sounding of an archive, and where nobody measured it."""
 
 from __future__ import annotations
 
@@ -93,7 +93,9 @@ class KnownWinds:
         below = np.flatnonzero(wide)
         at = np.repeat(below + 1, 2)
         edges = np.stack([height[below] + _BESIDE, height[below + 1] - _BESIDE], axis=-1).ravel()
-        more = 2 * np.bincount(np.searchsorted(offsets, below, side="right"), minlength=offsets.size)
+        more = 2 * np.bincount(
+            np.searchsorted(offsets, below, side="right"), minlength=offsets.size
+        )
         return cls(
             np.insert(height, at, edges),
             np.insert(soundings.east, at, 0.0),
@@ -107,8 +109,8 @@ class KnownWinds:
         offsets, levels = gathered(self.offsets, index)
         marked = np.zeros(self.height.size, dtype=bool)
         marked[self.gaps] = True
-        flat = (getattr(self, name)[levels] for name in ("height", "east", "north"))
-        return KnownWinds(*flat, offsets, np.flatnonzero(marked[levels]))
+        height, east, north = (one[levels] for one in (self.height, self.east, self.north))
+        return KnownWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
 
     @property
     def bottom(self) -> FloatArray:
@@ -127,7 +129,7 @@ class KnownWinds:
         return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
 
     def wind(self, azimuth: float, plane: str, held: bool) -> FloatArray:
-        """Return the wind [m/s] at the levels, as `WindProfile` has it; a gap is calm, or `held`."""
+        """Return the wind [m/s] at the levels, as `WindProfile` has it; gaps are calm, or `held`."""
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
         if plane == "yaw":

@@ -116,7 +116,9 @@ class _Winds:
             ends[0][turns] = np.where(rises, there[1], ends[0][turns])
             ends[1][turns] = np.where(rises, ends[1][turns], there[1])
             level = high[:, 1:] * G0[:, 1:] - high[:, :-1] * G0[:, :-1]
-            sums.append(blows[..., np.newaxis] * (level - slope[..., np.newaxis] * (ends[1] - ends[0])))
+            sums.append(
+                blows[..., np.newaxis] * (level - slope[..., np.newaxis] * (ends[1] - ends[0]))
+            )
         nothing = np.zeros_like(wind[:, :1])
         ahead = np.cumsum(sums[0][:, ::-1, 0], axis=-1)[:, ::-1]
         return cls(

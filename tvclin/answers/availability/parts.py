@@ -112,9 +112,7 @@ def part_of(
     return Part(flown, judged, unknown, n, lower, upper, confidence)
 
 
-def effective_number(
-    values: FloatArray, times: NDArray[np.datetime64], season: IntArray
-) -> float:
+def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:
     """Return as how many independent values some count that follow each other in time."""
     minutes = times.astype("datetime64[m]").astype(np.int64)
     away = values - np.mean(values)

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.judge import Judge
-from tvclin.answers.availability.parts import Part, part_of
+from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
 from tvclin.base.cards import card
-from tvclin.base.errors import InputError, instance, missing, nonnegative, number, one_row, within
+from tvclin.base.errors import instance, missing, nonnegative, number, one_row, within
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
 from tvclin.winds.soundings.archive import Soundings
@@ -115,7 +115,7 @@ class Availability:
     @property
     def why(self) -> tuple[str, ...]:
         """For each sounding, why it is not judged; empty where it is."""
-        open_ = np.isnan(np.atleast_2d(self.flies)).any(axis=0).tolist()
+        open_: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
         both = zip(self.reasons, open_, strict=True)
         return tuple(one or ("it does not know the wind far enough" * lost) for one, lost in both)
 
@@ -251,7 +251,8 @@ class Availability:
 
     def _flies(self, limit: float) -> FloatArray:
         with np.errstate(invalid="ignore"):
-            enough, lost = covers(limit, self.most), ~covers(limit, self.least)
+            enough = np.asarray(covers(limit, self.most))
+            lost = ~np.asarray(covers(limit, self.least))
         known = ~np.isnan(self.least)
         return np.where(known & enough, 1.0, np.where(known & lost, 0.0, np.nan))
 

@@ -114,11 +114,12 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
             "flight must be one whose B keeps its sign: trim deflects to one side all the way"
         )
     growth = np.exp(_from_the_end(row[0], step))
-    ahead = _from_the_end(growth * np.einsum("jt,tj->t", row, inputs[:, :, 1]), step)
+    driven = np.asarray(np.einsum("jt,tj->t", row, inputs[:, :, 1]), dtype=float)
+    ahead = _from_the_end(growth * driven, step)
     Psi = _path_under_trim(mode, times)
     to_path = (-A[:, 1, 2:] / inputs[:, 1, :1])[:, np.newaxis, :] @ Psi
     drift = inputs[:, 2:, 1] + inputs[:, 2:, 0] * trim[:, np.newaxis]
-    kernel = np.linalg.solve(Psi, drift[..., np.newaxis])[..., 0]
+    kernel = np.asarray(np.linalg.solve(Psi, drift[..., np.newaxis])[..., 0], dtype=float)
     first = _from_the_start(kernel, step)
     columns = [
         np.stack([-ahead, _from_the_end(ahead, step), -side / (growth * reach), side * trim], -1),

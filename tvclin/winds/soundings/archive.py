@@ -193,14 +193,14 @@ class Soundings:
             try:
                 given = list(profiles)
             except TypeError:
-                given = [profiles]  # type: ignore[list-item]
+                given = [profiles]
         for one in given:
             instance("profiles", one, WindProfile, "see read_sounding")
         when = minutes("times", times)
         if when.shape != (len(given),):
             raise InputError(f"times must hold one for each of {len(given)} profiles")
         sizes = [0, *(one.height.size for one in given)]
-        levels = {
+        levels: dict[str, Any] = {
             name: np.concatenate([np.empty(0), *(getattr(one, name) for one in given)])
             for name in RANGES
         }

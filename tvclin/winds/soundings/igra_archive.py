@@ -199,7 +199,7 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
 
 
 def _numbers(letters: NDArray[np.uint8], good: NDArray[np.bool_]) -> FloatArray:
-    """Whole numbers to the right of their columns, NaN where missing; clears `good` for no number."""
+    """Whole numbers in their columns, NaN where missing; clears `good` for what is none."""
     digit = (letters >= ord("0")) & (letters <= ord("9"))
     minus = letters == ord("-")
     begins = digit[:, 1:] >= digit[:, :-1]  # no digit is followed by another letter

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -139,18 +139,12 @@ class Collected:
             f"{times} {remark}{f' (the first: {where})' if where else ''}"
             for remark, (times, where) in self.counted.items()
         )
-        return _noted(kept, notes)
-
-
-def _noted(soundings: Soundings, notes: tuple[str, ...]) -> Soundings:
-    from dataclasses import replace
-
-    return replace(soundings, notes=notes)
+        return replace(kept, notes=notes)
 
 
 def _integers(name: str, values: Any, rule: str) -> list[int]:
     whole = isinstance(values, Iterable) and not isinstance(values, str | bytes)
-    given = list(values) if whole else [None]
+    given: list[Any] = list(values) if whole else [None]
     if not all(isinstance(one, int | np.integer) and not isinstance(one, bool) for one in given):
         raise InputError(f"{name} must be {rule}; got {shown(values)}")
     return [int(one) for one in given]

@@ -47,9 +47,7 @@ class Rows:
     direction: FloatArray
 
 
-def collected(
-    found: Collected, rows: Rows, times: NDArray[np.datetime64], why: list[str]
-) -> None:
+def collected(found: Collected, rows: Rows, times: NDArray[np.datetime64], why: list[str]) -> None:
     """Add soundings to what was found; `why` says what is already wrong with each."""
     bad = np.array([bool(reason) for reason in why], dtype=bool)
     for wrong, say in _faults(rows):
@@ -114,7 +112,7 @@ def _faults(rows: Rows):  # type: ignore[no-untyped-def]
 def _rising(
     sounding: IntArray, height: FloatArray, index: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], int, IntArray]:
-    """Of levels in a row those above all before them, how many stand twice, and of whom the rest."""
+    """Levels above all before them; how many stand twice; and of which soundings the others are."""
     above = height + _APART * sounding
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], above]))[:-1]
     twice, sunk = above == highest, above < highest

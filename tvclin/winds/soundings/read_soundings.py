@@ -158,7 +158,7 @@ def _add(found: Collected, one: Found, time: Any, name: str, wanted: Wanted) -> 
 
 
 def _time(text: Text, one: Found, file: Path, given: Any) -> Any:
-    """The time [UTC] of a sounding, from the user, its list, its first level, or the file's name."""
+    """The time [UTC] of a sounding: the user's, its list's, its first level's, or the file name's."""
     if given is not None:
         return given
     if one.time:
