@@ -129,7 +129,7 @@ class KnownWinds:
         return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
 
     def wind(self, azimuth: float, plane: str, held: bool) -> FloatArray:
-        """Return the wind [m/s] at the levels, as `WindProfile` has it; gaps are calm, or `held`."""
+        """Return the wind [m/s] at the levels, as `WindProfile`; gaps are calm, or `held`."""
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
         if plane == "yaw":

@@ -158,7 +158,7 @@ def _add(found: Collected, one: Found, time: Any, name: str, wanted: Wanted) -> 
 
 
 def _time(text: Text, one: Found, file: Path, given: Any) -> Any:
-    """The time [UTC] of a sounding: the user's, its list's, its first level's, or the file name's."""
+    """The time [UTC]: the user's, that of the list, of the first level, or of the file's name."""
     if given is not None:
         return given
     if one.time:
