@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -100,9 +101,7 @@ class Judge:
         """Return that of a flight; `InputError` as `GrowingMode` and `FlownPath`."""
         planes = PLANES if plane == BOTH else (plane,)
         path = FlownPath.of(flight)
-        tables = {
-            one: flight_tables(GrowingMode(flight, model, one, flight.span)) for one in planes
-        }
+        tables = {one: _tables(flight, model, one) for one in planes}
         return cls(flight, path, tables, **asked)
 
     def used_to(self, soundings: Soundings) -> Judge:
@@ -210,6 +209,12 @@ class Judge:
             ]
             need = np.where(blows, np.maximum(*gusty), need)
         return np.where(lost, np.nan, need)
+
+
+@lru_cache(maxsize=8)
+def _tables(flight: FlightSchedule, model: str, plane: str) -> FlightTables:
+    """Return the tables of a flight, kept for the next question about it."""
+    return flight_tables(GrowingMode(flight, model, plane, flight.span))
 
 
 def _cuts(ends: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+_LESS = 1.0 - 1e-9
+"""Needs that differ by less than this part are the same."""
+
 
 @dataclass(frozen=True)
 class Today:
@@ -172,7 +175,7 @@ class Availability:
         for a, most in enumerate(np.atleast_2d(self.most)):
             least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))
             known = most[~np.isnan(most)]
-            part = float(np.mean(known < high)) if known.size else float("nan")
+            part = float(np.mean(known < high * _LESS)) if known.size else float("nan")
             found.append(Today(least, high, self.limit, part, needs.why[0]))
         return self._plain(found)
 
