@@ -381,9 +381,6 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "PairGrowth": Door(tv.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
-        "PairGrowth.of": Door(
-            tv.PairGrowth().of, {"need": np.array([[0.1, 0.2]]), "times": archive.times}
-        ),
         "RectangularWind": Door(tv.RectangularWind, pulse),
         "ReportControl": Door(tv.ReportControl, {"dead_band": 0.5}),
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),

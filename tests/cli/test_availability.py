@@ -10,8 +10,7 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
 from tvclin.cli.app import app
-from tvclin.plots import curves_of
-from tvclin.plots.availability import availability as chart
+from tvclin.plots import availability_chart, curves_of
 
 
 def run(*arguments: str) -> Result:
@@ -104,7 +103,7 @@ def test_the_figure_is_what_the_library_says(station, tmp_path) -> None:
     flight, soundings = tv.load_schedule("configuration-i"), tv.read_soundings(station)
     for azimuth, names in ((1.5, ["flown"]), ([1.0, 1.5], ["57.3 deg", "85.94 deg"])):
         found = tv.availability(flight, soundings, limit=0.006, azimuth=azimuth)
-        curves = curves_of(chart(found))
+        curves = curves_of(availability_chart(found))
         parts = found.curve(np.radians(curves.abscissa))
         for name in names:
             column = next(one for one in curves.columns if one.label == name)

@@ -131,10 +131,9 @@ def availability(
     if csv is not None:
         found.to_csv(csv)
     if plot is not None:
-        from tvclin.plots import save_figure
-        from tvclin.plots.availability import availability as chart
+        from tvclin.plots import availability_chart, save_figure
 
-        save_figure(chart(found), plot)
+        save_figure(availability_chart(found), plot)
     if as_json:
         print_json(_document(found, launch))
     else:

@@ -19,7 +19,7 @@ _STEPS: Style = {"drawstyle": "steps-post"}
 _COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
 
 
-def availability(found: Availability) -> "ControlPlot":
+def availability_chart(found: Availability) -> "ControlPlot":
     """Draw which part of an archive's soundings flies, against the limit.
 
     With its interval for one azimuth, and a line for each of several. A line upright is the limit

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth
+from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by
 from tvclin.answers.availability.judge import BOTH, STOPS, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
@@ -22,9 +22,7 @@ from tvclin.base.errors import (
     nonnegative,
     number,
     one_of,
-    shown,
     single,
-    within,
 )
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -169,12 +167,7 @@ def _growth(asked: Any) -> float | WindGrowth | PairGrowth:
     if isinstance(asked, str):
         one_of("persistence", asked, ("pairs",))
         return PairGrowth()
-    if np.ndim(asked):
-        raise InputError(
-            f"persistence must be one angle [rad], WindGrowth, PairGrowth or 'pairs'; got"
-            f" {shown(asked)}"
-        )
-    return float(within("persistence", asked, 0.0, _LARGEST, "rad"))
+    return number("persistence", asked, between(0.0, _LARGEST), "rad")
 
 
 def _added(
@@ -188,7 +181,7 @@ def _added(
         return np.zeros(least.shape[0]), ["each need holds a wind that may still come"]
     if isinstance(growth, PairGrowth):
         clear = most - least <= _CLOSE * most
-        added, pairs = growth.of(np.where(clear, least, np.nan), soundings.times)
+        added, pairs = grown_by(growth, np.where(clear, least, np.nan), soundings.times)
         added = np.maximum(added, 0.0)
         words = ", ".join(f"{one:.4f}" for one in np.degrees(added).tolist())
         return added, [

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, fraction, nonnegative, number, one_row, positive
+from tvclin.base.errors import InputError, finite, fraction, nonnegative, number, one_row, positive
 
 FloatArray = NDArray[np.float64]
 
@@ -46,12 +46,11 @@ class WindGrowth:
         object.__setattr__(self, "height", height)
 
     def at(self, height: ArrayLike) -> FloatArray:
-        """Return the speed [m/s] at heights [m]."""
+        """Return the speed [m/s] at heights [m], in their shape."""
+        wanted, speed = finite("height", height, "m"), np.asarray(self.speed)
         if self.height is None:
-            return np.full(np.shape(height), np.asarray(self.speed))
-        return np.asarray(
-            np.interp(np.asarray(height), np.asarray(self.height), np.asarray(self.speed))
-        )
+            return np.full(wanted.shape, speed)
+        return np.asarray(np.interp(wanted, np.asarray(self.height), speed))
 
 
 @dataclass(frozen=True)
@@ -81,26 +80,29 @@ class PairGrowth:
         object.__setattr__(self, "hours", number("hours", self.hours, positive, "h"))
         object.__setattr__(self, "quantile", fraction("quantile", self.quantile))
 
-    def of(self, need: FloatArray, times: NDArray[np.datetime64]) -> tuple[FloatArray, int]:
-        """Return the growth [rad] of needs ``(a, n)``, and how many pairs there are.
 
-        Raises
-        ------
-        InputError
-            Where no two soundings are twelve hours apart.
-        """
-        minutes = times.astype("datetime64[m]").astype(np.int64)
-        order = np.argsort(minutes, kind="stable")
-        later = np.searchsorted(minutes[order], minutes[order] + round(60 * HALF_DAY))
-        there = later < times.size
-        first, then = order[there], order[later[there]]
-        pairs = minutes[then] - minutes[first] == round(60 * HALF_DAY)
-        grown = need[:, then[pairs]] - need[:, first[pairs]]
-        grown = grown[:, ~np.isnan(grown).any(axis=0)]
-        if not grown.shape[1]:
-            raise InputError(
-                "persistence from pairs needs soundings 12 h apart that can be judged; there are"
-                " none, so give an angle [rad]"
-            )
-        part = (self.hours / HALF_DAY) ** (1 / 3)
-        return part * np.quantile(grown, self.quantile, axis=1), grown.shape[1]
+def grown_by(
+    growth: PairGrowth, need: FloatArray, times: NDArray[np.datetime64]
+) -> tuple[FloatArray, int]:
+    """Return the growth [rad] of needs ``(a, n)``, and how many pairs there are.
+
+    Raises
+    ------
+    InputError
+        Where no two soundings are twelve hours apart.
+    """
+    minutes = times.astype("datetime64[m]").astype(np.int64)
+    order = np.argsort(minutes, kind="stable")
+    later = np.searchsorted(minutes[order], minutes[order] + round(60 * HALF_DAY))
+    there = later < times.size
+    first, then = order[there], order[later[there]]
+    pairs = minutes[then] - minutes[first] == round(60 * HALF_DAY)
+    grown = need[:, then[pairs]] - need[:, first[pairs]]
+    grown = grown[:, ~np.isnan(grown).any(axis=0)]
+    if not grown.shape[1]:
+        raise InputError(
+            "persistence from pairs needs soundings 12 h apart that can be judged; there are"
+            " none, so give an angle [rad]"
+        )
+    part = (growth.hours / HALF_DAY) ** (1 / 3)
+    return part * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]

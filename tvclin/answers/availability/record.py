@@ -15,7 +15,7 @@ from tvclin.answers.availability.judge import Judge
 from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
 from tvclin.base.cards import card
-from tvclin.base.errors import instance, missing, nonnegative, number, one_row, within
+from tvclin.base.errors import finite, instance, missing, nonnegative, number, one_row, within
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
 from tvclin.winds.soundings.archive import Soundings
@@ -137,7 +137,7 @@ class Availability:
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
         """Return the same for other limits [rad], each."""
         every = np.ones(len(self.soundings), dtype=bool)
-        row = nonnegative("limits", np.atleast_1d(one_row_or_one("limits", limits)), "rad")
+        row = nonnegative("limits", one_row_or_one("limits", limits), "rad")
         return tuple(self._for_each(limit, every) for limit in row.tolist())
 
     def placard(self, parts: ArrayLike = (0.5, 0.8, 0.9, 0.95, 0.99)) -> FloatArray:
@@ -145,7 +145,7 @@ class Availability:
 
         Infinite where no limit is enough. Shape ``(p,)``, or ``(a, p)`` for several azimuths.
         """
-        asked = within("parts", np.atleast_1d(one_row_or_one("parts", parts)), 0.0, 1.0)
+        asked = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
 
         def of(least: FloatArray, most: FloatArray) -> FloatArray:
             known = ~np.isnan(most)
@@ -279,4 +279,5 @@ class Availability:
 
 def one_row_or_one(name: str, value: ArrayLike) -> FloatArray:
     """Return one number or a row of them as a row; `InputError` for all else."""
-    return one_row(name, [number(name, value)] if np.ndim(value) == 0 else value)
+    array = finite(name, value)
+    return one_row(name, array if array.ndim else array[np.newaxis])

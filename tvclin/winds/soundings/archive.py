@@ -130,7 +130,7 @@ class Soundings:
         """
         if isinstance(index, int | np.integer) and not isinstance(index, bool):
             if not -len(self) <= index < len(self):
-                raise IndexError(f"there are {len(self)} soundings; got index {index}")
+                raise InputError(f"there are {len(self)} soundings; got index {shown(index)}")
             return self._profile(int(index) % len(self))
         try:
             return self._some(np.arange(len(self))[index])
