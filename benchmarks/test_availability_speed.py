@@ -48,15 +48,3 @@ def test_soundings_to_availability_10000_both_planes(benchmark, station):
     benchmark.extra_info["largest memory, MB"] = (
         resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     )
-
-
-def test_one_sounding_by_size(benchmark, station):
-    """What each of them takes where it is integrated by itself."""
-    flight = tv.load_schedule("configuration-i")
-    met = tv.fly_through(tv.read_sounding(station), flight, azimuth=np.radians(80.0))
-    benchmark.pedantic(
-        tv.size,
-        (flight, met),
-        {"times": [60.0], "dead_bands": 1.0, "varying": True},
-        rounds=1,
-    )

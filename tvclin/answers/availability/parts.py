@@ -86,7 +86,7 @@ def part_of(
     need : ndarray
         What they ask for [rad], by which days are compared if all of them fly, or none.
     times : ndarray of datetime64
-        Rising, ``(n,)``.
+        When, ``(n,)``.
     season : ndarray of int
         The month of a year; only soundings of one season are compared.
     confidence : float
@@ -114,7 +114,9 @@ def part_of(
 
 def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:
     """Return as how many independent values some count that follow each other in time."""
-    minutes = times.astype("datetime64[m]").astype(np.int64)
+    order = np.argsort(times, kind="stable")
+    values, season = values[order], season[order]
+    minutes = times[order].astype("datetime64[m]").astype(np.int64)
     away = values - np.mean(values)
     power = np.mean(away**2)
     apart = np.diff(minutes)
