@@ -234,3 +234,14 @@ def test_a_reader_tells_how_far_it_is(tmp_path) -> None:
 
     size = (tmp_path / "station-data.txt").stat().st_size
     assert told[-1] == (size, size)
+
+
+def test_a_zip_of_something_else_is_refused(tmp_path) -> None:
+    for name, text in (("a.zip", "height_m,speed_kt\n1,2\n"), ("b.zip", "")):
+        with zipfile.ZipFile(tmp_path / name, "w") as packed:
+            packed.writestr("a.txt", text)
+        with pytest.raises(tv.InputError, match="1 station files without a header"):
+            tv.read_soundings(tmp_path / name)
+    (tmp_path / "c.zip").write_bytes(b"PK no zip")
+    with pytest.raises(tv.InputError, match="is no zip that can be read"):
+        tv.read_soundings(tmp_path / "c.zip")

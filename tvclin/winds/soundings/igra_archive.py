@@ -57,6 +57,8 @@ def read_station(path: Path, wanted: Wanted, progress: Progress | None = None) -
         stream.end()
         if progress is not None:
             progress(done, done)
+    if not stream.headers:
+        stream.found.count("station files without a header", stream.name)
     return stream.found
 
 
@@ -111,6 +113,7 @@ class _Stream:
     wanted: Wanted
     found: Collected = field(default_factory=Collected)
     number: int = 0
+    headers: int = 0
     takes: bool = False
     announced: int = 0
     lines: list[bytes] = field(default_factory=list)
@@ -130,6 +133,7 @@ class _Stream:
         if len(self.lines) > _AT_ONCE:
             self.end()
         self.takes = False
+        self.headers += 1
         match = _HEADER.match(line)
         if match is None:
             said = f"{self.name}, line {self.number}"
