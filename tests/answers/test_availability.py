@@ -87,6 +87,13 @@ def test_each_sounding_needs_what_size_says(flight, archive) -> None:
         assert found.need[i] == pytest.approx(size_says(flight, archive[i]), rel=CLOSE)
 
 
+def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None:
+    coarse = tv.load_schedule("configuration-i", step=15.0)
+    found = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
+
+    assert found.need[0] == pytest.approx(size_says(coarse, archive[6]), rel=CLOSE)
+
+
 def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> None:
     """The jet is a head wind below and a tail wind above; alone each needs what it did."""
     height = np.linspace(0.0, 35e3, 71)

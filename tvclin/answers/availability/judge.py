@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.availability.growth import WindGrowth
-from tvclin.answers.availability.met import FlownPath, KnownWinds, in_parts
+from tvclin.answers.availability.met import FlownPath, KnownWinds, on_lines
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
 from tvclin.answers.sizing.growing import GrowingMode
@@ -166,7 +166,7 @@ class Judge:
         """The needs in all azimuths, ``(a, n)``, of both planes together."""
         height = known.knots(self.path, held)
         times = np.interp(height, self.path.height, self.path.time)
-        fine = in_parts(times, self.path.parts)
+        fine = self.path.finer(times)
         hidden = known.unknown(height) if held else None
         found = np.zeros((len(self.tables), self.azimuths.size, height.shape[0]))
         for p, (plane, tables) in enumerate(self.tables.items()):
@@ -198,7 +198,9 @@ class Judge:
             wind = wind + self.growth.at(height)
         angle = self.path.angle(wind, times, plane)
         lost = np.asarray(np.isnan(angle).any(axis=1))
-        angle = in_parts(np.where(lost[:, np.newaxis], 0.0, angle), self.path.parts)
+        angle = np.where(lost[:, np.newaxis], 0.0, angle)
+        if fine is not times:
+            angle = on_lines(times, angle, fine)
         need, leaves = needs_of_winds(tables, fine, angle, rows)
         if self.gust is not None:
             top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
@@ -230,7 +232,5 @@ def _with_gust(
     own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
     there = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
     both = np.sort(np.concatenate([times, there], axis=1), axis=1)
-    span = 1.0 + times.max() - times.min()
-    apart = span * np.arange(times.shape[0])[:, np.newaxis]
-    wind = np.interp(both + apart, (times + apart).ravel(), angle.ravel())
+    wind = on_lines(times, angle, both)
     return both, wind + np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)

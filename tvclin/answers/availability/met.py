@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,8 +40,8 @@ class FlownPath:
         [m], [s], [m/s], flight path angle [rad].
     densest : float
         Height [m] at which rho V^2 is largest, in the standard atmosphere.
-    parts : int
-        Into so many each line between two knots is cut.
+    between : ndarray
+        Times [s] between those that are far apart, at which trim is looked at as well.
     """
 
     height: FloatArray
@@ -48,7 +49,7 @@ class FlownPath:
     speed: FloatArray
     climb: FloatArray
     densest: float
-    parts: int
+    between: FloatArray
 
     @classmethod
     def of(cls, flight: FlightSchedule) -> FlownPath:
@@ -56,7 +57,18 @@ class FlownPath:
         time, height, speed, climb = checked_flight(flight)
         density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
         densest = float(height[np.argmax(density * speed**2)])
-        return cls(height, time, speed, climb, densest, math.ceil(np.diff(time).max() / _LONGEST))
+        more = [
+            np.linspace(a, b, math.ceil((b - a) / _LONGEST), endpoint=False)[1:]
+            for a, b in pairwise(time.tolist())
+        ]
+        return cls(height, time, speed, climb, densest, np.concatenate(more))
+
+    def finer(self, times: FloatArray) -> FloatArray:
+        """Return knots of winds [s], ``(n, k)``, with the times between; the same without any."""
+        if not self.between.size:
+            return times
+        more = np.clip(self.between, times[:, :1], times[:, -1:])
+        return np.sort(np.concatenate([times, more], axis=1), axis=1)
 
     def angle(self, wind: FloatArray, time: FloatArray, plane: str) -> FloatArray:
         """Return wind angles [rad], eq (B1e), of winds [m/s] at times; NaN for winds too fast."""
@@ -185,10 +197,7 @@ class KnownWinds:
         return np.asarray(np.interp(inside + apart[:, np.newaxis], flat, wind))
 
 
-def in_parts(values: FloatArray, parts: int) -> FloatArray:
-    """Return what lies on straight lines between values ``(n, k)``, each cut into parts."""
-    if parts == 1:
-        return values
-    way = np.arange(parts) / parts
-    lines = values[:, :-1, np.newaxis] + way * np.diff(values)[..., np.newaxis]
-    return np.concatenate([lines.reshape(values.shape[0], -1), values[:, -1:]], axis=1)
+def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
+    """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
+    apart = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
+    return np.asarray(np.interp(at + apart, (times + apart).ravel(), values.ravel()))
