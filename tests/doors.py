@@ -20,6 +20,8 @@ from tvclin.flights.condition import load_flight_condition
 SOUNDINGS = Path(__file__).parent / "soundings"
 
 ANSWERS = {
+    "Part",
+    "Today",
     "BoundaryLimit",
     "ClosedLoopBoundary",
     "Crossings",
@@ -47,6 +49,7 @@ NO_CALLS = {"CRITERIA", "History", "InputError", "Law", "list_vehicles"}
 """A table, two abstract classes, an exception, and a function without an argument."""
 
 INSIDE = {
+    "Availability",
     "BandMargins",
     "CampaignResults",
     "Detuned",
@@ -115,6 +118,8 @@ def doors(folder: Path) -> dict[str, Door]:
     schedule = tv.load_schedule("configuration-i", step=5.0)
     study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01)
     west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
+    archive = tv.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
+    available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
     months = tv.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
     climb = tv.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
     dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
@@ -218,6 +223,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "Autopilot.margins": Door(autopilot.margins, {"plant": plant}),
         "Autopilot.rational_loop": Door(autopilot.rational_loop, {"plant": plant}),
         "Autopilot.respond": Door(autopilot.respond, {**history, "timepts": times}),
+        "Availability.curve": Door(available.curve, {"limits": [0.01, 0.02]}),
+        "Availability.placard": Door(available.placard, {"parts": [0.5]}),
+        "Availability.to_csv": Door(available.to_csv, {"path": folder / "available.csv"}),
+        "Availability.today": Door(available.today, {"profile": west}),
+        "Availability.with_limit": Door(available.with_limit, {"limit": 0.01}),
         "BangBang": Door(tv.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
         "Campaign": Door(
             tv.Campaign,
@@ -451,6 +461,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "estimator": estimator,
             },
         ),
+        "PairGrowth": Door(tv.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
         "RectangularWind": Door(tv.RectangularWind, pulse),
         "ReportControl": Door(tv.ReportControl, {"dead_band": 0.5}),
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
@@ -478,6 +489,17 @@ def doors(folder: Path) -> dict[str, Door]:
         "SizingAsked.peak_at": Door(asked.peak_at, {"vehicle": booster, "pulse": shaped}),
         "SizingAsked.sizing": Door(asked.sizing, {"progress": None}),
         "SizingAsked.total": Door(asked.total, {"found": sizing}),
+        "Soundings": Door(
+            tv.Soundings,
+            {f.name: getattr(archive, f.name) for f in dataclasses.fields(archive)},
+        ),
+        "Soundings.__getitem__": Door(lambda index: archive[index], {"index": slice(1)}),
+        "Soundings.from_profiles": Door(
+            tv.Soundings.from_profiles,
+            {"profiles": [west], "times": ["2024-02-01"], "station": "X"},
+        ),
+        "Soundings.local": Door(archive.local, {"utc_offset": -5.0}),
+        "Soundings.of": Door(archive.of, {"month": 2, "year": 2024, "hour": 0}),
         "SoundingAsked": Door(tv.SoundingAsked, {"profile": west, "azimuth": 1.5}),
         "Study.from_vehicle": Door(
             tv.Study.from_vehicle,
@@ -782,6 +804,26 @@ def doors(folder: Path) -> dict[str, Door]:
                 "reference_area": 0.0165,
             },
         ),
+        "availability": Door(
+            tv.availability,
+            {
+                "flight": schedule,
+                "soundings": archive,
+                "limit": 0.01,
+                "azimuth": 1.5,
+                "plane": "both",
+                "stop": "round",
+                "model": "drift-exact",
+                "persistence": 0.001,
+                "gust": gust,
+                "known_to": 12e3,
+                "utc_offset": -5.0,
+                "confidence": 0.9,
+                "progress": None,
+            },
+        ),
+        "WindGrowth": Door(tv.WindGrowth, {"speed": [5.0, 6.0], "height": [0.0, 1e4]}),
+        "WindGrowth.at": Door(tv.WindGrowth(5.0).at, {"height": [0.0, 1e4]}),
         "read_range_reference": Door(tv.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}),
         "read_rasaero": Door(
             tv.read_rasaero,
@@ -798,6 +840,18 @@ def doors(folder: Path) -> dict[str, Door]:
         "read_table": Door(
             tv.read_table,
             {"path": SCHEDULES / "table.csv", "columns": MAP, **span},
+        ),
+        "read_soundings": Door(
+            tv.read_soundings,
+            {
+                "source": SOUNDINGS / "igra.txt",
+                "months": [2],
+                "years": (2024, 2024),
+                "station": None,
+                "times": None,
+                "utc_offset": 0.0,
+                "progress": None,
+            },
         ),
         "relief_gains": Door(
             tv.relief_gains,

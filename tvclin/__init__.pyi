@@ -2,6 +2,12 @@
 
 from . import boundary as boundary
 from . import plots as plots
+from .answers.availability.availability import availability as availability
+from .answers.availability.growth import PairGrowth as PairGrowth
+from .answers.availability.growth import WindGrowth as WindGrowth
+from .answers.availability.parts import Part as Part
+from .answers.availability.record import Availability as Availability
+from .answers.availability.record import Today as Today
 from .answers.campaign.dispersions import Dispersion as Dispersion
 from .answers.campaign.dispersions import Dispersions as Dispersions
 from .answers.campaign.engine import open_campaign as open_campaign
@@ -140,11 +146,13 @@ from .winds.pulses import TriangularWind as TriangularWind
 from .winds.sampled import SampledWind as SampledWind
 from .winds.shaped import ShapedWind as ShapedWind
 from .winds.shaped import WindEnsemble as WindEnsemble
+from .winds.soundings.archive import Soundings as Soundings
 from .winds.soundings.profile import WindProfile as WindProfile
 from .winds.soundings.range_reference import RangeReference as RangeReference
 from .winds.soundings.range_reference import read_range_reference as read_range_reference
 from .winds.soundings.range_reference import worst_month as worst_month
 from .winds.soundings.read import read_sounding as read_sounding
+from .winds.soundings.read_soundings import read_soundings as read_soundings
 from .winds.soundings.steady import Climb as Climb
 from .winds.soundings.steady import steady_climb as steady_climb
 from .winds.soundings.synthetic import add_gust as add_gust

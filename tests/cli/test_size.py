@@ -297,3 +297,16 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
     ):
         result = run("study", *arguments)
         assert (result.exit_code, words in result.output) == (2, True), result.output
+
+
+def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
+    """Frozen at 43 s the vehicle needs more, which never met the jet there."""
+    given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
+    along = json.loads(run(*given, "--every", "20", "--varying", "--json").output)
+    beside = json.loads(
+        run(*given, "--every", "20", "--varying", "--count", "K = 1", "--json").output
+    )
+    wind = {name: one["total"]["lines"][1] for name, one in (("a", along), ("f", beside))}
+
+    assert wind["a"]["deflection_deg"] == along["worst"]["K = 1, varying"]["deflection_deg"]
+    assert wind["f"]["deflection_deg"] == along["worst"]["K = 1"]["deflection_deg"]

@@ -1,3 +1,4 @@
+from .availability import availability_chart as availability_chart
 from .bode_and_nichols import bode_chart as bode_chart
 from .bode_and_nichols import nichols_chart as nichols_chart
 from .boundaries import DEAD_BANDS as DEAD_BANDS

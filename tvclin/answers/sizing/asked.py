@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
-from tvclin.answers.sizing.record import Sizing
+from tvclin.answers.sizing.record import VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
@@ -105,7 +105,8 @@ class SizingAsked:
     model, plane, law, varying
         As of `size`.
     count : str, optional
-        The requirement that counts as the wind's; the first dead band where it is not given.
+        The requirement that counts as the wind's; where it is not given the first dead band, with
+        varying parameters if these are asked for and all winds are soundings.
     dispersion, thrust_offset, gravity_offset, reserve, limit
         As of `worst_total`.
 
@@ -174,8 +175,12 @@ class SizingAsked:
 
     @property
     def counted(self) -> str:
-        """The requirement that counts as the wind's."""
-        return self.count or f"K = {max(self.dead_bands):g}"
+        """The requirement that counts as the wind's.
+
+        In soundings alone, with varying parameters, that of the vehicle that met them.
+        """
+        met = self.varying and self.soundings and not self.pulses
+        return self.count or f"K = {max(self.dead_bands):g}{VARYING if met else ''}"
 
     @property
     def times(self) -> NDArray[Any]:

@@ -13,7 +13,7 @@ from tvclin.winds.soundings.text import FloatArray, IntArray, Text
 
 EARTH_RADIUS = 6_356_766.0
 """m, to which the geopotential height of the U.S. Standard Atmosphere 1976 belongs."""
-_LOWEST, _HIGHEST = -1e3, 1e5
+LOWEST, HIGHEST = -1e3, 1e5
 _FASTEST = 200.0
 
 
@@ -119,10 +119,10 @@ def profile_of(levels: Levels) -> WindProfile:
 def _check_ranges(levels: Levels) -> None:
     height, speed = levels.height, np.hypot(levels.east, levels.north)
     levels.text.require(
-        ~((height < _LOWEST) | (height > _HIGHEST)),
+        ~((height < LOWEST) | (height > HIGHEST)),
         levels.line,
         lambda i: (
-            f"height must be between {_LOWEST:g} and {_HIGHEST:g} m; got {height[i]:.6g} m, so"
+            f"height must be between {LOWEST:g} and {HIGHEST:g} m; got {height[i]:.6g} m, so"
             " check its unit"
         ),
     )

@@ -23,7 +23,7 @@ from tvclin.winds.soundings.passage import Flown, angles_along
 
 FloatArray = NDArray[np.float64]
 
-_RANGES = {
+RANGES = {
     "height": (-1e4, 1e6, "m"),
     "east": (-1e3, 1e3, "m/s"),
     "north": (-1e3, 1e3, "m/s"),
@@ -61,7 +61,7 @@ class WindProfile:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, (low, high, unit) in _RANGES.items():
+        for name, (low, high, unit) in RANGES.items():
             array = within(name, getattr(self, name), low, high, unit)
             object.__setattr__(self, name, array)
             if array.ndim != 1 or array.size < 2 or array.shape != self.height.shape:

@@ -10,7 +10,7 @@ from tvclin.winds.soundings.levels import profile_of
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.soundings.text import Text, read_lines
 
-_READERS = {
+READERS = {
     "csv": columns.find,
     "openrocket": columns.find_openrocket,
     "wyoming": wyoming.find,
@@ -51,11 +51,12 @@ def read_sounding(
         unknown, numbers out of range, and heights out of order; the message names the line.
     """
     text = read_lines(path)
-    name = _recognised(text) if format is None else one_of("format", format, _READERS)
-    return profile_of(_chosen(text, _READERS[name](text), time).levels())
+    name = recognised(text) if format is None else one_of("format", format, READERS)
+    return profile_of(_chosen(text, READERS[name](text), time).levels())
 
 
-def _recognised(text: Text) -> str:
+def recognised(text: Text) -> str:
+    """Return the format of a file by its content; `InputError` for none that is known."""
     content = "\n".join(text.lines[:200])
     if re.search(r"^#\w{11} \d{4} \d\d \d\d ", content, flags=re.MULTILINE):
         return "igra"
@@ -73,7 +74,7 @@ def _recognised(text: Text) -> str:
     raise InputError(
         f"{text.source} is in no format that is recognised; a table needs a header such as"
         " height_m,speed_m_per_s,direction_deg (or name the format:"
-        f" {', '.join(_READERS)})"
+        f" {', '.join(READERS)})"
     )
 
 

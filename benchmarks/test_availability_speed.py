@@ -1,0 +1,50 @@
+"""Ten thousand soundings, from a station file to the part of them that flies, in both planes."""
+
+import resource
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+
+SOUNDINGS = 10_000
+LEVELS = 128
+
+
+@pytest.fixture(scope="module")
+def station(tmp_path_factory):
+    """Write a made-up station file, two balloons a day, 68 MB."""
+    rng = np.random.default_rng(1)
+    heights = np.linspace(0, 32e3, LEVELS).astype(int)
+    shape = 10.0 * np.exp(-(((heights - 11e3) / 4e3) ** 2))
+    path = tmp_path_factory.mktemp("archive") / "ZZM00088801-data.txt"
+    with path.open("w", encoding="utf-8") as file:
+        for i in range(SOUNDINGS):
+            time = np.datetime64("2005-01-01T00") + np.timedelta64(12 * i, "h")
+            date = str(time)[:13].replace("-", " ").replace("T", " ")
+            file.write(f"#ZZM00088801 {date} 9999 {LEVELS:4d} made-up  made-up   285000  -806000\n")
+            speeds = np.abs(rng.normal(45, 15) * shape + rng.normal(0, 15, LEVELS)).astype(int)
+            file.writelines(
+                f"30 -9999  -9999 {h:5d} -9999 -9999 -9999 {255 + i % 30:5d} {v:5d} \n"
+                for h, v in zip(heights.tolist(), speeds.tolist(), strict=True)
+            )
+    return path
+
+
+def test_file_to_soundings_10000(benchmark, station):
+    found = benchmark.pedantic(tv.read_soundings, (station,), rounds=1)
+    assert len(found) == SOUNDINGS
+
+
+def test_soundings_to_availability_10000_both_planes(benchmark, station):
+    flight, soundings = tv.load_schedule("configuration-i"), tv.read_soundings(station)
+    found = benchmark.pedantic(
+        tv.availability,
+        (flight, soundings),
+        {"limit": np.radians(0.5), "azimuth": np.radians(80.0)},
+        rounds=1,
+    )
+    assert found.part().judged > 0.9 * SOUNDINGS
+    benchmark.extra_info["largest memory, MB"] = (
+        resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    )

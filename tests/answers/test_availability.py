@@ -1,0 +1,401 @@
+"""Launch availability: what each sounding asks for, and how many fly."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tests.archives import Balloon, days, jet, write
+from tvclin.answers.availability.needs import needs_of_winds
+from tvclin.answers.availability.parts import effective_number, part_of
+from tvclin.answers.availability.tables import flight_tables
+from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.varying import varying_need
+
+EAST = np.radians(90.0)
+PITCH = {"azimuth": EAST, "plane": "pitch"}
+CLOSE = 1e-6
+"""The tables are straight lines between times so close that they are off by a part of 3e-8; of
+the sums and quotients of a need some come together."""
+
+
+@pytest.fixture(scope="module")
+def flight():
+    return tv.load_schedule("configuration-i")
+
+
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory):
+    """Return jets of 5, 10 ... 100 m/s, twice a day."""
+    balloons = [
+        Balloon(time, jet(5.0 * (i + 1))) for i, time in enumerate(days("2023-02-01T00", 20))
+    ]
+    return tv.read_soundings(write(tmp_path_factory.mktemp("a") / "s-data.txt", balloons))
+
+
+def profile(seed, top=35e3):
+    """Return a wind that wanders, from all sides."""
+    rng = np.random.default_rng(seed)
+    height = np.linspace(0.0, top, 40)
+    height[1:-1] += rng.uniform(-400.0, 400.0, 38)
+    strength = 50.0 * np.exp(-(((height - 11e3) / 5e3) ** 2))
+    east, north = (strength * rng.uniform(-0.3, 1.0) + rng.normal(0, 8, 40) for _ in range(2))
+    return tv.WindProfile(height=height, east=east, north=north)
+
+
+def one(wind):
+    return tv.Soundings.from_profiles([wind], ["2024-02-01"])
+
+
+def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST):
+    """Return what `size` says with varying parameters, frozen parts at the peak of the wind."""
+    met = tv.fly_through(wind, flight, azimuth=azimuth, plane=plane, gust=gust)
+    peak = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
+    found = tv.size(flight, met, times=[peak], dead_bands=1.0, varying=True, plane=plane)
+    return float(found.required["K = 1, varying"][0, 0])
+
+
+@pytest.mark.parametrize(
+    ("model", "plane", "seed"),
+    [
+        ("fixed-path", "yaw", 0),
+        ("drift", "pitch", 1),
+        ("drift-exact", "pitch", 2),
+        ("drift-exact", "yaw", 3),
+        ("drift-and-speed", "pitch", 4),
+    ],
+)
+def test_many_winds_at_once_need_what_each_needs_alone(flight, model, plane, seed) -> None:
+    """`varying_need` integrates each wind by itself."""
+    mode = GrowingMode(flight, model, plane, flight.span)
+    tables = flight_tables(mode)
+    met = tv.fly_through(profile(seed), flight, azimuth=EAST, plane=plane)
+    angle = met.wind.angle
+    side = np.sign(angle[np.argmax(np.abs(angle))])
+    alone = varying_need(mode, met(flight.at(66.0)), np.array([1.0])).required[0]
+    need, leaves = needs_of_winds(tables, met.wind.time[np.newaxis], side * angle[np.newaxis])
+
+    assert need == pytest.approx([alone], rel=CLOSE)
+    assert flight.span[0] <= leaves[0] <= flight.span[1]
+
+
+def test_each_sounding_needs_what_size_says(flight, archive) -> None:
+    found = tv.availability(flight, archive, limit=0.01, **PITCH)
+    for i in (2, 14):
+        assert found.need[i] == pytest.approx(size_says(flight, archive[i]), rel=CLOSE)
+
+
+def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None:
+    coarse = tv.load_schedule("configuration-i", step=15.0)
+    found = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
+
+    assert found.need[0] == pytest.approx(size_says(coarse, archive[6]), rel=CLOSE)
+
+
+def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> None:
+    """The jet is a head wind below and a tail wind above; alone each needs what it did."""
+    height = np.linspace(0.0, 35e3, 71)
+    hump = 40.0 * np.exp(-(((height - 6e3) / 1.5e3) ** 2))
+    jet_ = 42.0 * np.exp(-(((height - 14e3) / 1.5e3) ** 2))
+    low, high, both = (
+        tv.availability(
+            flight, one(tv.WindProfile(height=height, east=east, north=0.0 * east)),
+            limit=1.0, **PITCH,
+        ).need[0]
+        for east in (-hump, jet_, jet_ - hump)
+    )  # fmt: skip
+    assert low > high
+    assert both == pytest.approx(low, rel=1e-3)
+
+
+def test_the_part_of_a_known_archive_is_known(flight, archive) -> None:
+    """Jets that differ by their strength alone: a limit between two of them parts them there."""
+    for flown in (0, 7):
+        weak, strong = archive[max(flown - 1, 0)], archive[flown]
+        limit = 0.5 * size_says(flight, weak) + 0.5 * size_says(flight, strong) if flown else 1e-4
+        part = tv.availability(flight, archive, limit=limit, **PITCH).part()
+
+        assert (part.flown, part.judged, part.unknown) == (flown, 20, 0)
+        assert part.bounds == (flown / 20, flown / 20)
+
+
+def test_a_placard_is_the_limit_with_which_so_many_fly(flight, archive) -> None:
+    found = tv.availability(flight, archive, limit=0.01, **PITCH)
+    parts = np.array([0.05, 0.5, 0.9, 1.0])
+    for part, limit in zip(parts, found.placard(parts), strict=True):
+        assert found.with_limit(limit).part().part >= part
+        assert found.with_limit(limit * (1 - 1e-9)).part().part < part
+    assert [p.part for p in found.curve(found.placard(parts))] == parts.tolist()
+
+
+def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, archive) -> None:
+    burst = archive[11].between(0.0, 5.9e3)
+    both = tv.Soundings.from_profiles([*archive, burst], days("2023-02-01T00", 21))
+    found = tv.availability(flight, both, limit=np.radians(0.3), **PITCH)
+
+    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < found.need[11]
+    assert np.isnan(found.need[20])
+    assert found.why[20] == "it does not know the wind far enough"
+    assert found.part().unknown == 1
+    below, above = found.part().bounds
+    assert below < found.part().part < above
+    assert found.today(burst).go is None
+    # where even a wind as strong as that of others does not matter, it is known again
+    assert found.with_limit(np.radians(20.0)).part().unknown == 0
+
+
+def test_what_ends_below_the_largest_dynamic_pressure_is_never_judged(archive) -> None:
+    flight = tv.load_schedule("configuration-ii")
+    low = archive[3].between(0.0, 8e3)
+    found = tv.availability(flight, one(low), limit=1.0, **PITCH)
+
+    assert found.why == ("it ends below the height of the largest dynamic pressure",)
+    high = archive[3].between(14e3, 30e3)
+    found = tv.availability(flight, one(high), limit=1.0, **PITCH)
+    assert found.why == ("it begins above the height of the largest dynamic pressure",)
+    assert np.isnan(found.part().part)
+    assert str(found.part()) == "none judged, 1 unknown"
+
+
+def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
+    flight, archive
+) -> None:
+    cut = [wind.between(0.0, 16e3) for wind in archive]
+    old = tv.Soundings.from_profiles(cut, archive.times)
+    whole, found = (
+        tv.availability(flight, some, limit=np.radians(0.3), **PITCH) for some in (archive, old)
+    )
+
+    assert np.all(found.least <= found.most)
+    assert np.all((found.least - CLOSE <= whole.need) & (whole.need <= found.most + CLOSE))
+    assert found.part().unknown <= 2
+    further = tv.availability(flight, old, limit=np.radians(0.3), known_to=20e3, **PITCH)
+    assert set(further.why) == {"it ends below known_to"}
+
+
+def test_a_gap_of_kilometres_is_unknown_and_a_small_one_is_bridged(flight, archive) -> None:
+    wind = archive[11]
+    for low, high, known in ((9.1e3, 10.4e3, True), (9.1e3, 13.2e3, False)):
+        keep = (wind.height <= low) | (wind.height >= high)
+        gappy = tv.WindProfile(
+            height=wind.height[keep], east=wind.east[keep], north=wind.north[keep]
+        )
+        found = tv.availability(flight, one(gappy), limit=1.0, **PITCH)
+        assert (found.least[0] == pytest.approx(found.most[0], rel=1e-3)) == known
+        found = found.with_limit(0.5 * (found.least[0] + found.most[0]) + 1e-6 * known)
+        assert known == (found.part().unknown == 0)
+
+
+def test_a_calm_flies_with_no_limit_at_all(flight) -> None:
+    calm = tv.WindProfile(height=[0.0, 40e3], east=[0, 0], north=[0, 0])
+    found = tv.availability(flight, one(calm), limit=0.0, azimuth=EAST)
+
+    assert found.need == [0.0]
+    assert found.part().flown == 1
+
+
+@pytest.mark.parametrize("ground", [5.0, 300.0, 1400.0])
+def test_ground_above_the_start_of_the_flight_changes_little(flight, archive, ground) -> None:
+    """Below the first level the wind is not known either; there it is weak in this archive."""
+    wind = archive[7]
+    whole = tv.availability(flight, one(wind), limit=0.01, **PITCH)
+    found = tv.availability(flight, one(wind.between(ground, 31e3)), limit=0.01, **PITCH)
+
+    assert found.part().unknown == 0
+    assert found.need[0] == pytest.approx(whole.need[0], rel=1e-3)
+
+
+def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive) -> None:
+    wind = one(archive[8])
+    pitch, yaw = (
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane).need[0]
+        for plane in ("pitch", "yaw")
+    )
+    round_, square = (
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, stop=stop).need[0]
+        for stop in ("round", "square")
+    )
+
+    assert round_ == pytest.approx(np.hypot(pitch, yaw), rel=1e-12)
+    assert square == pytest.approx(max(pitch, yaw), rel=1e-12)
+    assert yaw == pytest.approx(size_says(flight, wind[0], plane="yaw", azimuth=0.7), rel=CLOSE)
+
+
+def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
+    azimuths = np.radians([40.0, 90.0, 100.0])
+    found = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuths)
+    for a, azimuth in enumerate(azimuths):
+        alone = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuth)
+        assert np.array_equal(found.need[a], alone.need)
+        assert found.part()[a] == alone.part()
+        assert found.by_month()[2][a] == alone.by_month()[2]
+        assert np.array_equal(found.placard()[a], alone.placard())
+
+
+def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, archive) -> None:
+    gust = tv.OneMinusCosineGust(peak=np.radians(0.5), duration=3.0)
+    wind = archive[9]
+    need = tv.availability(flight, one(wind), limit=1.0, gust=gust, **PITCH).need[0]
+    bare = tv.availability(flight, one(wind), limit=1.0, **PITCH).need[0]
+    # sixty-four straight lines are off by a part of (pi/64)^2/6 = 4e-4 of what the gust adds
+    assert need >= size_says(flight, wind, gust) - 4e-4 * (need - bare)
+    assert need > bare
+
+
+def test_persistence_is_an_angle_or_a_wind_against_the_vehicle(flight, archive) -> None:
+    bare, angle, speed = (
+        tv.availability(flight, archive, limit=np.radians(0.3), persistence=one_, **PITCH)
+        for one_ in (None, 0.001, tv.WindGrowth(speed=[5.0, 5.0], height=[0.0, 40e3]))
+    )
+    assert np.allclose(angle.least, bare.least + 0.001, rtol=1e-14, atol=0.0)
+    for i in (3, 9):
+        wind = archive[i]
+        more = tv.WindProfile(height=wind.height, east=wind.east + 5.0, north=wind.north)
+        assert speed.least[i] == pytest.approx(size_says(flight, more), rel=CLOSE)
+    assert angle.today(archive[3]).most == pytest.approx(angle.most[3], rel=1e-12)
+
+
+def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
+    """The jets grow by 5 m/s in 12 h, and needs nearly in proportion."""
+    bare = tv.availability(flight, archive, limit=np.radians(0.3), **PITCH)
+    grown = tv.availability(
+        flight, archive, limit=np.radians(0.3), persistence=tv.PairGrowth(1.5, 0.5), **PITCH
+    )
+    expected = 0.5 * np.median(np.diff(bare.least))  # (1.5/12)^(1/3) is a half
+
+    assert grown.persistence[0] == pytest.approx(expected, rel=1e-12)
+    assert any("19 pairs 12 h apart" in note for note in grown.notes)
+    with pytest.raises(tv.InputError, match="needs soundings 12 h apart"):
+        tv.availability(flight, archive[::2], limit=0.01, persistence="pairs", **PITCH)
+
+
+def test_months_are_counted_by_local_time_and_empty_ones_are_not_there(flight) -> None:
+    wind = profile(1)
+    times = days("2024-02-28T12", 5)
+    some = tv.Soundings.from_profiles([wind] * 5, times)
+    utc, cape = (
+        tv.availability(flight, some, limit=1.0, utc_offset=hours, **PITCH).by_month()
+        for hours in (None, -5.0)
+    )
+
+    assert {month: part.judged for month, part in utc.items()} == {2: 3, 3: 2}
+    assert {month: part.judged for month, part in cape.items()} == {2: 4, 3: 1}
+
+
+def test_what_cannot_be_used_is_unknown_with_its_reason(flight, tmp_path) -> None:
+    good, bad = (
+        Balloon(time, jet(v)) for time, v in (("2024-02-01T00", 40.0), ("2024-02-01T12", 400.0))
+    )
+    soundings = tv.read_soundings(write(tmp_path / "a-data.txt", [good, bad]))
+    found = tv.availability(flight, soundings, limit=1.0, **PITCH)
+
+    assert (found.part().flown, found.part().unknown) == (1, 1)
+    assert "above 130" in found.why[1]
+
+
+def test_a_wind_faster_than_the_flight_is_unknown(flight) -> None:
+    gale = tv.WindProfile(height=[0, 5e3, 40e3], east=[500, 5, 5], north=[0, 0, 0])
+    found = tv.availability(flight, one(gale), limit=1.0, azimuth=EAST)
+
+    assert found.why == ("its wind is faster than the flight can meet",)
+
+
+def test_a_schedule_without_altitude_is_refused(archive) -> None:
+    booster = tv.load_vehicle("configuration-i")
+    flight = tv.FlightSchedule(booster.replace(time=[60.0, 70.0]))
+    with pytest.raises(tv.InputError, match="no altitude"):
+        tv.availability(flight, archive, limit=0.01, azimuth=EAST)
+
+
+@pytest.mark.parametrize(
+    ("flown", "judged", "lower", "upper"), [(9, 17, 27.8, 77.0), (37, 50, 59.7, 85.4)]
+)
+def test_the_interval_of_independent_days_is_that_of_clopper_and_pearson(
+    flown, judged, lower, upper
+) -> None:
+    flies = np.ones(judged)
+    flies[2 * np.arange(judged - flown) + 1] = 0.0  # no two that are lost follow each other
+    times = np.array(days("2024-01-01T00", judged), dtype="datetime64[m]")
+    part = part_of(flies, flies, times, np.ones(judged, dtype=int), 0.95)
+
+    assert part.effective == judged
+    assert [100 * part.lower, 100 * part.upper] == pytest.approx([lower, upper], abs=0.05)
+
+
+def test_the_effective_number_is_that_of_a_process_with_memory() -> None:
+    """Of x' = r x + noise it is n (1 - r)/(1 + r); estimates of so many vary by a few percent."""
+    r, n = 0.8, 40_000
+    rng = np.random.default_rng(7)
+    noise = rng.normal(size=n)
+    x = np.empty(n)
+    x[0] = noise[0] / np.sqrt(1 - r**2)
+    for i in range(1, n):
+        x[i] = r * x[i - 1] + noise[i]
+    times = np.array(days("1950-01-01T00", n), dtype="datetime64[m]")
+
+    assert effective_number(x, times, np.ones(n, dtype=int)) == pytest.approx(n / 9, rel=0.1)
+    assert effective_number(noise, times, np.ones(n, dtype=int)) == pytest.approx(n, rel=0.1)
+
+
+def test_the_interval_holds_the_truth_where_days_are_alike() -> None:
+    """Ten Februaries of two a day, of which one is like the next: 200 archives, 85 % or more."""
+    from scipy.special import ndtri
+
+    rng = np.random.default_rng(3)
+    r, truth = 0.8, 0.85
+    times = np.concatenate([days(f"{year}-02-01T00", 56) for year in range(2001, 2011)])
+    times = times.astype("datetime64[m]")
+    season = np.repeat(np.arange(10), 56)
+    held = alone = 0
+    for _ in range(200):
+        x = np.empty((10, 56))
+        x[:, 0] = rng.normal(size=10)
+        noise = np.sqrt(1 - r**2) * rng.normal(size=(10, 56))
+        for i in range(1, 56):
+            x[:, i] = r * x[:, i - 1] + noise[:, i]
+        flies = (x < ndtri(truth)).astype(float).ravel()
+        part = part_of(flies, x.ravel(), times, season, 0.95)
+        held += part.lower <= truth <= part.upper
+        apart = part_of(flies, x.ravel(), times, np.arange(560), 0.95)
+        alone += apart.lower <= truth <= apart.upper
+    assert held >= 170
+    assert alone < held  # counted as independent
+
+
+def test_no_flight_lost_and_none_flown_still_have_an_interval() -> None:
+    times = np.array(days("2024-01-01T00", 50), dtype="datetime64[m]")
+    need = np.sin(np.arange(50) / 5.0)
+    ones = np.ones(50)
+    for flies, ends in ((ones, (None, 1.0)), (0.0 * ones, (0.0, None))):
+        part = part_of(flies, need, times, ones.astype(int), 0.95)
+        assert part.effective < 25
+        assert ends[0] is None or part.lower == ends[0]
+        assert ends[1] is None or part.upper == ends[1]
+        end = 0.025 ** (1.0 / part.effective)  # so many of so many
+        assert part.upper - part.lower == pytest.approx(1.0 - end, rel=1e-12)
+
+
+def test_a_csv_and_a_dataset_hold_every_number(flight, archive, tmp_path) -> None:
+    pytest.importorskip("xarray")
+    found = tv.availability(
+        flight, archive, limit=np.radians(0.4), azimuth=np.radians([60.0, 90.0])
+    )
+    rows = list(csv.DictReader(io.StringIO(found.to_csv(tmp_path / "all.csv"))))
+    data = found.to_xarray()
+
+    assert (tmp_path / "all.csv").read_text() == found.to_csv()
+    needs = np.radians([float(row["need_deg"]) for row in rows]).reshape(2, 20)
+    assert np.allclose(needs, found.need, rtol=1e-15, atol=0.0)
+    assert np.array_equal(data["flies"], found.flies)
+    assert np.array_equal(data["time"].values.astype("datetime64[m]"), archive.times)
+    assert "Launch availability" in found._repr_html_()
+
+
+def test_today_is_judged_as_the_archive_is(flight, archive) -> None:
+    found = tv.availability(flight, archive, limit=np.radians(0.4), **PITCH)
+    for i in (2, 18):
+        said = found.today(archive[i])
+        assert said.go == bool(found.flies[i])
+        assert said.part == pytest.approx(i / 20)

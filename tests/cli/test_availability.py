@@ -1,0 +1,114 @@
+"""`tvclin availability`: what it prints, draws and writes, and its exit codes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tests.archives import Balloon, days, jet, write
+from tvclin.cli.app import app
+from tvclin.plots import availability_chart, curves_of
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["availability", "configuration-i", *arguments])
+
+
+@pytest.fixture(scope="module")
+def station(tmp_path_factory) -> str:
+    balloons = [
+        Balloon(time, jet(5.0 * (i + 1))) for i, time in enumerate(days("2023-02-24T00", 20))
+    ]
+    return str(write(tmp_path_factory.mktemp("archive") / "s-data.txt", balloons))
+
+
+EAST = ("--azimuth-deg", "90", "--plane", "pitch")
+
+
+def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
+    table = tmp_path / "all.csv"
+    result = run(station, *EAST, "--limit-deg", "0.35", "--json", "--csv", str(table))
+    document = json.loads(result.output)
+    found = tv.availability(
+        tv.load_schedule("configuration-i"), tv.read_soundings(station),
+        limit=np.radians(0.35), azimuth=np.radians([90.0]), plane="pitch",
+    )  # fmt: skip
+    towards, part = document["towards"][0], found.part()[0]
+
+    assert result.exit_code == 0
+    assert (towards["flown"], towards["judged"]) == (part.flown, part.judged)
+    assert [towards["lower"], towards["upper"]] == [part.lower, part.upper]
+    assert sum(month["judged"] for month in towards["months"].values()) == 20
+    assert list(towards["placard_deg"].values()) == np.degrees(found.placard()[0]).tolist()
+    assert table.read_text() == found.to_csv()
+
+
+def test_one_month_is_that_month(station) -> None:
+    result = run(station, *EAST, "--limit-deg", "0.35", "--month", "2")
+
+    assert result.exit_code == 0
+    assert "February" in result.output
+    assert "March" not in result.output
+    assert "one season shows that season" in result.output
+
+
+def test_the_exit_code_of_today_is_go_or_no_go(station, tmp_path) -> None:
+    soundings = tv.read_soundings(station)
+    said = {}
+    for name, wind in {
+        "weak": soundings[2], "strong": soundings[18], "burst": soundings[9].between(0.0, 6e3),
+    }.items():  # fmt: skip
+        file = tmp_path / f"{name}.csv"
+        rows = zip(wind.height, wind.east, wind.north, strict=True)
+        text = "".join(f"{h!r},{e!r},{n!r}\n" for h, e, n in np.array(list(rows)).tolist())
+        file.write_text(f"height_m,east_m_per_s,north_m_per_s\n{text}")
+        said[name] = run(station, *EAST, "--limit-deg", "0.35", "--today", str(file))
+
+    assert {name: one.exit_code for name, one in said.items()} == {
+        "weak": 0, "strong": 1, "burst": 1,
+    }  # fmt: skip
+    assert ": GO, it asks for" in said["weak"].output
+    assert ": NO GO, it asks for" in said["strong"].output
+    assert ": NOT KNOWN, between" in said["burst"].output
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--limit-deg", "-1", "--azimuth-deg", "90"), "--limit-deg must be between"),
+        (("--limit-deg", "1", "--azimuth-deg", "90", "--month", "7"), "there are none"),
+        (("--limit-deg", "1", "--azimuth-deg", "90", "--month", "13"), "months must be from 1 to"),
+        (
+            (*EAST, "--limit-deg", "1", "--persistence-deg", "1", "--persistence-hours", "2"),
+            "not both",
+        ),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_two(station, options, said) -> None:
+    result = run(station, *options)
+
+    assert result.exit_code == 2
+    assert said in result.output
+
+
+def test_the_figure_is_what_the_library_says(station, tmp_path) -> None:
+    import matplotlib.pyplot as plt
+
+    picture = tmp_path / "a.png"
+    assert run(station, *EAST, "--limit-deg", "0.35", "--plot", str(picture)).exit_code == 0
+    assert Path(picture).stat().st_size > 10_000
+    flight, soundings = tv.load_schedule("configuration-i"), tv.read_soundings(station)
+    for azimuth, names in ((1.5, ["flown"]), ([1.0, 1.5], ["57.3 deg", "85.94 deg"])):
+        found = tv.availability(flight, soundings, limit=0.006, azimuth=azimuth)
+        curves = curves_of(availability_chart(found))
+        parts = found.curve(np.radians(curves.abscissa))
+        for name in names:
+            column = next(one for one in curves.columns if one.label == name)
+            own = [part[names.index(name)] if isinstance(part, tuple) else part for part in parts]
+            # a limit in degrees and back may fall to the other side of a need, for one sounding
+            off = np.abs(column.values - [100 * part.part for part in own])
+            assert np.sum(off > 1e-9) <= 2
+    plt.close("all")

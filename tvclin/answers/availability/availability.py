@@ -1,0 +1,205 @@
+"""On how many days of an archive a deflection limit is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by
+from tvclin.answers.availability.judge import BOTH, STOPS, Judge
+from tvclin.answers.availability.record import Availability, one_row_or_one
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.errors import (
+    InputError,
+    between,
+    callable_for,
+    ending,
+    fraction,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    single,
+)
+from tvclin.linear.plant import MODELS
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.soundings.archive import Soundings
+
+FloatArray = NDArray[np.float64]
+
+_CLOSE = 0.02
+"""Needs with calm and with a strong wind that differ by more than this part are not compared."""
+_FEW_YEARS = 3
+_LARGEST = np.pi / 2
+
+
+def availability(
+    flight: FlightSchedule,
+    soundings: Soundings,
+    *,
+    limit: float,
+    azimuth: ArrayLike,
+    plane: str = BOTH,
+    stop: str = "round",
+    model: str = "drift-exact",
+    persistence: float | WindGrowth | PairGrowth | str | None = None,
+    gust: History | None = None,
+    known_to: float | None = None,
+    utc_offset: float | None = None,
+    confidence: float = 0.95,
+    progress: Callable[[int, int], None] | None = None,
+) -> Availability:
+    """Return on how many days of an archive a limit is enough.
+
+    Each sounding is flown through with parameters that vary; the requirement is that of the dead
+    band K = 1, which needs no forecast, as `size` has it with ``varying=True``.
+
+    Parameters
+    ----------
+    flight : FlightSchedule
+        The flight, with its altitude; see `load_schedule`.
+    soundings : Soundings
+        The archive; see `read_soundings`.
+    limit : float
+        Deflection capability [rad].
+    azimuth : array_like
+        Direction of flight [rad], from north, clockwise; or several of them.
+    plane : {"both", "pitch", "yaw"}
+        Which plane of the motion counts.
+    stop : {"round", "square"}
+        How both go together: a round stop takes the root of the sum of squares of both needs,
+        though their peaks need not coincide; a square one the larger.
+    model : str
+        As of `Plant`.
+    persistence : float, WindGrowth, PairGrowth or "pairs", optional
+        What may come between balloon and launch: an angle [rad] that is added to each need; a wind
+        that is added against the vehicle; or how needs grew between the archive's own soundings.
+    gust : History, optional
+        On top of each wind, once with its middle where the wind is largest, and once where trim
+        reaches the need; the larger counts.
+    known_to : float, optional
+        Height [m] to which a sounding must go to be judged.
+    utc_offset : float, optional
+        Local time less UTC [h], by which months are counted; that of the archive if not given.
+    confidence : float
+        Of intervals, in (0, 1).
+    progress : callable, optional
+        Is told how many soundings are done, and how many there are.
+
+    Returns
+    -------
+    Availability
+        What each asks for, and how many fly.
+
+    Raises
+    ------
+    InputError
+        For a flight without altitude, a vehicle that is stable or whose B changes its sign, no
+        soundings at all, and numbers out of range.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> flight = tv.load_schedule("configuration-i")
+    >>> height = np.linspace(0.0, 32e3, 65)
+    >>> jet = np.exp(-(((height - 11e3) / 4e3) ** 2))
+    >>> winds = [tv.WindProfile(height=height, east=v * jet, north=0 * jet) for v in (30, 60)]
+    >>> soundings = tv.Soundings.from_profiles(winds, ["2024-02-01T00", "2024-02-01T12"])
+    >>> found = tv.availability(flight, soundings, limit=np.radians(0.4), azimuth=np.radians(90))
+    >>> print(found.part())
+    1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
+    """
+    instance("flight", flight, FlightSchedule, "see load_schedule")
+    instance("soundings", soundings, Soundings, "see read_soundings")
+    one_of("plane", plane, (BOTH, *PLANES))
+    one_of("model", model, MODELS)
+    if not len(soundings):
+        raise InputError("soundings must hold one or more; there are none of what was asked for")
+    if progress is not None:
+        callable_for("progress", progress, "of how many are done and how many there are")
+    if gust is not None:
+        instance("gust", gust, History, "such as OneMinusCosineGust")
+        single("gust", gust.batch)
+        ending("gust", gust.end)
+    azimuths = one_row_or_one("azimuth", azimuth)
+    growth = _growth(persistence)
+    capability = number("limit", limit, nonnegative, "rad")
+    trusted = fraction("confidence", confidence)
+    if utc_offset is not None:
+        soundings = soundings.local(utc_offset)
+    judge = Judge.of(
+        flight,
+        plane=plane,
+        model=model,
+        azimuths=azimuths,
+        stop=one_of("stop", stop, STOPS),
+        growth=growth if isinstance(growth, WindGrowth) else None,
+        gust=gust,
+        known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
+    ).used_to(soundings)
+    needs = judge.needs(soundings, progress)
+    added, told = _added(growth, needs.least, needs.most, soundings)
+    least, most = (one + added[:, np.newaxis] for one in (needs.least, needs.most))
+    one = np.ndim(azimuth) == 0
+    return Availability(
+        soundings=soundings,
+        limit=capability,
+        azimuth=float(azimuths[0]) if one else azimuths,
+        plane=plane,
+        model=model,
+        least=least[0] if one else least,
+        most=most[0] if one else most,
+        persistence=added,
+        confidence=trusted,
+        notes=(*soundings.notes, *told, *_seasons(soundings, needs.why)),
+        reasons=tuple(needs.why),
+        judge=judge,
+    )
+
+
+def _growth(asked: Any) -> float | WindGrowth | PairGrowth:
+    """What persistence is: an angle [rad], zero without any, or one of the two others."""
+    if asked is None:
+        return 0.0
+    if isinstance(asked, WindGrowth | PairGrowth):
+        return asked
+    if isinstance(asked, str):
+        one_of("persistence", asked, ("pairs",))
+        return PairGrowth()
+    return number("persistence", asked, between(0.0, _LARGEST), "rad")
+
+
+def _added(
+    growth: float | WindGrowth | PairGrowth,
+    least: FloatArray,
+    most: FloatArray,
+    soundings: Soundings,
+) -> tuple[FloatArray, list[str]]:
+    """The angle [rad] that persistence adds, for each azimuth, and what is to be said of it."""
+    if isinstance(growth, WindGrowth):
+        return np.zeros(least.shape[0]), ["each need holds a wind that may still come"]
+    if isinstance(growth, PairGrowth):
+        clear = most - least <= _CLOSE * most
+        added, pairs = grown_by(growth, np.where(clear, least, np.nan), soundings.times)
+        added = np.maximum(added, 0.0)
+        words = ", ".join(f"{one:.4f}" for one in np.degrees(added).tolist())
+        return added, [
+            f"persistence: {words} deg are added, {100 * growth.quantile:g} % of {pairs} pairs"
+            f" {HALF_DAY:g} h apart grew by less, taken to {growth.hours:g} h"
+        ]
+    told = [f"persistence: {np.degrees(growth):.4f} deg are added"] if growth else []
+    return np.full(least.shape[0], growth), told
+
+
+def _seasons(soundings: Soundings, why: list[str]) -> list[str]:
+    """What few years cannot say."""
+    judged = np.array([not one for one in why], dtype=bool)
+    years = np.unique(soundings.years[judged & (soundings.years > 0)]).size
+    if not 0 < years < _FEW_YEARS:
+        return []
+    seasons = "one season shows that season" if years == 1 else "two seasons show these two"
+    return [f"{seasons}; other years may be windier, and no interval here knows it"]

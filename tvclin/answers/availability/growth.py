@@ -1,0 +1,108 @@
+"""What a wind, or the need of one, may grow by between the balloon and the launch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, finite, fraction, nonnegative, number, one_row, positive
+
+FloatArray = NDArray[np.float64]
+
+HALF_DAY = 12.0
+"""h between the soundings of most stations."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindGrowth:
+    """A wind speed that is added against the vehicle, to whichever side that costs more.
+
+    Parameters
+    ----------
+    speed : array_like
+        [m/s], one number for all heights, or one for each of `height`.
+    height : array_like, optional
+        Heights [m], ascending, straight lines between them; beyond them the nearest.
+
+    Raises
+    ------
+    InputError
+        For negative speeds, and rows that do not belong together.
+    """
+
+    speed: ArrayLike
+    height: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "speed", nonnegative("speed", self.speed, "m/s"))
+        if self.height is None:
+            number("speed", self.speed, unit="m/s")
+            return
+        height = one_row("height", self.height, "m")
+        if np.shape(self.speed) != height.shape or np.any(np.diff(height) <= 0.0):
+            raise InputError("height must ascend, with one speed for each; check both rows")
+        object.__setattr__(self, "height", height)
+
+    def at(self, height: ArrayLike) -> FloatArray:
+        """Return the speed [m/s] at heights [m], in their shape."""
+        wanted, speed = finite("height", height, "m"), np.asarray(self.speed)
+        if self.height is None:
+            return np.full(wanted.shape, speed)
+        return np.asarray(np.interp(wanted, np.asarray(self.height), speed))
+
+
+@dataclass(frozen=True)
+class PairGrowth:
+    """What the archive's own pairs of soundings say: by how much a need grew in twelve hours.
+
+    The quantile of need(later) - need(earlier) over all pairs 12 h apart, times (hours/12)^(1/3):
+    differences of winds grow with the interval as a spectrum with the power -5/3 has it.
+
+    Parameters
+    ----------
+    hours : float
+        From the balloon to the launch [h].
+    quantile : float
+        Of the pairs, in (0, 1).
+
+    Raises
+    ------
+    InputError
+        For numbers out of range.
+    """
+
+    hours: float = HALF_DAY
+    quantile: float = 0.95
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "hours", number("hours", self.hours, positive, "h"))
+        object.__setattr__(self, "quantile", fraction("quantile", self.quantile))
+
+
+def grown_by(
+    growth: PairGrowth, need: FloatArray, times: NDArray[np.datetime64]
+) -> tuple[FloatArray, int]:
+    """Return the growth [rad] of needs ``(a, n)``, and how many pairs there are.
+
+    Raises
+    ------
+    InputError
+        Where no two soundings are twelve hours apart.
+    """
+    minutes = times.astype("datetime64[m]").astype(np.int64)
+    order = np.argsort(minutes, kind="stable")
+    later = np.searchsorted(minutes[order], minutes[order] + round(60 * HALF_DAY))
+    there = later < times.size
+    first, then = order[there], order[later[there]]
+    pairs = minutes[then] - minutes[first] == round(60 * HALF_DAY)
+    grown = need[:, then[pairs]] - need[:, first[pairs]]
+    grown = grown[:, ~np.isnan(grown).any(axis=0)]
+    if not grown.shape[1]:
+        raise InputError(
+            "persistence from pairs needs soundings 12 h apart that can be judged; there are"
+            " none, so give an angle [rad]"
+        )
+    part = (growth.hours / HALF_DAY) ** (1 / 3)
+    return part * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]

@@ -1,0 +1,236 @@
+"""What each sounding of an archive asks of a flight: between two needs, or one of them twice.
+
+Where a sounding does not know the wind it is taken as calm; and as blowing against the vehicle, as
+strong as where it was known last, or as 95 % of the archive have at that height, if that is more.
+The need lies between what these two ask for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.availability.growth import WindGrowth
+from tvclin.answers.availability.met import FlownPath, KnownWinds, on_lines
+from tvclin.answers.availability.needs import needs_of_winds
+from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
+from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.histories import History
+from tvclin.winds.soundings.archive import Soundings
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+BOTH = "both"
+STOPS = ("round", "square")
+UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
+    "it cannot be used",
+    "it ends below the height of the largest dynamic pressure",
+    "it begins above the height of the largest dynamic pressure",
+    "its wind is faster than the flight can meet",
+    "it ends below known_to",
+)
+_AT_ONCE = 40_000
+"""Levels of soundings that are looked at together."""
+_GUST_PARTS = 64
+_HEIGHTS = 40
+"""Of a flight, at which the strength of winds in an archive is looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Needs:
+    """What soundings ask for.
+
+    Attributes
+    ----------
+    least, most : ndarray
+        With calm, and with a strong wind, where it is not known [rad], ``(a, n)`` for
+        azimuths and soundings; NaN where nothing can be said.
+    why : list of str
+        Why it cannot, ``(n,)``; empty where it can.
+    """
+
+    least: FloatArray
+    most: FloatArray
+    why: list[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """A flight in one or both planes, ready for any wind.
+
+    Attributes
+    ----------
+    flight : FlightSchedule
+        The flight.
+    path : FlownPath
+        The same over height.
+    tables : dict of str to FlightTables
+        By planes.
+    azimuths : ndarray
+        Directions of flight [rad], ``(a,)``.
+    stop : {"round", "square"}
+        How the planes go together.
+    growth : WindGrowth or None
+        What the wind may become.
+    gust : History or None
+        On top of each wind.
+    known_to : float or None
+        A height [m] to which each sounding must go.
+    """
+
+    flight: FlightSchedule
+    path: FlownPath
+    tables: dict[str, FlightTables]
+    azimuths: FloatArray
+    stop: str
+    growth: WindGrowth | None
+    gust: History | None
+    known_to: float | None
+    strength: dict[tuple[str, float], FloatArray] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, flight: FlightSchedule, *, plane: str, model: str, **asked: Any) -> Judge:
+        """Return that of a flight; `InputError` as `GrowingMode` and `FlownPath`."""
+        planes = PLANES if plane == BOTH else (plane,)
+        path = FlownPath.of(flight)
+        tables = {one: _tables(flight, model, one) for one in planes}
+        return cls(flight, path, tables, **asked)
+
+    def used_to(self, soundings: Soundings) -> Judge:
+        """Return the same that takes what is not known to be as strong as in an archive."""
+        known = KnownWinds.of(soundings[soundings.usable], self.path)
+        every = self.path.height
+        some = every[:: max(every.size // _HEIGHTS, 1)]
+        found = {
+            (plane, azimuth): np.interp(every, some, known.strength(some, azimuth, plane))
+            for plane in self.tables
+            for azimuth in self.azimuths.tolist()
+        }
+        return replace(self, strength=found)
+
+    def needs(
+        self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
+    ) -> Needs:
+        """Return what soundings ask for, and tell how many are done."""
+        least, most = np.full((2, self.azimuths.size, len(soundings)), np.nan)
+        why = [one and f"{UNUSABLE}: {one}" for one in soundings.why]
+        index = np.flatnonzero(soundings.usable)
+        for reason, holds in self._left_out(soundings):
+            for i in np.flatnonzero(holds & soundings.usable).tolist():
+                why[i] = why[i] or reason
+            index = index[~holds[index]]
+        index = index[np.argsort(soundings.counts[index], kind="stable")]
+        known = KnownWinds.of(soundings[index], self.path)
+        ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
+        last = len(soundings) - index.size
+        for part in np.split(np.arange(index.size), np.searchsorted(ends, _cuts(ends))):
+            if part.size:
+                winds, those = known.some(part), index[part]
+                least[:, those] = low = self._needs(winds, held=False)
+                most[:, those] = low
+                open_ = winds.incomplete(self.path)
+                if np.any(open_):
+                    held = self._needs(winds.some(np.flatnonzero(open_)), held=True)
+                    least[:, those[open_]] = np.minimum(low[:, open_], held)
+                    most[:, those[open_]] = np.maximum(low[:, open_], held)
+                last += part.size
+            if progress is not None:
+                progress(last, len(soundings))
+        fast = np.isnan(least + most).any(axis=0)
+        least[:, fast] = most[:, fast] = np.nan
+        why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
+        return Needs(least, most, why)
+
+    def _left_out(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
+        """Of which soundings nothing can be said, and why."""
+        empty = soundings.counts == 0
+        ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
+        level = np.append(soundings.height, np.nan)
+        bottom = np.where(empty, np.nan, level[ends[:-1]])
+        top = np.where(empty, np.nan, level[np.maximum(soundings.offsets[1:] - 1, 0)])
+        with np.errstate(invalid="ignore"):
+            reasons = [(TOO_LOW, top < self.path.densest), (TOO_HIGH, bottom > self.path.densest)]
+            if self.known_to is not None:
+                reasons.append((TOO_SHORT, top < self.known_to))
+        return reasons
+
+    def _needs(self, known: KnownWinds, held: bool) -> FloatArray:
+        """The needs in all azimuths, ``(a, n)``, of both planes together."""
+        height = known.knots(self.path, held)
+        times = np.interp(height, self.path.height, self.path.time)
+        fine = self.path.finer(times)
+        hidden = known.unknown(height) if held else None
+        found = np.zeros((len(self.tables), self.azimuths.size, height.shape[0]))
+        for p, (plane, tables) in enumerate(self.tables.items()):
+            rows = tables.at(fine)
+            for a, azimuth in enumerate(self.azimuths.tolist()):
+                wind = known.at(known.wind(azimuth, plane, held), height)
+                strong = np.abs(wind)
+                if held and self.strength:
+                    most = np.interp(height, self.path.height, self.strength[plane, azimuth])
+                    strong = np.maximum(strong, most)
+                for side in (1.0, -1.0):
+                    blows = side * wind if hidden is None else np.where(hidden, strong, side * wind)
+                    met = self._side(plane, tables, height, times, blows, fine, rows)
+                    found[p, a] = np.maximum(found[p, a], met)
+        return np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
+
+    def _side(
+        self,
+        plane: str,
+        tables: FlightTables,
+        height: FloatArray,
+        times: FloatArray,
+        wind: FloatArray,
+        fine: FloatArray,
+        rows: TableRows,
+    ) -> FloatArray:
+        """What winds [m/s] at heights and times ask for to one side; NaN where too fast."""
+        if self.growth is not None:
+            wind = wind + self.growth.at(height)
+        angle = self.path.angle(wind, times, plane)
+        lost = np.asarray(np.isnan(angle).any(axis=1))
+        angle = np.where(lost[:, np.newaxis], 0.0, angle)
+        if fine is not times:
+            angle = on_lines(times, angle, fine)
+        need, leaves = needs_of_winds(tables, fine, angle, rows)
+        if self.gust is not None:
+            top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
+            blows = np.max(angle, axis=1) > 0.0
+            gusty = [
+                needs_of_winds(tables, *_with_gust(self.gust, fine, angle, at))[0]
+                for at in (top, leaves)
+            ]
+            need = np.where(blows, np.maximum(*gusty), need)
+        return np.where(lost, np.nan, need)
+
+
+@lru_cache(maxsize=8)
+def _tables(flight: FlightSchedule, model: str, plane: str) -> FlightTables:
+    """Return the tables of a flight, kept for the next question about it."""
+    return flight_tables(GrowingMode(flight, model, plane, flight.span))
+
+
+def _cuts(ends: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Levels at which work is cut into parts."""
+    return np.arange(_AT_ONCE, ends[-1] if ends.size else 0, _AT_ONCE)
+
+
+def _with_gust(
+    gust: History, times: FloatArray, angle: FloatArray, at: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Winds with a gust whose middle is at a time of each, on straight lines."""
+    middle = 0.5 * (gust.onset + gust.end)
+    own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
+    there = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
+    both = np.sort(np.concatenate([times, there], axis=1), axis=1)
+    wind = on_lines(times, angle, both)
+    return both, wind + np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)

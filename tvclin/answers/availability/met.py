@@ -1,0 +1,203 @@
+"""The wind that a flight meets in each sounding of an archive, and where nobody measured it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.winds.soundings.archive import Soundings, gathered
+from tvclin.winds.soundings.passage import checked_flight
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+WIDEST = 2000.0
+"""Between two levels farther apart [m] the wind is not known."""
+_BESIDE = 0.01
+"""m from the edge of such a gap to where nothing is known."""
+_APART = 1e6
+"""m between the heights of one sounding and those of the next, where all stand in one row."""
+_USUAL = 0.95
+"""Of the soundings that know the wind at a height, so many have no more of it."""
+_LONGEST = 0.5
+"""s, between two times of a flight at which its trim is looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlownPath:
+    """A flight over height: its arrays ``(f,)``, and the height of its largest dynamic pressure.
+
+    Attributes
+    ----------
+    height, time, speed, climb : ndarray
+        [m], [s], [m/s], flight path angle [rad].
+    densest : float
+        Height [m] at which rho V^2 is largest, in the standard atmosphere.
+    between : ndarray
+        Times [s] between those that are far apart, at which trim is looked at as well.
+    """
+
+    height: FloatArray
+    time: FloatArray
+    speed: FloatArray
+    climb: FloatArray
+    densest: float
+    between: FloatArray
+
+    @classmethod
+    def of(cls, flight: FlightSchedule) -> FlownPath:
+        """Return that of a schedule; `InputError` where it has no altitude, or does not ascend."""
+        time, height, speed, climb = checked_flight(flight)
+        density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
+        densest = float(height[np.argmax(density * speed**2)])
+        more = [
+            np.linspace(a, b, math.ceil((b - a) / _LONGEST), endpoint=False)[1:]
+            for a, b in pairwise(time.tolist())
+        ]
+        return cls(height, time, speed, climb, densest, np.concatenate(more))
+
+    def finer(self, times: FloatArray) -> FloatArray:
+        """Return knots of winds [s], ``(n, k)``, with the times between; the same without any."""
+        if not self.between.size:
+            return times
+        more = np.clip(self.between, times[:, :1], times[:, -1:])
+        return np.sort(np.concatenate([times, more], axis=1), axis=1)
+
+    def angle(self, wind: FloatArray, time: FloatArray, plane: str) -> FloatArray:
+        """Return wind angles [rad], eq (B1e), of winds [m/s] at times; NaN for winds too fast."""
+        across = 1.0 if plane == "yaw" else np.sin(np.interp(time, self.time, self.climb))
+        sine = wind * across / np.interp(time, self.time, self.speed)
+        return np.asarray(np.arcsin(np.where(np.abs(sine) < 1.0, sine, np.nan)))
+
+
+@dataclass(frozen=True, eq=False)
+class KnownWinds:
+    """Soundings with the edges of what they did not see.
+
+    Attributes
+    ----------
+    height, east, north, offsets
+        As of `Soundings`, with two levels more in each gap.
+    gaps : ndarray of int
+        The first of these two levels, for each gap.
+    """
+
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    offsets: IntArray
+    gaps: IntArray
+
+    @classmethod
+    def of(cls, soundings: Soundings, path: FlownPath) -> KnownWinds:
+        """Return those of soundings that can all be used."""
+        height, offsets = soundings.height, soundings.offsets
+        wide = np.diff(height) > WIDEST
+        wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
+        wide[offsets[1:-1] - 1] = False
+        below = np.flatnonzero(wide)
+        at = np.repeat(below + 1, 2)
+        edges = np.stack([height[below] + _BESIDE, height[below + 1] - _BESIDE], axis=-1).ravel()
+        more = 2 * np.bincount(
+            np.searchsorted(offsets, below, side="right"), minlength=offsets.size
+        )
+        return cls(
+            np.insert(height, at, edges),
+            np.insert(soundings.east, at, 0.0),
+            np.insert(soundings.north, at, 0.0),
+            offsets + np.cumsum(more[: offsets.size]),
+            below + 1 + 2 * np.arange(below.size),
+        )
+
+    def some(self, index: NDArray[np.intp]) -> KnownWinds:
+        """Return those of some soundings."""
+        offsets, levels = gathered(self.offsets, index)
+        marked = np.zeros(self.height.size, dtype=bool)
+        marked[self.gaps] = True
+        height, east, north = (one[levels] for one in (self.height, self.east, self.north))
+        return KnownWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
+
+    @property
+    def bottom(self) -> FloatArray:
+        """The lowest level of each [m]."""
+        return np.asarray(self.height[self.offsets[:-1]])
+
+    @property
+    def top(self) -> FloatArray:
+        """The highest level of each [m]."""
+        return np.asarray(self.height[self.offsets[1:] - 1])
+
+    def incomplete(self, path: FlownPath) -> BoolArray:
+        """Which do not know the wind all along a flight."""
+        gap = np.zeros(self.offsets.size - 1, dtype=bool)
+        gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
+        return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
+
+    def wind(self, azimuth: float, plane: str, held: bool) -> FloatArray:
+        """Return the wind [m/s] at the levels, as `WindProfile`; gaps are calm, or `held`."""
+        sine, cosine = np.sin(azimuth), np.cos(azimuth)
+        wind = self.east * sine + self.north * cosine
+        if plane == "yaw":
+            wind = self.north * sine - self.east * cosine
+        if self.gaps.size:
+            below, above = wind[self.gaps - 1], wind[self.gaps + 2]
+            stronger = np.where(np.abs(below) > np.abs(above), below, above)
+            wind[self.gaps] = wind[self.gaps + 1] = stronger if held else 0.0
+        return np.asarray(wind)
+
+    def unknown(self, height: FloatArray) -> BoolArray:
+        """Where at heights ``(n, k)`` nothing was measured."""
+        edge = np.zeros(self.height.size)
+        edge[self.gaps] = edge[self.gaps + 1] = 1.0
+        outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
+        return np.asarray(outside | (self.at(edge, height) > 0.5))
+
+    def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
+        """Return the speed [m/s] that 95 % have no more of, at heights [m] in a row.
+
+        Counted at each height by itself; zero where nobody has measured.
+        """
+        height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
+        speed = np.abs(self.at(self.wind(azimuth, plane, held=False), height))
+        speed[self.unknown(height)] = np.inf
+        speed.sort(axis=0)
+        count = np.sum(np.isfinite(speed), axis=0)
+        place = np.maximum(np.ceil(_USUAL * count).astype(np.int64) - 1, 0)
+        found = speed[place, np.arange(place.size)] if speed.size else np.zeros(place.size)
+        return np.where(count > 0, found, 0.0)
+
+    def knots(self, path: FlownPath, held: bool) -> FloatArray:
+        """Return the heights [m] at which the flight meets a level or has a row, ``(n, k)``.
+
+        From the lowest to the highest level, or, `held`, all along the flight; rows with fewer
+        levels repeat some.
+        """
+        counts = np.diff(self.offsets)
+        place = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
+        levels = self.height[self.offsets[:-1, np.newaxis] + place]
+        first, last = path.height[0], path.height[-1]
+        low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
+        if held:
+            low, high = np.full_like(low, first), np.full_like(high, last)
+        rows = np.broadcast_to(path.height, (counts.size, path.height.size))
+        return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
+
+    def at(self, wind: FloatArray, height: FloatArray) -> FloatArray:
+        """Return a wind [m/s] at heights ``(n, k)``, beyond the levels that of the nearest."""
+        apart = _APART * np.arange(self.offsets.size - 1)
+        inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
+        flat = self.height + np.repeat(apart, np.diff(self.offsets))
+        return np.asarray(np.interp(inside + apart[:, np.newaxis], flat, wind))
+
+
+def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
+    """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
+    apart = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
+    return np.asarray(np.interp(at + apart, (times + apart).ravel(), values.ravel()))

@@ -1,0 +1,283 @@
+"""On how many days a limit is enough: one value, with its parts, curves, placards and tables."""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.answers.availability.judge import Judge
+from tvclin.answers.availability.parts import part_of
+from tvclin.answers.requirement import covers
+from tvclin.base.cards import card
+from tvclin.base.errors import finite, instance, missing, nonnegative, number, one_row, within
+from tvclin.base.errors import path as a_path
+from tvclin.base.files import write_text
+from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.profile import WindProfile
+
+if TYPE_CHECKING:
+    import xarray
+
+FloatArray = NDArray[np.float64]
+
+_LESS = 1.0 - 1e-9
+"""Needs that differ by less than this part are the same."""
+
+
+@dataclass(frozen=True)
+class Today:
+    """What one balloon says about a launch, in one direction of flight.
+
+    Attributes
+    ----------
+    least, most : float
+        What it asks for [rad], with what may come until launch: with calm, and with a strong wind,
+        where it did not see it. NaN where nothing can be said.
+    limit : float
+        Deflection capability [rad].
+    part : float
+        Of the archive's soundings of which it is known, so many ask for less.
+    why : str
+        Why nothing can be said; empty where it can.
+    """
+
+    least: float
+    most: float
+    limit: float
+    part: float
+    why: str = ""
+
+    @property
+    def go(self) -> bool | None:
+        """Whether the limit is enough; None where that is not known."""
+        if not np.isnan(self.most) and covers(self.limit, self.most):
+            return True
+        return None if np.isnan(self.least) or covers(self.limit, self.least) else False
+
+
+@dataclass(frozen=True, eq=False)
+class Availability:
+    """What the soundings of an archive ask of a nozzle; make it with `availability`.
+
+    With several azimuths arrays have a leading axis for them, and methods give a tuple.
+
+    Attributes
+    ----------
+    soundings : Soundings
+        The archive.
+    limit : float
+        Deflection capability [rad].
+    azimuth : float or ndarray
+        Direction of flight [rad], or several of them.
+    plane, model : str
+        As they were asked for.
+    least, most : ndarray
+        What each sounding asks for [rad], with what persistence adds, ``(n,)``: with calm, and with
+        a strong wind, where it did not see it. NaN where nothing can be said.
+    persistence : ndarray
+        The angle [rad] that is in them, for each azimuth ``(a,)``.
+    confidence : float
+        Of intervals.
+    notes : tuple of str
+        What the reader should know.
+    reasons : tuple of str
+        Why nothing can be said of a sounding, ``(n,)``; empty where it can.
+    judge : Judge
+        The flight, ready for any wind.
+    """
+
+    soundings: Soundings
+    limit: float
+    azimuth: float | FloatArray
+    plane: str
+    model: str
+    least: FloatArray
+    most: FloatArray
+    persistence: FloatArray
+    confidence: float
+    notes: tuple[str, ...]
+    reasons: tuple[str, ...]
+    judge: Judge
+
+    @property
+    def flies(self) -> FloatArray:
+        """1 where the limit is enough, 0 where it is not, NaN where that is not known."""
+        return self._flies(self.limit)
+
+    @property
+    def need(self) -> FloatArray:
+        """What each sounding asks for [rad], as far as it saw; NaN where it is not judged."""
+        return np.where(np.isnan(self.flies), np.nan, self.least)
+
+    @property
+    def why(self) -> tuple[str, ...]:
+        """For each sounding, why it is not judged; empty where it is."""
+        open_: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
+        both = zip(self.reasons, open_, strict=True)
+        return tuple(one or ("it does not know the wind far enough" * lost) for one, lost in both)
+
+    def part(self) -> Any:
+        """Return how many fly: a `Part`."""
+        return self._for_each(self.limit, np.ones(len(self.soundings), dtype=bool))
+
+    def by_month(self) -> dict[int, Any]:
+        """Return the same for each month of which there are soundings, by the archive's hours."""
+        months = self.soundings.months
+        return {
+            month: self._for_each(self.limit, months == month)
+            for month in np.unique(months[months > 0]).tolist()
+        }
+
+    def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
+        """Return the same for other limits [rad], each."""
+        every = np.ones(len(self.soundings), dtype=bool)
+        row = nonnegative("limits", one_row_or_one("limits", limits), "rad")
+        return tuple(self._for_each(limit, every) for limit in row.tolist())
+
+    def placard(self, parts: ArrayLike = (0.5, 0.8, 0.9, 0.95, 0.99)) -> FloatArray:
+        """Return the least limits [rad] that are enough for so many of those then judged.
+
+        Infinite where no limit is enough. Shape ``(p,)``, or ``(a, p)`` for several azimuths.
+        """
+        asked = within("parts", one_row_or_one("parts", parts), 0.0, 1.0)
+
+        def of(least: FloatArray, most: FloatArray) -> FloatArray:
+            known = ~np.isnan(most)
+            high, low = np.sort(most[known]), np.sort(least[known])
+            flown = np.searchsorted(high, high, side="right")
+            lost = low.size - np.searchsorted(low, high, side="right")
+            part = flown / np.maximum(flown + lost, 1)
+            place = np.searchsorted(part, asked * (1.0 - 1e-12))
+            return np.append(high, np.inf)[np.minimum(place, high.size)]
+
+        rows = zip(np.atleast_2d(self.least), np.atleast_2d(self.most), strict=True)
+        found = np.stack([of(least, most) for least, most in rows])
+        return found[0] if np.ndim(self.azimuth) == 0 else found
+
+    def today(self, profile: WindProfile) -> Any:
+        """Return what a balloon of today says: a `Today`.
+
+        Raises
+        ------
+        InputError
+            For what is no profile.
+        """
+        instance("profile", profile, WindProfile, "see read_sounding")
+        one = Soundings.from_profiles([profile], ["2000-01-01"])
+        needs = self.judge.needs(one)
+        found = []
+        for a, most in enumerate(np.atleast_2d(self.most)):
+            least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))
+            known = most[~np.isnan(most)]
+            part = float(np.mean(known < high * _LESS)) if known.size else float("nan")
+            found.append(Today(least, high, self.limit, part, needs.why[0]))
+        return self._plain(found)
+
+    def to_csv(self, path: Path | None = None) -> str:
+        """Return a line for each sounding and azimuth as CSV, and write it where a path is given.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(
+            ["time_utc", "azimuth_deg", "need_deg", "least_deg", "most_deg", "flies", "why"]
+        )
+        degrees = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
+        flies = np.atleast_2d(self.flies)
+        for a, azimuth in enumerate(np.degrees(np.atleast_1d(self.azimuth)).tolist()):
+            for i, (time, why) in enumerate(zip(self.soundings.times, self.why, strict=True)):
+                said = "" if np.isnan(flies[a, i]) else str(int(flies[a, i]))
+                cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in degrees)
+                writer.writerow([str(time), f"{azimuth:.10g}", *cells, said, why])
+        if path is not None:
+            write_text(a_path("path", path), text.getvalue())
+        return text.getvalue()
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return all numbers as an `xarray.Dataset` over azimuth and time [UTC]; angles in radians.
+
+        Raises
+        ------
+        InputError
+            Where xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError:
+            raise missing("a Dataset needs xarray", "campaign") from None
+        data: dict[str, Any] = {
+            name: (("azimuth", "time"), np.atleast_2d(getattr(self, name)), {"units": unit})
+            for name, unit in {"need": "rad", "least": "rad", "most": "rad", "flies": "1"}.items()
+        }
+        data["why"] = ("time", np.array(self.why, dtype=str))
+        return xarray.Dataset(
+            data,
+            coords={
+                "azimuth": ("azimuth", np.atleast_1d(self.azimuth), {"units": "rad"}),
+                "time": self.soundings.times.astype("datetime64[ns]"),
+            },
+            attrs={
+                "limit": self.limit,
+                "plane": self.plane,
+                "model": self.model,
+                "station": self.soundings.station,
+            },
+        )
+
+    def with_limit(self, limit: float) -> Self:
+        """Return the same for another limit [rad]; `InputError` for one below zero."""
+        return replace(self, limit=number("limit", limit, nonnegative, "rad"))
+
+    def _repr_html_(self) -> str:
+        parts = self._rows(self.part())
+        rows: list[tuple[str, Any, str]] = [("limit", np.degrees(self.limit), "deg")]
+        azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
+        rows += [
+            (f"towards {azimuth:.4g} deg", str(part), "")
+            for azimuth, part in zip(azimuths, parts, strict=True)
+        ]
+        rows += [
+            (f"enough for {100 * p:g} %", np.degrees(self.placard([p])), "deg")
+            for p in (0.5, 0.9, 0.95, 0.99)
+        ]
+        return card("Launch availability", rows + [("note", note, "") for note in self.notes])
+
+    def _flies(self, limit: float) -> FloatArray:
+        with np.errstate(invalid="ignore"):
+            enough = np.asarray(covers(limit, self.most))
+            lost = ~np.asarray(covers(limit, self.least))
+        known = ~np.isnan(self.least)
+        return np.where(known & enough, 1.0, np.where(known & lost, 0.0, np.nan))
+
+    def _for_each(self, limit: float, which: NDArray[np.bool_]) -> Any:
+        times = self.soundings.times[which]
+        season = (12 * self.soundings.years + self.soundings.months)[which]
+        rows = zip(np.atleast_2d(self._flies(limit)), np.atleast_2d(self.least), strict=True)
+        return self._plain(
+            [
+                part_of(flies[which], need[which], times, season, self.confidence)
+                for flies, need in rows
+            ]
+        )
+
+    def _rows(self, value: Any) -> tuple[Any, ...]:
+        return (value,) if np.ndim(self.azimuth) == 0 else value
+
+    def _plain(self, values: list[Any]) -> Any:
+        return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)
+
+
+def one_row_or_one(name: str, value: ArrayLike) -> FloatArray:
+    """Return one number or a row of them as a row; `InputError` for all else."""
+    array = finite(name, value)
+    return one_row(name, array if array.ndim else array[np.newaxis])

@@ -1,0 +1,162 @@
+"""What a flight makes of any wind, integrated once: a wind is then a sum over its straight lines.
+
+With p = m l of `GrowingMode`, m' = -l_1 m, the wind still to come at the time a is
+
+    m(a) future(a) = U(a) = integral from a on of m (l.w) alpha_w dt,
+
+and the path under ideal trim, x' = F x + c alpha_w, is x = Psi X with Psi' = F Psi and
+
+    X(a) = integral up to a of Psi^-1 c alpha_w dt.
+
+Of a wind of straight lines both follow from the first and the second integral of what stands
+beside alpha_w, by parts: over a line from a to b with the slope r
+
+    integral of g alpha_w dt = alpha_w(b) G0(b) - alpha_w(a) G0(a) - r (G1(b) - G1(a)).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
+from tvclin.base.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+_STEP = 5e-4
+"""Between the times of a table, over the time in which the fastest mode grows by e: straight lines
+between them are then off by a part of _STEP^2/8, 3e-8."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightTables:
+    """What a flight in one plane makes of any wind, at even times.
+
+    Attributes
+    ----------
+    start, step : float
+        First time and the time between two [s].
+    rows : ndarray
+        For each time one row, ``(n, c)``: of the wind to come G0 and G1, from the end on; 1/(m
+        reach); -B; and, each as long as the path has states: G0 and G1 of the path, l.Psi/reach,
+        and the trim deflection of Psi. Signs are such that a limit is positive.
+    order : int
+        States of the path.
+    """
+
+    start: float
+    step: float
+    rows: FloatArray
+    order: int
+
+    def at(self, times: FloatArray) -> TableRows:
+        """Return the rows at times [s] within the flight, straight lines between them."""
+        place = (times - self.start) / self.step
+        index = np.clip(place.astype(np.int64), 0, self.rows.shape[0] - 2)
+        part = (place - index)[..., np.newaxis]
+        low = self.rows[index]
+        return TableRows(low + part * (self.rows[index + 1] - low), self.order)
+
+
+@dataclass(frozen=True, eq=False)
+class TableRows:
+    """Rows of `FlightTables` at times of the shape ``(...)``; see its `rows`."""
+
+    rows: FloatArray
+    order: int
+
+    @property
+    def ahead(self) -> tuple[FloatArray, FloatArray]:
+        """G0 and G1 of the wind to come, each ``(..., 1)``."""
+        return self.rows[..., 0:1], self.rows[..., 1:2]
+
+    @property
+    def path(self) -> tuple[FloatArray, FloatArray]:
+        """G0 and G1 of the path, each ``(..., order)``."""
+        n = self.order
+        return self.rows[..., 4 : 4 + n], self.rows[..., 4 + n : 4 + 2 * n]
+
+    def demand(self, to_come: FloatArray, path: FloatArray) -> FloatArray:
+        """Return the limit [rad] that is enough from now on, of U ``(...)``, X ``(..., order)``."""
+        reach = self.rows[..., 4 + 2 * self.order : 4 + 3 * self.order]
+        return np.asarray(self.rows[..., 2] * to_come + np.sum(reach * path, axis=-1))
+
+    def trim(self, wind: FloatArray, path: FloatArray) -> FloatArray:
+        """Return the trim deflection [rad] in a wind [rad]."""
+        drifted = self.rows[..., 4 + 3 * self.order :]
+        return np.asarray(self.rows[..., 3] * wind + np.sum(drifted * path, axis=-1))
+
+
+def flight_tables(mode: GrowingMode) -> FlightTables:
+    """Return the tables of a flight.
+
+    Raises
+    ------
+    InputError
+        For a vehicle without a real unstable pole at the end of its flight, and one whose B
+        changes its sign.
+    """
+    start, stop = mode.span
+    fastest = float(np.max(mode.at(np.linspace(start, stop, 1000))[0][0]))
+    count = max(math.ceil((stop - start) * fastest / _STEP), 2)
+    times = np.linspace(start, stop, count + 1)
+    step = (stop - start) / count
+    row, reach = mode.at(times)
+    A, inputs = mode.matrices(times)
+    trim = -inputs[:, 1, 1] / inputs[:, 1, 0]
+    side = float(np.sign(trim[0]))
+    if not np.all(trim * side > 0.0):
+        raise InputError(
+            "flight must be one whose B keeps its sign: trim deflects to one side all the way"
+        )
+    growth = np.exp(_from_the_end(row[0], step))
+    driven = np.asarray(np.einsum("jt,tj->t", row, inputs[:, :, 1]), dtype=float)
+    ahead = _from_the_end(growth * driven, step)
+    Psi = _path_under_trim(mode, times)
+    to_path = (-A[:, 1, 2:] / inputs[:, 1, :1])[:, np.newaxis, :] @ Psi
+    drift = inputs[:, 2:, 1] + inputs[:, 2:, 0] * trim[:, np.newaxis]
+    kernel = np.asarray(np.linalg.solve(Psi, drift[..., np.newaxis])[..., 0], dtype=float)
+    first = _from_the_start(kernel, step)
+    columns = [
+        np.stack([-ahead, _from_the_end(ahead, step), -side / (growth * reach), side * trim], -1),
+        first,
+        _from_the_start(first, step),
+        -side * np.einsum("jt,tjk->tk", row[2:], Psi) / reach[:, np.newaxis],
+        side * to_path[:, 0],
+    ]
+    return FlightTables(start, step, np.concatenate(columns, axis=-1), Psi.shape[-1])
+
+
+def _path_under_trim(mode: GrowingMode, times: FloatArray) -> FloatArray:
+    """Psi at times [s], ``(n, order, order)``: F = A_22 - b_2 A_12/b_1, of the rows of theta''."""
+    from scipy.integrate import solve_ivp
+
+    order = mode.matrices(times[0])[0].shape[-1] - 2
+    if not order:
+        return np.empty((times.size, 0, 0))
+
+    def rates(t: float, y: FloatArray) -> FloatArray:
+        A, inputs = mode.matrices(t)
+        F = A[2:, 2:] - np.outer(inputs[2:, 0], A[1, 2:]) / inputs[1, 0]
+        return np.asarray(F @ y.reshape(order, order)).ravel()
+
+    span = (times[0], times[-1])
+    found = solve_ivp(
+        rates, span, np.eye(order).ravel(), "DOP853", rtol=RTOL, atol=ATOL, dense_output=True
+    )
+    return np.asarray(found.sol(times).T.reshape(times.size, order, order))
+
+
+def _from_the_start(values: FloatArray, step: float) -> FloatArray:
+    """Integrate over the first axis, by the trapezoidal rule."""
+    sums = np.cumsum(0.5 * step * (values[1:] + values[:-1]), axis=0)
+    return np.concatenate([np.zeros_like(values[:1]), sums])
+
+
+def _from_the_end(values: FloatArray, step: float) -> FloatArray:
+    """Integrate from each place to the end of the first axis."""
+    return _from_the_start(values[::-1], step)[::-1]

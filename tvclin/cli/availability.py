@@ -1,0 +1,266 @@
+"""`tvclin availability`: on how many days of an archive the nozzle is enough."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.inputs import gust_of
+from tvclin.cli.options import MODELS_HELP, AsJson, Gust, Plot
+from tvclin.cli.progress import bar
+
+if TYPE_CHECKING:
+    from tvclin.answers.availability.parts import Part
+    from tvclin.answers.availability.record import Availability, Today
+
+_PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
+_MONTHS = "January February March April May June July August September October November December"
+
+
+def availability(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCHEDULE|VEHICLE",
+            help="A flight schedule (CSV or TOML) with its altitude, or a vehicle with a flight.",
+        ),
+    ],
+    archive: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="STATION...",
+            help="A station file of IGRA (.txt or .zip), or files and folders of soundings.",
+        ),
+    ],
+    azimuth_deg: Annotated[
+        list[float],
+        typer.Option(
+            help="Direction of flight, in deg from north, clockwise; may be given several times."
+        ),
+    ],
+    limit_deg: Annotated[float, typer.Option(help="Deflection capability, in deg.")],
+    month: Annotated[
+        list[int] | None,
+        typer.Option(help="Only this month, from 1 to 12; may be given several times."),
+    ] = None,
+    years: Annotated[
+        tuple[int, int] | None, typer.Option(metavar="FIRST LAST", help="Only these years.")
+    ] = None,
+    station: Annotated[
+        str | None, typer.Option(help="Only this station, where there are several.")
+    ] = None,
+    utc_offset: Annotated[
+        float, typer.Option(help="Local time less UTC, in h, by which months are counted.")
+    ] = 0.0,
+    plane: Annotated[str, typer.Option(help="What counts: both, pitch or yaw.")] = "both",
+    stop: Annotated[
+        str,
+        typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
+    ] = "round",
+    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
+    persistence_deg: Annotated[
+        float | None, typer.Option(help="Angle that is added until launch, in deg.")
+    ] = None,
+    persistence_hours: Annotated[
+        float | None,
+        typer.Option(
+            help="In its place: what 95 % of the archive's pairs 12 h apart grew by, taken to so"
+            " many hours."
+        ),
+    ] = None,
+    gust: Gust = None,
+    known_to_m: Annotated[
+        float | None, typer.Option(help="Height to which a sounding must go to be judged, in m.")
+    ] = None,
+    confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
+    today: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A balloon of today: go or no go?")
+    ] = None,
+    as_json: AsJson = False,
+    csv: Annotated[
+        Path | None, typer.Option(help="Also write what every sounding asks for into this file.")
+    ] = None,
+    plot: Plot = None,
+) -> None:
+    """Say on how many days of an archive of soundings the nozzle is enough.
+
+    Each sounding is flown through with parameters that vary, with trim up to the limit (K = 1),
+    which needs no forecast. What a balloon did not see is unknown.
+
+    Exit code 0: some soundings were judged; with --today: the limit is enough for that balloon, in
+    every direction; 1: it is not, or that is not known; 2: bad input.
+    """
+    import numpy as np
+
+    from tvclin.answers.availability.availability import availability as judged
+    from tvclin.answers.sizing.schedule_file import load_schedule
+    from tvclin.base.errors import within
+    from tvclin.cli.output import print_json
+    from tvclin.winds.soundings.read import read_sounding
+    from tvclin.winds.soundings.read_soundings import read_soundings
+
+    limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
+    azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
+    flight = load_schedule(source)
+    balloon = None if today is None else read_sounding(today)
+    with bar("read") as progress:
+        soundings = read_soundings(
+            archive,
+            months=month or None,
+            years=years,
+            station=station,
+            utc_offset=utc_offset,
+            progress=progress,
+        )
+    with bar("soundings") as progress:
+        found = judged(
+            flight,
+            soundings,
+            limit=float(limit),
+            azimuth=azimuths,
+            plane=plane,
+            stop=stop,
+            model=model,
+            persistence=_persistence(persistence_deg, persistence_hours),
+            gust=gust_of(gust, 0.0),
+            known_to=known_to_m,
+            confidence=confidence,
+            progress=progress,
+        )
+    launch = () if balloon is None else found.today(balloon)
+    if csv is not None:
+        found.to_csv(csv)
+    if plot is not None:
+        from tvclin.plots import availability_chart, save_figure
+
+        save_figure(availability_chart(found), plot)
+    if as_json:
+        print_json(_document(found, launch))
+    else:
+        _print(found, launch, source)
+    judged_any = any(part.judged for part in found.part())
+    if any(one.go is not True for one in launch) or (balloon is None and not judged_any):
+        raise typer.Exit(1)
+
+
+def _persistence(degrees: float | None, hours: float | None) -> Any:
+    import numpy as np
+
+    from tvclin.answers.availability.growth import PairGrowth
+    from tvclin.base.errors import InputError, within
+
+    if degrees is not None and hours is not None:
+        raise InputError("give --persistence-deg or --persistence-hours, not both")
+    if hours is not None:
+        return PairGrowth(hours)
+    return (
+        None
+        if degrees is None
+        else float(np.radians(within("--persistence-deg", degrees, 0.0, 90.0)))
+    )
+
+
+def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> None:
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+
+    name = found.judge.flight.vehicle.name or source
+    typer.echo(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
+    azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
+    typer.echo(f"Limit {np.degrees(found.limit):.4f} deg")
+    for azimuth, part in zip(azimuths, found.part(), strict=True):
+        typer.echo(f"towards {azimuth} deg: {part}")
+    names = _MONTHS.split()
+    rows = [
+        [names[month - 1], azimuth, *_cells(part)]
+        for month, parts in found.by_month().items()
+        for azimuth, part in zip(azimuths, parts, strict=True)
+    ]
+    heads = ["month", "towards [deg]", "flown", "of", "unknown", "flown [%]", "from", "to"]
+    print_table("\nBy month", heads, rows)
+    parts = [
+        [azimuth, *(f"{one:.4f}" if np.isfinite(one) else "-" for one in np.degrees(row).tolist())]
+        for azimuth, row in zip(azimuths, found.placard(_PLACARD), strict=True)
+    ]
+    heads = ["towards [deg]", *(f"{100 * part:g} %" for part in _PLACARD)]
+    print_table("The limit that is enough for so many [deg]", heads, parts)
+    for azimuth, one in zip(azimuths, launch, strict=False):
+        typer.echo(f"Today towards {azimuth} deg: {_said(one)}")
+    for note in found.notes:
+        typer.echo(f"Note: {note}.")
+
+
+def _cells(part: "Part") -> list[str]:
+    cells = [str(part.flown), str(part.judged), str(part.unknown)]
+    shares = (part.part, part.lower, part.upper)
+    return cells + [f"{100 * one:.1f}" if part.judged else "-" for one in shares]
+
+
+def _said(one: "Today") -> str:
+    """What a balloon says, in words."""
+    import numpy as np
+
+    if one.go is None:
+        between = f", between {np.degrees(one.least):.4f} and {np.degrees(one.most):.4f} deg"
+        return f"NOT KNOWN{f', {one.why}' if one.why else between}"
+    need = np.degrees(one.most if one.go else one.least)
+    beside = "" if np.isnan(one.part) else f", more than {100 * one.part:.0f} % of the archive"
+    return f"{'GO' if one.go else 'NO GO'}, it asks for {need:.4f} deg{beside}"
+
+
+def _document(found: "Availability", launch: "tuple[Today, ...]") -> dict[str, Any]:
+    """All of it as JSON can hold it."""
+    import numpy as np
+
+    def said(part: "Part") -> dict[str, Any]:
+        return {
+            "flown": part.flown,
+            "judged": part.judged,
+            "unknown": part.unknown,
+            "part": part.part,
+            "lower": part.lower,
+            "upper": part.upper,
+            "effective_number": part.effective,
+            "whatever_unknown": list(part.bounds),
+        }
+
+    azimuths = np.degrees(np.atleast_1d(found.azimuth)).round(12).tolist()
+    months = found.by_month()
+    placards = found.placard(_PLACARD)
+    return {
+        "vehicle": found.judge.flight.vehicle.name,
+        "station": found.soundings.station,
+        "model": found.model,
+        "plane": found.plane,
+        "limit_deg": np.degrees(found.limit),
+        "confidence": found.confidence,
+        "soundings": len(found.soundings),
+        "towards": [
+            {
+                "azimuth_deg": azimuth,
+                **said(part),
+                "months": {str(month): said(parts[a]) for month, parts in months.items()},
+                "placard_deg": {
+                    f"{100 * p:g} %": value
+                    for p, value in zip(_PLACARD, np.degrees(placards[a]).tolist(), strict=True)
+                },
+                "persistence_deg": np.degrees(found.persistence[a]),
+                **({"today": _today(launch[a])} if launch else {}),
+            }
+            for a, (azimuth, part) in enumerate(zip(azimuths, found.part(), strict=True))
+        ],
+        "notes": list(found.notes),
+    }
+
+
+def _today(one: "Today") -> dict[str, Any]:
+    import numpy as np
+
+    return {
+        "go": one.go,
+        "least_deg": np.degrees(one.least),
+        "most_deg": np.degrees(one.most),
+        "part_of_archive_below": one.part,
+        "why": one.why,
+    }

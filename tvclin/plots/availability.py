@@ -1,0 +1,93 @@
+"""How many days a deflection limit is enough for, against the limit."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tvclin.answers.availability.record import Availability
+from tvclin.base.errors import InputError, instance
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+
+_LIMITS = 121
+_WIDER = 1.1
+_FLOWN, _LOWER, _UPPER = "flown", "interval, lower end", "interval, upper end"
+_STEPS: Style = {"drawstyle": "steps-post"}
+_COLOURS = tuple(colour for colour in COLOURS if colour != WARM)  # that of the limit
+
+
+def availability_chart(found: Availability) -> "ControlPlot":
+    """Draw which part of an archive's soundings flies, against the limit.
+
+    With its interval for one azimuth, and a line for each of several. A line upright is the limit
+    that was asked for. Soundings of which it is not known are in no part.
+
+    Parameters
+    ----------
+    found : Availability
+        Of one judged sounding or more.
+
+    Raises
+    ------
+    InputError
+        Where no sounding is judged, or none needs a deflection.
+    """
+    instance("found", found, Availability, "see availability")
+    most = np.nanmax(found.most, initial=0.0)
+    if not most > 0.0:
+        raise InputError("found must hold a sounding that asks for deflection, to be drawn")
+    limits = np.linspace(0.0, _WIDER * max(float(most), found.limit), _LIMITS)
+    azimuths = np.degrees(np.atleast_1d(found.azimuth)).tolist()
+    several = len(azimuths) > 1
+    parts = [part if isinstance(part, tuple) else (part,) for part in found.curve(limits)]
+    if several:
+        values = {
+            f"{azimuth:.4g} deg": [part[a].part for part in parts]
+            for a, azimuth in enumerate(azimuths)
+        }
+    else:
+        values = {
+            _UPPER: [part[0].upper for part in parts],
+            _FLOWN: [part[0].part for part in parts],
+            _LOWER: [part[0].lower for part in parts],
+        }
+    columns = tuple(Column(k, 100.0 * np.array(v, dtype=float), "%") for k, v in values.items())
+    name = found.judge.flight.vehicle.name or "Vehicle"
+    where = found.soundings.station or "an archive"
+    planes = "both planes" if found.plane == "both" else found.plane
+    if not several:
+        planes += f", towards {azimuths[0]:.4g} deg"
+    words = f"{len(found.soundings)} soundings of {where}, {planes}"
+    curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
+    title = f"{name}\nlaunch availability: {words}"
+    heading = "flown, towards" if several else ""
+    look = Look(
+        title, "soundings that fly  [%]", _styles(list(values)), heading, {"": (0.0, 102.0)}
+    )
+    plot = draw(curves, look)
+    axes = plot.axes[0, 0]
+    axes.axvline(np.degrees(found.limit), color=WARM, lw=1.4)
+    axes.annotate(
+        "limit",
+        (np.degrees(found.limit), 2.0),
+        xytext=(4, 0),
+        textcoords="offset points",
+        color=WARM,
+    )
+    return plot
+
+
+def _styles(names: list[str]) -> dict[str, Style]:
+    """Flown by a full line, with the ends of its interval beside it; or each azimuth by its own."""
+    if _FLOWN not in names:
+        kinds = zip(names, cycle(_COLOURS), cycle(LINES), strict=False)
+        return {name: _STEPS | {"color": c, "ls": line, "lw": 1.6} for name, c, line in kinds}
+    beside = _STEPS | {"color": _COLOURS[0], "lw": 1.1}
+    return {
+        _FLOWN: _STEPS | {"color": INK, "lw": 1.8},
+        _LOWER: beside | {"ls": "--"},
+        _UPPER: beside | {"ls": ":"},
+    }

@@ -1,0 +1,271 @@
+"""Many soundings of one station, in flat arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    between,
+    each,
+    instance,
+    number,
+    shown,
+    text,
+    whole_number,
+    within,
+)
+from tvclin.winds.soundings.profile import RANGES, WindProfile
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+TOO_FEW = "it has fewer than two levels with a height and a wind"
+_MINUTE = "datetime64[m]"
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Soundings:
+    """Soundings of one station, in the order of their times; see `read_soundings`.
+
+    The levels of all stand one behind the other in flat arrays; those of the sounding i are
+    ``height[offsets[i]:offsets[i + 1]]``. An index gives a `WindProfile`, a slice or a mask the
+    `Soundings` of these; iteration goes over the profiles of those that can be used.
+
+    Parameters
+    ----------
+    height, east, north : array_like
+        As of `WindProfile`, ``(m,)``, ascending within each sounding.
+    offsets : array_like of int
+        Where each sounding begins, and the end, ``(n + 1,)``.
+    times : array_like of datetime64
+        Times [UTC], ``(n,)``.
+    station : str
+        Its name.
+    why : tuple of str
+        For each sounding, why it cannot be used, with its line; empty where it can. Without it,
+        those with fewer than two levels cannot.
+    notes : tuple of str
+        What was left out, placed or converted, with counts.
+    utc_offset : float
+        Local time less UTC [h], by which months, years and hours are counted.
+
+    Raises
+    ------
+    InputError
+        For arrays that do not belong together, and as `WindProfile`.
+    """
+
+    height: FloatArray
+    east: FloatArray
+    north: FloatArray
+    offsets: IntArray
+    times: NDArray[np.datetime64]
+    station: str = ""
+    why: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    utc_offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, (low, high, unit) in RANGES.items():
+            object.__setattr__(self, name, within(name, getattr(self, name), low, high, unit))
+        set_ = object.__setattr__
+        set_(self, "offsets", _whole("offsets", self.offsets))
+        set_(self, "times", minutes("times", self.times))
+        self._check_shapes()
+        text("station", self.station)
+        set_(self, "notes", each("notes", self.notes, str, "one for each remark"))
+        set_(self, "utc_offset", number("utc_offset", self.utc_offset, between(-14, 14), "h"))
+        why = each("why", self.why, str, "one for each sounding, or none")
+        if not why:
+            why = tuple("" if n > 1 else TOO_FEW for n in self.counts.tolist())
+        set_(self, "why", why)
+        if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
+            raise InputError("why must say of each sounding with fewer than two levels why it has")
+
+    def _check_shapes(self) -> None:
+        size, offsets = self.height.size, self.offsets
+        flat = all(one.shape == (size,) for one in (self.height, self.east, self.north))
+        if not flat or offsets.shape != (self.times.size + 1,) or self.times.ndim != 1:
+            raise InputError(
+                "height, east and north must be rows of one length, times one row, and offsets one"
+                f" longer; got {self.height.shape}, {self.east.shape}, {self.north.shape},"
+                f" {self.times.shape} and {offsets.shape}"
+            )
+        if offsets[0] != 0 or offsets[-1] != size or np.any(np.diff(offsets) < 0):
+            raise InputError(f"offsets must rise from 0 to {size}, the number of levels")
+        rises = np.diff(self.height) > 0.0
+        rises[offsets[(offsets > 0) & (offsets < size)] - 1] = True
+        if not np.all(rises):
+            late = int(np.argmin(rises)) + 1
+            raise InputError(f"height must ascend in each sounding; it does not at index {late}")
+
+    def __repr__(self) -> str:
+        where = f" of {self.station}" if self.station else ""
+        if not len(self):
+            return f"Soundings(none{where})"
+        unusable = len(self) - int(np.sum(self.usable))
+        rest = f", {unusable} of them not usable" if unusable else ""
+        first, last = (str(np.datetime64(t, "D")) for t in (self.times[0], self.times[-1]))
+        return f"Soundings({len(self)}{where} from {first} to {last}{rest})"
+
+    def __len__(self) -> int:
+        return int(self.times.size)
+
+    def __iter__(self) -> Iterator[WindProfile]:
+        return (self[i] for i in np.flatnonzero(self.usable).tolist())
+
+    def __getitem__(self, index: Any) -> Any:
+        """Return one profile, or the soundings of a slice, a mask or a row of indices.
+
+        Raises
+        ------
+        InputError
+            For a sounding that cannot be used, with the reason, and what is no index.
+        """
+        if isinstance(index, int | np.integer) and not isinstance(index, bool):
+            if not -len(self) <= index < len(self):
+                raise InputError(f"there are {len(self)} soundings; got index {shown(index)}")
+            return self._profile(int(index) % len(self))
+        try:
+            return self._some(np.arange(len(self))[index])
+        except (IndexError, TypeError, ValueError):
+            raise InputError(
+                f"an index must be an integer, a slice or a mask; got {shown(index)}"
+            ) from None
+
+    @property
+    def counts(self) -> IntArray:
+        """Levels of each, ``(n,)``."""
+        return np.diff(self.offsets)
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Which can be used, ``(n,)``; `why` says what is wrong with the others."""
+        return np.array([not reason for reason in self.why], dtype=bool)
+
+    @property
+    def local_times(self) -> NDArray[np.datetime64]:
+        """Times by `utc_offset`, ``(n,)``."""
+        return self.times + np.timedelta64(round(60 * self.utc_offset), "m")
+
+    @property
+    def months(self) -> IntArray:
+        """Months from 1 to 12, ``(n,)``; 0 where a time is not known."""
+        return np.asarray(months_of(self.local_times))
+
+    @property
+    def years(self) -> IntArray:
+        """Years, ``(n,)``; 0 where a time is not known."""
+        return np.asarray(years_of(self.local_times))
+
+    def local(self, utc_offset: float) -> Self:
+        """Return the same with months, years and hours counted by another local time [h]."""
+        return replace(self, utc_offset=utc_offset)
+
+    def of(
+        self, *, month: int | None = None, year: int | None = None, hour: int | None = None
+    ) -> Self:
+        """Return those of a month, a year or an hour of the day, by `utc_offset`."""
+        hours = (self.local_times - self.local_times.astype("datetime64[D]")).astype(int) // 60
+        keep = np.ones(len(self), dtype=bool)
+        for name, value, has in (
+            ("month", month, self.months),
+            ("year", year, self.years),
+            ("hour", hour, hours),
+        ):
+            if value is not None:
+                keep &= has == whole_number(name, value)
+        return self._some(np.flatnonzero(keep))
+
+    @classmethod
+    def from_profiles(
+        cls, profiles: Iterable[WindProfile], times: ArrayLike, station: str = ""
+    ) -> Self:
+        """Return the soundings of profiles and their times [UTC], sorted by these."""
+        given = profiles if isinstance(profiles, list | tuple) else None
+        if given is None:
+            try:
+                given = list(profiles)
+            except TypeError:
+                given = [profiles]
+        for one in given:
+            instance("profiles", one, WindProfile, "see read_sounding")
+        when = minutes("times", times)
+        if when.shape != (len(given),):
+            raise InputError(f"times must hold one for each of {len(given)} profiles")
+        sizes = [0, *(one.height.size for one in given)]
+        levels: dict[str, Any] = {
+            name: np.concatenate([np.empty(0), *(getattr(one, name) for one in given)])
+            for name in RANGES
+        }
+        made = cls(**levels, offsets=np.cumsum(sizes), times=when, station=station)
+        return made._some(np.argsort(made.times, kind="stable"))
+
+    def _profile(self, index: int) -> WindProfile:
+        when = self.times[index]
+        if self.why[index]:
+            raise InputError(f"the sounding of {when} cannot be used: {self.why[index]}")
+        part = slice(*self.offsets[index : index + 2].tolist())
+        return WindProfile(
+            height=self.height[part],
+            east=self.east[part],
+            north=self.north[part],
+            source=f"{self.station}, {when} UTC" if self.station else f"{when} UTC",
+        )
+
+    def _some(self, index: NDArray[np.intp]) -> Self:
+        offsets, levels = gathered(self.offsets, index)
+        return replace(
+            self,
+            **{name: getattr(self, name)[levels] for name in RANGES},
+            offsets=offsets,
+            times=self.times[index],
+            why=tuple(self.why[i] for i in index.tolist()),
+        )
+
+
+def gathered(offsets: IntArray, index: NDArray[np.intp]) -> tuple[IntArray, IntArray]:
+    """Return the offsets of some rows of a flat array, and where their elements are in it."""
+    counts = np.diff(offsets)[index]
+    made = np.concatenate([[0], np.cumsum(counts)])
+    return made, np.arange(made[-1]) + np.repeat(offsets[index] - made[:-1], counts)
+
+
+def months_of(times: NDArray[np.datetime64]) -> IntArray:
+    """Return months from 1 to 12; 0 where a time is not known."""
+    months = times.astype("datetime64[M]").astype(np.int64) % 12 + 1
+    return np.where(np.isnat(times), 0, months)
+
+
+def years_of(times: NDArray[np.datetime64]) -> IntArray:
+    """Return years; 0 where a time is not known."""
+    return np.where(np.isnat(times), 0, times.astype("datetime64[Y]").astype(np.int64) + 1970)
+
+
+def minutes(name: str, values: ArrayLike) -> NDArray[np.datetime64]:
+    """Return times to the minute; `InputError` for what is none."""
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "MUO" and array.size:
+            raise TypeError
+        return array.astype(_MINUTE)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(
+            f"{name} must be times such as 2024-02-15T12:00, or datetime64; got {shown(values)}"
+        ) from None
+
+
+def _whole(name: str, values: ArrayLike | Sequence[int]) -> IntArray:
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "iu" or array.ndim != 1 or not array.size:
+            raise TypeError
+    except Exception:  # whatever a stranger's conversion to an array may raise
+        raise InputError(f"{name} must be a row of integers; got {shown(values)}") from None
+    return array.astype(np.int64)
