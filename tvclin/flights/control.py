@@ -74,7 +74,7 @@ def command_of(
     ------
     InputError
         For what is no control, histories in a batch or from before the flight, an autopilot with
-        a delay, two actuators, and hardware without a law.
+        a delay, filters, two actuators, and hardware without a law.
     """
     most = check_rate_limit(rate_limit)
     if isinstance(control, History | ReportControl):
@@ -93,6 +93,8 @@ def command_of(
     check_actuator(actuator)
     instance("control", control, Law, "or a History, an Autopilot or a ReportControl")
     assert isinstance(control, Law)
+    if any(control.chains):
+        raise InputError("filters are flown by fly() with a sample_rate; leave them out here")
     return Command(control, actuator, most)
 
 

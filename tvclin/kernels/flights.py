@@ -74,12 +74,12 @@ class Flights(NamedTuple):
         ``(w, k, terms)``.
     laws : sequence of LawNumbers
         Or an array with their fields; `law` says whose.
-    own, driven : ndarray
-        What a step makes of the states of a law with its filters, and of what is sensed,
-        ``(l, s, s)``, ``(l, s, 6)``; one for each flight, or one for all.
+    memory : ndarray
+        What a step makes of the states of a law with its filters: rows on these states and on what
+        is sensed, ``(l, s, s + 6)``; one for each flight, or one for all.
     seen, told : ndarray
-        With filters, what a law sees and what the nozzle is told: of the states and of what is
-        sensed, ``(l, 5, s + 6)`` and ``(l, s + 6)``; of no length without filters.
+        With filters, what a law sees and what the limit is told, likewise ``(l, 5, s + 6)`` and
+        ``(l, s + 6)``; of no length without filters.
     limit, rate_limit : ndarray
         Of the deflection, ``(m,)``.
     start : ndarray
@@ -130,8 +130,7 @@ class Flights(NamedTuple):
     knots: FloatArray
     pieces: FloatArray
     laws: Any
-    own: FloatArray
-    driven: FloatArray
+    memory: FloatArray
     seen: FloatArray
     told: FloatArray
     limit: FloatArray
@@ -432,14 +431,9 @@ def turning(y: FloatArray, n: int, limit: float) -> float:
 def learnt(f: Flights, i: int) -> None:
     """Move the states of a law and of its filters, by what was sensed and asked for."""
     s = f.states.shape[1]
-    own = i if f.own.shape[0] > 1 else 0
+    own = i if f.memory.shape[0] > 1 else 0
     for r in range(s):
-        total = 0.0
-        for j in range(s):
-            total += f.own[own, r, j] * f.states[i, j]
-        for j in range(MEASURED + 1):
-            total += f.driven[own, r, j] * f.sensed[i, j]
-        f.next[i, r] = total
+        f.next[i, r] = filtered(f, i, f.memory[own, r])
     for r in range(s):
         f.states[i, r] = f.next[i, r]
 

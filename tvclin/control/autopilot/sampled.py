@@ -136,7 +136,7 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
 def law_steps(autopilot: Feedback, period: FloatArray) -> Matrices:
     """Return A, B, C, D of the law in steps, from attitude, rate and angle of attack."""
     half = 0.5 * period
-    attitude, rate, sums = (_chain(autopilot, name, half) for name in CHAINS)
+    attitude, rate, sums = (filter_steps(getattr(autopilot, name), half, name) for name in CHAINS)
     gain, integral = (
         state_space.gain(getattr(autopilot, f"{n}_gain")) for n in ("attitude", "integral")
     )
@@ -152,9 +152,16 @@ def law_steps(autopilot: Feedback, period: FloatArray) -> Matrices:
     return state_space.series(state_space.summed(rows), sums)
 
 
-def _chain(autopilot: Feedback, name: str, half: FloatArray) -> Matrices:
+def filter_steps(chain: tuple[Filter, ...], half: FloatArray, name: str) -> Matrices:
+    """Return a chain of filters in steps of twice `half` [s]; `name` is that for messages.
+
+    Raises
+    ------
+    InputError
+        For a filter whose own frequency is not below half the sample rate.
+    """
     found = state_space.gain(1.0)
-    for k, one in enumerate(getattr(autopilot, name), start=1):
+    for k, one in enumerate(chain, start=1):
         found = state_space.series(found, _differences(f"{name} {k}", one, half))
     return found
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, instance, single
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.law import Law, Measurement
+from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
 
 FloatArray = NDArray[np.float64]
@@ -23,12 +23,12 @@ class SaturatedLaw(Law):
     Parameters
     ----------
     autopilot : Autopilot
-        One, for its gains; actuator and delay are given to the flight.
+        One, for its gains and filters; actuator, delay and sample rate are given to the flight.
 
     Raises
     ------
     InputError
-        For a batch, and for an autopilot with an actuator or a delay.
+        For a batch, and for an autopilot with an actuator, a delay or a sample rate.
     """
 
     autopilot: Autopilot
@@ -36,9 +36,12 @@ class SaturatedLaw(Law):
     def __post_init__(self) -> None:
         instance("autopilot", self.autopilot, Autopilot, "see design_gains")
         single("autopilot", self.autopilot.batch)
-        self.autopilot.require_plain("a SaturatedLaw")
-        if self.autopilot.actuator is not None or self.autopilot.delay:
-            raise InputError("a SaturatedLaw takes gains only: give actuator and delay to fly()")
+        one = self.autopilot
+        if one.actuator is not None or one.delay or one.sample_rate is not None:
+            raise InputError(
+                "a SaturatedLaw takes gains and filters only: give actuator, delay and sample_rate"
+                " to fly()"
+            )
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
@@ -46,6 +49,12 @@ class SaturatedLaw(Law):
         if not self.autopilot.integral_gain:
             return super().states
         return np.zeros((1, 1)), np.eye(1, 5)
+
+    @property
+    def chains(self) -> Chains:
+        """The filters of the autopilot."""
+        one = self.autopilot
+        return Chains(one.attitude_filters, one.rate_filters, one.filters)
 
     @property
     def numbers(self) -> LawNumbers:

@@ -18,6 +18,7 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.linear.plant import Plant
+from tvclin.vehicle.filters import Filter
 
 FloatArray = NDArray[np.float64]
 
@@ -33,6 +34,25 @@ class Measurement(NamedTuple):
     flight_path_angle: Any
     angle_of_attack: Any
     deflection: Any
+
+
+class Chains(NamedTuple):
+    """Filters about a law, each chain in the order in which it is passed.
+
+    They run at the sample rate of the flight, by the bilinear rule, each exact at its own
+    frequency.
+
+    Attributes
+    ----------
+    attitude, attitude_rate : tuple of Filter
+        Between a sensor and the law.
+    demand : tuple of Filter
+        Between what the law asks for and the limit.
+    """
+
+    attitude: tuple[Filter, ...] = ()
+    attitude_rate: tuple[Filter, ...] = ()
+    demand: tuple[Filter, ...] = ()
 
 
 class Law(ABC):
@@ -53,6 +73,11 @@ class Law(ABC):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(k, k)`` and G ``(k, 5)`` of its own states: s' = F s + G m. None by default."""
         return np.zeros((0, 0)), np.zeros((0, 5))
+
+    @property
+    def chains(self) -> Chains:
+        """Filters before and behind it. None by default."""
+        return Chains()
 
     @property
     def rate_noise(self) -> tuple[float, int]:

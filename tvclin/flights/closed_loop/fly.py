@@ -141,6 +141,8 @@ def _continuous(
 ) -> FloatArray:
     if law.rate_noise[0]:
         raise InputError("noise belongs to samples; give a sample_rate")
+    if any(law.chains):
+        raise InputError("filters are flown by samples; give a sample_rate")
     if limits[1] < np.inf and actuator is None:
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)

@@ -3,19 +3,40 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.laws.law import Law
+from tvclin.control.autopilot.sampled import filter_steps
+from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import MEASURED
 from tvclin.kernels.propagation import driven, exponentials
 
 FloatArray = NDArray[np.float64]
+
+
+class Memory(NamedTuple):
+    """What a step makes of the s states of laws with their filters, for each flight or for all.
+
+    Each row acts on the states, then on what is sensed, five numbers, and what a law asks for.
+
+    Attributes
+    ----------
+    moved : ndarray
+        The next states, ``(l, s, s + 6)``.
+    seen : ndarray
+        What the laws see, ``(l, 5, s + 6)``; of no length without filters.
+    told : ndarray
+        What the limit is told, ``(l, s + 6)``; likewise.
+    """
+
+    moved: FloatArray
+    seen: FloatArray
+    told: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +49,15 @@ class LawBatch:
         Those that there are; none where a batch of gains stands for them.
     numbers : list of LawNumbers or None
         Of each; None where Python must be asked.
+    chains : list of Chains
+        The filters of each law; of all at once where a batch of gains stands for them.
     which : ndarray of int
         The law of each flight, ``(m,)``.
     """
 
     laws: tuple[Law, ...]
     numbers: list[LawNumbers | None]
+    chains: list[Chains]
     which: NDArray[np.int64]
 
     @property
@@ -41,25 +65,30 @@ class LawBatch:
         """The noise of each law: a level [rad/s] and a seed."""
         return [law.rate_noise for law in self.laws] or [(0.0, 0)] * len(self.numbers)
 
-    def steps(self, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what steps [s] ``(m,)`` make of the laws' own states, and of what they see.
-
-        ``(m, s, s)`` and ``(m, s, 6)``, the last what a law asks for, which moves none of them; of
-        one flight where no law has states.
-        """
+    def memory(self, lengths: FloatArray) -> Memory:
+        """Return what steps [s] ``(m,)`` make of the states of the laws and their filters."""
         systems = [law.states for law in self.laws] or [self._integral()]
-        size = max(len(F) for F, _ in systems)
-        if not size:
-            return np.zeros((1, 0, 0)), np.zeros((1, 0, MEASURED + 1))
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
-        kept = np.zeros((lengths.size, size, size))
-        learnt = np.zeros((lengths.size, size, MEASURED + 1))
-        for k, (F, G) in enumerate(systems):
-            own, mine = len(F), np.flatnonzero(which == k)
-            whole = exponentials(driven(F, G), lengths[mine])
-            kept[mine, :own, :own] = whole[:, :own, :own]
-            learnt[mine, :own, :MEASURED] = whole[:, :own, own:]
-        return kept, learnt
+        size = max(
+            len(F) + sum(one.order for chain in chains for one in chain)
+            for (F, _), chains in zip(systems, self.chains, strict=True)
+        )
+        wide = size + MEASURED + 1
+        filtered = any(any(chains) for chains in self.chains)
+        if not size and not filtered:
+            return Memory(
+                np.zeros((1, 0, wide)), np.zeros((0, MEASURED, wide)), np.zeros((0, wide))
+            )
+        moved = np.zeros((lengths.size, size, wide))
+        seen = np.zeros((lengths.size if filtered else 0, MEASURED, wide))
+        told = np.zeros((lengths.size if filtered else 0, wide))
+        for k, (system, chains) in enumerate(zip(systems, self.chains, strict=True)):
+            mine = np.flatnonzero(which == k)
+            one = _with_filters(system, chains, lengths[mine], size)
+            moved[mine] = one.moved
+            if filtered:
+                seen[mine], told[mine] = one.seen, one.told
+        return Memory(moved, seen, told)
 
     def _integral(self) -> tuple[FloatArray, FloatArray]:
         some = any(one is not None and one.first_state for one in self.numbers)
@@ -89,7 +118,8 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     index = np.array([places[id(one)] for one in laws.flat], dtype=np.int64).reshape(laws.shape)
     every = tuple(different.values())
     numbers = [one.numbers for one in every]
-    return LawBatch(every, numbers, np.broadcast_to(index, shape).ravel())
+    chains = [one.chains for one in every]
+    return LawBatch(every, numbers, chains, np.broadcast_to(index, shape).ravel())
 
 
 def _array(law: Any) -> NDArray[Any]:
@@ -103,10 +133,16 @@ def _array(law: Any) -> NDArray[Any]:
 
 
 def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
-    gains.require_plain("a flight")
-    if gains.actuator is not None or np.any(np.asarray(gains.delay)):
+    late = gains.actuator is not None or np.any(np.asarray(gains.delay))
+    if late or gains.sample_rate is not None:
         raise InputError(
-            "an autopilot is flown for its gains only: give actuator and delay to the flight"
+            "an autopilot is flown for its gains and filters only: give actuator, delay and"
+            " sample_rate to the flight"
+        )
+    chains = Chains(gains.attitude_filters, gains.rate_filters, gains.filters)
+    if any(one.batch for chain in chains for one in chain):
+        raise InputError(
+            "an autopilot with a batch of filters is flown as an array of SaturatedLaw, one each"
         )
     fields = (gains.attitude_gain, gains.rate_gain, gains.alpha_gain, gains.integral_gain)
     rows = zip(*(np.broadcast_to(one, gains.batch).ravel().tolist() for one in fields), strict=True)
@@ -115,4 +151,36 @@ def _gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
         for a, r, b, i in rows
     ]
     index = np.arange(len(numbers)).reshape(gains.batch)
-    return LawBatch((), numbers, np.broadcast_to(index, shape).ravel())
+    return LawBatch((), numbers, [chains], np.broadcast_to(index, shape).ravel())
+
+
+def _with_filters(
+    system: tuple[FloatArray, FloatArray], chains: Chains, lengths: FloatArray, size: int
+) -> Memory:
+    """The memory of one law in steps of the lengths [s] ``(m,)``, with rows for `size` states.
+
+    Its own states first, then those of each chain. With the filters in steps, of attitude, rate
+    and demand d,
+
+        x+ = A x + B m,    m' = C x + D m,    s+ = e^(F h) s + P m'.
+    """
+    F, G = system
+    own, m = len(F), lengths.size
+    given = driven(F, G)
+    whole = exponentials(given, lengths) if own else np.zeros((m, MEASURED, MEASURED))
+    moved, wide = np.zeros((m, size, size + MEASURED + 1)), size + MEASURED + 1
+    signals = np.broadcast_to(np.eye(wide)[size:], (m, MEASURED + 1, wide)).copy()
+    place = own
+    for row, name in ((0, "attitude"), (1, "attitude_rate"), (MEASURED, "demand")):
+        chain = getattr(chains, name)
+        A, B, C, D = filter_steps(chain, 0.5 * lengths, f"{name}_filters")
+        order = A.shape[-1]
+        mine = slice(place, place + order)
+        moved[:, mine, mine], moved[:, mine, size + row] = A, B[..., 0]
+        signals[:, row, mine], signals[:, row, size + row] = C[..., 0, :], D[..., 0, 0]
+        place += order
+    seen, told = signals[:, :MEASURED], signals[:, MEASURED]
+    if own:
+        moved[:, :own, :own] = whole[:, :own, :own]
+        moved[:, :own] += whole[:, :own, own:] @ seen
+    return Memory(moved, seen, told)

@@ -116,9 +116,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     )
     waiting = -(-np.minimum(waiting, _LONGEST) // kernel.LOOK) * kernel.LOOK
     finish, ends = (_samples(a - start, h) for a in (np.full(m, batch.until), end))
-    kept, learnt = batch.laws.steps(h)
+    memory = batch.laws.memory(h)
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
-    N, states, terms = joint.shape[2], kept.shape[1], pieces.shape[2]
+    N, states, terms = joint.shape[2], memory.moved.shape[1], pieces.shape[2]
     rows = joint.shape[1] * int(finish.max()) if track else 0
     return Flights(
         vehicle=vehicle,
@@ -138,10 +138,9 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         knots=knots,
         pieces=pieces,
         laws=[one or LawNumbers() for one in batch.laws.numbers],
-        own=kept,
-        driven=learnt,
-        seen=np.zeros((0, MEASURED, states + MEASURED + 1)),
-        told=np.zeros((0, states + MEASURED + 1)),
+        memory=memory.moved,
+        seen=memory.seen,
+        told=memory.told,
         limit=_flat(batch.limit, shape),
         rate_limit=_flat(batch.rate_limit, shape),
         start=start.copy(),
