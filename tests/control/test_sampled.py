@@ -202,7 +202,7 @@ def test_a_batch_of_rates_and_delays_is_each_of_them():
 def test_what_cannot_be_sampled_is_refused():
     with pytest.raises(tv.InputError, match="must lie below half the sample rate"):
         replace(SAMPLED, sample_rate=8.0).margins(booster())
-    with pytest.raises(tv.InputError, match="delay must be at most 100 sample periods"):
+    with pytest.raises(tv.InputError, match="delay must be at most 25 sample periods"):
         replace(SAMPLED, delay=5.0).margins(booster())
     with pytest.raises(tv.InputError, match="is too low for a vehicle that grows"):
         replace(SAMPLED, sample_rate=1e-3, filters=()).margins(booster())

@@ -33,7 +33,7 @@ FloatArray = NDArray[np.float64]
 
 _WHOLE = 1e-9
 """So near to a whole number of periods the delay is one."""
-_MOST_PERIODS, _MOST_GROWTH = 100, 50.0
+_MOST_PERIODS, _MOST_GROWTH = 25, 50.0
 """The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""
 
 
@@ -71,15 +71,15 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     ----------
     autopilot : Feedback
         With a sample_rate [Hz]. Its delay is that from the sample to the command at the actuator,
-        of any length.
+        up to 25 periods, whole or not.
     plant : Plant or FlexiblePlant
         One or a batch.
 
     Raises
     ------
     InputError
-        For a filter whose own frequency is not below half the sample rate, a delay above a
-        hundred periods, and a vehicle that grows beyond all bounds in one.
+        For a filter whose own frequency is not below half the sample rate, a delay above 25
+        periods, and a vehicle that grows beyond all bounds in one.
     """
     steps = vehicle_steps(autopilot, plant)
     law = law_steps(autopilot, steps.period)
