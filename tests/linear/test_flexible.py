@@ -15,6 +15,7 @@ SHAPE = (
     *("gimbal_displacement", "gimbal_slope", "attitude_slope", "rate_slope"),
     "pressure_displacement",
 )
+PULSE = tv.TriangularWind(peak=0.05, duration=7.5)
 POINTS = (0.3 + 0.2j, 0.5j, 2.9j, 14j, 31j, -0.4 + 64j)
 
 
@@ -358,6 +359,10 @@ def test_python_control_sees_the_same_plant():
             ),
             "must have shapes that broadcast",
         ),
+        (lambda: tv.Engine(mass=1.0, arm=0.0), "needs an arm or a moment_of_inertia"),
+        (lambda: replace(MODES[0], damping=-0.01), "damping must be between 0"),
+        (lambda: replace(TANKS[0], frequency=2.0), "needs a pendulum_length or a frequency"),
+        (lambda: tv.boundary_limit(flexible(), PULSE), "FlexiblePlant has .rigid, and .shift"),
         (lambda: tv.all_modes(flexible()), "FlexiblePlant has .rigid, and .shift"),
     ],
 )

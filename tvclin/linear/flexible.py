@@ -217,7 +217,7 @@ class FlexiblePlant:
     def shift(self) -> Shift:
         """Return by how many percent the structure moves the fast pole, and the price of trim.
 
-        The open-loop theory rests on these two; the boundary moves about as their price does.
+        The open-loop theory rests on these two.
 
         Raises
         ------
