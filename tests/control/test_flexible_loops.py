@@ -9,6 +9,7 @@ import pytest
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
 from tvclin.control.autopilot.actuated import actuated
+from tvclin.control.autopilot.wind_gain import wind_gain
 
 FILTERS = (tv.Filter.low_pass(13.0, 0.95), tv.Filter.notch(32.0, 0.06, 0.6))
 AUTOPILOT = tv.Autopilot(
@@ -343,3 +344,13 @@ def test_what_does_not_go_together_is_refused():
     rigid = tv.Plant.from_vehicle(BOOSTER)
     with pytest.raises(tv.InputError, match="plant must be a FlexiblePlant"):
         AUTOPILOT.band_margins(rigid)
+
+
+def test_the_worst_wind_of_a_loop_with_filters_is_that_of_a_fine_grid():
+    plant = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
+    autopilot = replace(AUTOPILOT, delay=0.0, alpha_gain=0.1, rate_filters=(FILTERS[0],))
+    omega = np.geomspace(1e-3, 1e2, 20_001)
+    highest = np.abs(autopilot.close(plant)["deflection", "wind"](1j * omega)).max()
+    found = wind_gain(plant, autopilot)
+    assert highest <= found * (1.0 + 1e-12)
+    assert highest == pytest.approx(found, rel=1e-6)  # the grid's step, squared

@@ -41,6 +41,8 @@ _THIN = 1e-8
 """No |1 - D^2/g^2| is taken to be smaller where |L| = g is looked for."""
 _NUMBERS = 2**16
 """Terms that are worked on at a time, to bound the memory."""
+_ENTRIES = 2**22
+"""Entries of matrices that are solved at a time, likewise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +265,11 @@ class StateLoop:
 
     def _solved(self, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """L without its delay, and dL/ds, at s ``(k, m)``; infinite at a pole, NaN at NaN."""
+        together = max(1, _ENTRIES // max(1, s.shape[1] * self.A.shape[-1] ** 2))
+        if len(s) > together:
+            half = len(s) // 2
+            parts = [self.take(part)._solved(s[part]) for part in (slice(half), slice(half, None))]
+            return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
         A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
         poles = self.poles[self.case]
         at_pole = np.any(s[..., np.newaxis] == poles[:, np.newaxis], axis=-1)

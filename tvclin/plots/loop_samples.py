@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.kernels import polynomials
@@ -163,6 +164,9 @@ def loop_words(autopilot: Autopilot, plant: Plant) -> str:
         parts.append(f"b0 = {autopilot.alpha_gain:.4g}")
     if autopilot.integral_gain:
         parts.append(f"aI = {autopilot.integral_gain:.4g} 1/s")
+    filters = sum(len(getattr(autopilot, name)) for name in CHAINS)
+    if filters:
+        parts.append(f"{filters} filter{'s' * (filters > 1)}")
     if autopilot.actuator is not None:
         parts.append(f"actuator {autopilot.actuator.natural_frequency:.4g} rad/s")
     if autopilot.delay:

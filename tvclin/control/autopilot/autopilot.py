@@ -84,9 +84,9 @@ class Autopilot(Feedback):
         On the sensed attitude, ahead of its command, and on the sensed rate.
     sample_rate : array_like, optional
         Samples per second [Hz]. With one, gains and filters are steps of a computer, and `delay` is
-        the time from a sample until its command arrives at the actuator, of any length.
-        `exact_loop`, `margins` and `frequency_response` have it exactly; `loop`, `close` and
-        answers to winds are of continuous autopilots, and refuse it.
+        the time from a sample until its command arrives at the actuator, up to 25 periods, whole
+        or not. `exact_loop`, `margins` and `frequency_response` have it exactly; `loop`, `close`
+        and answers to winds are of continuous autopilots, and refuse it.
 
     Raises
     ------

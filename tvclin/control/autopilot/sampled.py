@@ -34,6 +34,8 @@ FloatArray = NDArray[np.float64]
 
 _WHOLE = 1e-9
 """So near to a whole number of periods the delay is one."""
+_MOST_PERIODS, _MOST_GROWTH = 25, 50.0
+"""The longest delay in periods, and the largest exponent by which a vehicle may grow in one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +72,15 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     ----------
     autopilot : Feedback
         With a sample_rate [Hz]. Its delay is that from the sample to the command at the actuator,
-        of any length.
+        up to 25 periods, whole or not.
     plant : Plant or FlexiblePlant
         One or a batch.
 
     Raises
     ------
     InputError
-        For a filter whose own frequency is not below half the sample rate.
+        For a filter whose own frequency is not below half the sample rate, a delay above 25
+        periods, and a vehicle that grows beyond all bounds in one.
     """
     steps = vehicle_steps(autopilot, plant)
     law = law_steps(autopilot, steps.period)
@@ -115,7 +118,18 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
     period = 1.0 / np.asarray(autopilot.sample_rate)
     A, B, C, _, names, _ = actuated(plant, autopilot.actuator)
     n, B = A.shape[-1], B[..., :1]
+    growth = np.linalg.eigvals(A).real.max(axis=-1) * period
+    if np.any(growth > _MOST_GROWTH):
+        raise InputError(
+            f"sample_rate = {np.min(1.0 / period):.6g} Hz is too low for a vehicle that"
+            f" grows by e^{np.max(growth):.3g} from one sample to the next"
+        )
     periods = np.asarray(autopilot.delay) / period
+    if np.any(periods > _MOST_PERIODS):
+        raise InputError(
+            f"delay must be at most {_MOST_PERIODS} sample periods; got {np.max(periods):.6g}"
+            " (lower sample_rate, or leave it out: so fast a law is continuous)"
+        )
     whole = np.floor(periods + _WHOLE)
     rest = np.where(periods - whole < _WHOLE, 0.0, (periods - whole) * period)
     held = np.zeros((*A.shape[:-2], n + 1, n + 1))

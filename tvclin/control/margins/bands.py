@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Row, card
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
@@ -46,6 +46,16 @@ class RigidBand:
     gain_increase_frequency: Any
     phase_margin: Any
     crossover_frequency: Any
+
+    def _repr_html_(self) -> str:
+        return card("Rigid body", self._rows(""))
+
+    def _rows(self, whose: str) -> list[Row]:
+        return [
+            (f"{whose}aero margin", self.aero_margin_dB, "dB"),
+            (f"{whose}gain increase", self.gain_increase_dB, "dB"),
+            (f"{whose}phase margin", self.phase_margin_deg, "deg"),
+        ]
 
     @property
     def aero_margin_dB(self) -> Any:
@@ -106,6 +116,18 @@ class ModeBand:
     distance: Any
     alias: Any
 
+    def _repr_html_(self) -> str:
+        return card(self.name, self._rows(""))
+
+    def _rows(self, whose: str) -> list[Row]:
+        return [
+            (f"{whose}at", self.frequency, "rad/s"),
+            (f"{whose}stabilised by", self.stabilised, ""),
+            (f"{whose}peak of |L|", self.peak_dB, "dB"),
+            (f"{whose}phase margin", self.phase_margin_deg, "deg"),
+            (f"{whose}least |1 + L|", self.distance, "-"),
+        ]
+
     @property
     def frequency(self) -> Any:
         """Frequency of the mode in the plant [rad/s]."""
@@ -153,20 +175,10 @@ class BandMargins:
         return self.modes[names.index(one_of("name", name, names))]
 
     def _repr_html_(self) -> str:
-        rows: list[tuple[str, Any, str]] = [
-            ("whole loop", self.whole.status, ""),
-            ("rigid body, aero margin", self.rigid.aero_margin_dB, "dB"),
-            ("rigid body, gain increase", self.rigid.gain_increase_dB, "dB"),
-            ("rigid body, phase margin", self.rigid.phase_margin_deg, "deg"),
-        ]
+        rows: list[Row] = [("whole loop", self.whole.status, "")]
+        rows += self.rigid._rows("rigid body, ")
         for one in self.modes:
-            rows += [
-                (f"{one.name}, at", one.frequency, "rad/s"),
-                (f"{one.name}, stabilised by", one.stabilised, ""),
-                (f"{one.name}, peak of |L|", one.peak_dB, "dB"),
-                (f"{one.name}, phase margin", one.phase_margin_deg, "deg"),
-                (f"{one.name}, least |1 + L|", one.distance, "-"),
-            ]
+            rows += one._rows(f"{one.name}, ")
         return card("Margins by band", rows)
 
 
