@@ -1,0 +1,98 @@
+"""The bound of every law that does not know when a turning wind will stop.
+
+With I(s, T) what the wind between s and T asks for, the wind stopping at T leaves z(T) in the set y S
+of what can be returned from, and so z(s) - I(s, T) in y S as well; z(0) = 0. Hence
+
+    g_S(-I(0, T)) <= y,    I(s, T) in y (S - S)    for all s < T
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.boundary.planes.pair import Pair
+from tvclin.boundary.stops import Stop
+
+FloatArray = NDArray[np.float64]
+
+_TIMES = 160
+_CLOSER, _ROUNDS = 9, 14
+
+
+@dataclass(frozen=True)
+class _Difference(Stop):
+    """All differences of two points of a stop."""
+
+    stop: Stop
+
+    @property
+    def symmetric(self) -> bool:
+        return True
+
+    def support(self, direction: ArrayLike) -> FloatArray:
+        d = np.asarray(direction)
+        return self.stop.support(d) + self.stop.support(-d)
+
+
+def unforeseen(pair: Pair, stop: Stop) -> float:
+    """Return the bound [rad] of the fast modes; a law told the whole wind, but not its stop.
+
+    Parameters
+    ----------
+    pair : Pair
+        With planes that differ, it is counted for what a constant vector returns from, up to two
+        percent too much where the poles differ by half.
+    stop : Stop
+        Its shape.
+    """
+    onset, end = float(pair.wind.onset), float(pair.wind.end)
+    shown = pair.times()
+    every = shown[:: max(1, shown.size // _TIMES)]
+    every = np.union1d(np.append(every, [onset, end]), np.linspace(onset, end, _TIMES // 2))
+    apart = None if stop.symmetric else _Difference(stop).inscribed()
+
+    def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
+        asked = _between(pair, s, T)
+        return stop.gauge(asked) / 2.0 if apart is None else apart.gauge(asked)
+
+    grid = two_sided(every[:, np.newaxis], every)
+    grid[np.tril_indices(every.size)] = 0.0
+    s, T = (every[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
+    step = float(np.diff(every).max())
+    most = max(float(grid.max()), _closer(two_sided, (s, T), step, (onset, end)))
+    first = stop.gauge(_between(pair, np.full(1, onset), every))
+    T = every[int(np.argmax(first))]
+    alone = _closer(
+        lambda _, T: stop.gauge(_between(pair, np.full(1, onset), T)), (T, T), step, (onset, end)
+    )
+    return max(most, float(first.max()), alone)
+
+
+def _between(pair: Pair, s: FloatArray, T: FloatArray) -> NDArray[np.complex128]:
+    """What the wind from s to T asks for [rad]; the two broadcast."""
+    return pair.demanded(s) - pair.decayed(pair.demanded(T), np.maximum(T - s, 0.0))
+
+
+def _closer(
+    height: Callable[[FloatArray, FloatArray], FloatArray],
+    start: tuple[float, float],
+    step: float,
+    ends: tuple[float, float],
+) -> float:
+    """The largest value near a place: by grids about the best one, each half as wide."""
+    s, T = start
+    best = 0.0
+    offsets = np.linspace(-1.0, 1.0, _CLOSER)
+    for _ in range(_ROUNDS):
+        first = np.clip(s + step * offsets, *ends)[:, np.newaxis]
+        last = np.maximum(np.clip(T + step * offsets, *ends), first)
+        values = height(first, last)
+        i, k = np.unravel_index(np.argmax(values), values.shape)
+        if values[i, k] > best:
+            best, s, T = float(values[i, k]), float(first[i, 0]), float(last[i, k])
+        step /= 2.0
+    return best
