@@ -1,8 +1,8 @@
 """What several engines can do together: mean deflections, with some engines centred or stuck.
 
-The thrust turns by the mean of the deflections, weighted with the thrusts. What it can be is the sum
-of the stops of the engines that move (Minkowski), and where roll is held at zero, the part of it in
-which the side forces have no moment about the axis.
+The thrust turns by the mean of the deflections, weighted with the thrusts. What it can be is the
+sum of the stops of the engines that move (Minkowski), and where roll is held at zero, the part of
+it in which the side forces have no moment about the axis.
 """
 
 from __future__ import annotations
@@ -12,13 +12,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.errors import InputError, each, flag, instance, nonzero, number, one_of, positive
+from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
 from tvclin.boundary.stops import CircularStop, FloatArray, Stop, along, lowest, vectors
 
 STATES = ("moving", "centred", "stuck", "out")
 _LOOKED_AT = 720
 _LEAST = 1e-4
-"""A cluster that reaches less than this part of the limit to some side does not hold itself."""
+"""A cluster that reaches less than this part of the limit to some side cannot trim itself."""
+_CENTRAL = 1e-9
+"""An engine nearer to the axis than this part of the farthest has no roll moment."""
 _MOST_ENGINES = 100
 
 
@@ -31,7 +33,7 @@ class Engine:
     at : complex
         Its place about the roll axis [m]: in the pitch plane + 1j in the yaw plane.
     share : float
-        Its thrust; only the ratios of a cluster count.
+        Its thrust, from 1e-6 to 1e9; only the ratios in a cluster count.
     stop : Stop
         What it can do, over the limit.
     state : {"moving", "centred", "stuck", "out"}
@@ -42,7 +44,7 @@ class Engine:
     Raises
     ------
     InputError
-        For numbers that are not finite, a share that is not positive, an unknown state, a
+        For numbers beyond their range, an unknown state, a
         deflection beyond the stop, and one of an engine that is not stuck.
     """
 
@@ -58,7 +60,7 @@ class Engine:
             if array.ndim or abs(array) > 1e9:
                 raise InputError(f"{name} must be one number within 1e9 in size, pitch + 1j*yaw")
             object.__setattr__(self, name, complex(array))
-        object.__setattr__(self, "share", number("share", self.share, positive))
+        object.__setattr__(self, "share", number("share", self.share, between(1e-6, 1e9)))
         instance("stop", self.stop, Stop, "such as CircularStop")
         one_of("state", self.state, STATES)
         if self.deflection and self.state != "stuck":
@@ -122,7 +124,7 @@ class Cluster(Stop):
         worst = -bias / abs(bias) if bias else 1.0
         if self.support(np.append(around, worst)).min() < _LEAST:
             raise InputError(
-                "engines must reach to every side: those that move cannot trim the one that is stuck"
+                "engines must reach to every side; those that move cannot trim the stuck one"
             )
 
     @property
@@ -146,7 +148,7 @@ class Cluster(Stop):
         return np.asarray(free + along(d, bias))
 
     def offset(self, control_arm: float) -> complex:
-        """Return what the mean deflection must be to trim the thrusts, which are not about the axis.
+        """Return the mean deflection that trims thrusts whose sum is not on the axis.
 
         Parameters
         ----------
@@ -176,7 +178,7 @@ class Cluster(Stop):
         """The mean deflection of engines that are stuck, and their roll moment."""
         held = [(one, share) for one, share in self._shares if one.state == "stuck"]
         bias = sum((one.deflection * share for one, share in held), 0j)
-        roll = sum(share * float(along(1j * one.at, one.deflection)) for one, share in held)
+        roll = sum(share * float(along(self._arm(one), one.deflection)) for one, share in held)
         return bias, roll if self.hold_roll else 0.0
 
     def _rolls(self, side: float) -> float:
@@ -185,6 +187,10 @@ class Cluster(Stop):
 
     def _sum(self, d: ArrayLike, rho: FloatArray) -> FloatArray:
         moving = [(one, share) for one, share in self._shares if one.state == "moving"]
-        return np.asarray(
-            sum(share * one.stop.support(d + 1j * rho * one.at) for one, share in moving)
-        )
+        each = [share * one.stop.support(d + rho * self._arm(one)) for one, share in moving]
+        return np.asarray(np.sum(each, axis=0))
+
+    def _arm(self, one: Engine) -> complex:
+        """Return j r of an engine, over the largest r."""
+        largest = max(abs(other.at) for other in self.engines)
+        return 1j * one.at / largest if abs(one.at) > _CENTRAL * largest else 0j

@@ -1,8 +1,8 @@
 """Where a nozzle may be in two planes: the limit times a convex shape about zero.
 
-Vectors are complex, pitch + j yaw, and angles are counted from the pitch plane. The support h(d) is
-the furthest that the shape reaches along d, max Re(conj(d) v); the gauge g(v) is the least factor by
-which the shape must grow to contain v.
+Vectors are complex, pitch + j yaw, and angles are counted from the pitch plane. The support h(d)
+is the furthest that the shape reaches along d, max Re(conj(d) v); the gauge g(v) is the least
+factor by which the shape must grow to contain v.
 """
 
 from __future__ import annotations
@@ -16,7 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import MOST_AXES, InputError, finite, number, positive, shown
+from tvclin.base.errors import (
+    MOST_AXES,
+    InputError,
+    between,
+    finite,
+    number,
+    shown,
+    whole_number,
+    within,
+)
 from tvclin.winds.plane_wind import unit
 
 FloatArray = NDArray[np.float64]
@@ -25,22 +34,27 @@ Vectors = NDArray[np.complex128]
 _GRID, _ROUNDS = 17, 16
 """Points of a grid that is laid into two cells of the one before: after 16 rounds, 4e-15 of it."""
 _MOST_CORNERS = 10_000
+_LARGEST = 1e100
 _ROUNDING = 1e-12
 _SIDES = 360
+_SMALL, _LARGE = 1e-6, 1e6
+"""A shape is counted over the limit; other sizes are another unit."""
 
 
 def vectors(name: str, value: ArrayLike) -> Vectors:
-    """Return `value` as complex numbers; `InputError` unless they are finite."""
+    """Return `value` as complex numbers; `InputError` unless they are within 1e100 in size."""
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "iufc" or array.ndim > MOST_AXES:
             raise TypeError
         array = array.astype(complex)
-        good = bool(np.all(np.abs(array) < np.inf))
+        good = bool(np.all(np.maximum(np.abs(array.real), np.abs(array.imag)) <= _LARGEST))
     except Exception:  # whatever a stranger's conversion to an array may raise
         good = False
     if not good:
-        raise InputError(f"{name} must be finite numbers, pitch + 1j*yaw; got {shown(value)}")
+        raise InputError(
+            f"{name} must be numbers up to {_LARGEST:g} in size, pitch + 1j*yaw; got {shown(value)}"
+        )
     return array
 
 
@@ -97,9 +111,7 @@ class Stop(ABC):
         ends = self.support(u) + self.support(-u)
         low, high = (-ends / self.support(-1j * u), ends / self.support(1j * u))
         column = u[..., np.newaxis]
-        return np.asarray(
-            size / lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high)
-        )
+        return np.asarray(size / lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high))
 
     def reach(self, angle: ArrayLike) -> FloatArray:
         """Return how far a unit limit reaches in directions [rad]: the equivalent limit there."""
@@ -117,7 +129,19 @@ class Stop(ABC):
         """Return a polygon inside, with its corners on the edge: never more than the shape.
 
         It misses 1 - cos(pi/sides) of a circle, and up to pi/sides of a corner.
+
+        Parameters
+        ----------
+        sides : int
+            At least 4.
+
+        Raises
+        ------
+        InputError
+            For less than 4, or more than 10000.
         """
+        if not 4 <= whole_number("sides", sides) <= _MOST_CORNERS:
+            raise InputError(f"sides must be 4 to {_MOST_CORNERS}; got {sides}")
         around = unit(2.0 * np.pi * np.arange(sides) / sides)
         return PolygonStop(around * self.reach(np.angle(around)))
 
@@ -152,13 +176,13 @@ class EllipticStop(Stop):
     Parameters
     ----------
     pitch, yaw : float
-        Half axes, positive.
+        Half axes, from 1e-6 to 1e6.
 
     Raises
     ------
     InputError
-        For half axes that are not positive: a nozzle that turns in one plane alone has no limit
-        in the other.
+        For other half axes: with one of zero, a nozzle that turns in one plane alone, no limit
+        reaches the other.
     """
 
     pitch: float
@@ -166,7 +190,8 @@ class EllipticStop(Stop):
 
     def __post_init__(self) -> None:
         for name in ("pitch", "yaw"):
-            object.__setattr__(self, name, number(name, getattr(self, name), positive))
+            axis = number(name, getattr(self, name), between(_SMALL, _LARGE))
+            object.__setattr__(self, name, axis)
 
     @property
     def symmetric(self) -> bool:
@@ -215,9 +240,9 @@ class PolygonStop(Stop):
                 f"corners must be one row of 3 to {_MOST_CORNERS} numbers, pitch + 1j*yaw; got an"
                 f" array of shape {c.shape}"
             )
-        size = np.abs(c).max()
+        size = within("the largest of corners", np.abs(c).max(), _SMALL, _LARGE)
         c = c if along(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
-        edges = (np.roll(c, -1) - c) / (size if size > 0.0 else 1.0)
+        edges = (np.roll(c, -1) - c) / size
         turns = along(1j * edges, np.roll(edges, -1))
         around = np.angle(np.roll(edges, -1) * np.conj(edges)).sum()
         inside = along(-1j * edges, c) > _ROUNDING * size * np.abs(edges)

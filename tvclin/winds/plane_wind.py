@@ -196,7 +196,9 @@ class PlaneWind:
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
         still = [(0.0 * one).pieces for one in (self.pitch, self.yaw)]
         both = kernel.add(pitch, still[1]), kernel.add(still[0], yaw)
-        c = [np.broadcast_to(p.coefficients, (*self.batch, *p.coefficients.shape[-3:])) for p in both]
+        c = [
+            np.broadcast_to(p.coefficients, (*self.batch, *p.coefficients.shape[-3:])) for p in both
+        ]
         flat = [one.reshape(*self.batch, int(np.prod(one.shape[-3:]))) for one in c]
         return flat[0], flat[1]
 
@@ -221,7 +223,9 @@ def _squared(wind: History) -> Piecewise:
     c, order = p.coefficients, p.degree + 1
     products = np.zeros((*c.shape[:-1], c.shape[-2], 2 * order - 1), dtype=c.dtype)
     for i in range(order):
-        products[..., i : i + order] += c[..., :, np.newaxis, i, np.newaxis] * c[..., np.newaxis, :, :]
+        products[..., i : i + order] += (
+            c[..., :, np.newaxis, i, np.newaxis] * c[..., np.newaxis, :, :]
+        )
     rates = p.rates[..., :, np.newaxis] + p.rates[..., np.newaxis, :]
     terms = c.shape[-2] ** 2
     return Piecewise(

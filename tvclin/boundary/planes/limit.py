@@ -1,8 +1,8 @@
 """The boundary limit of two planes that share one stop.
 
-By eq (4b) in each plane the report's control (trim until the dead band is left, then hold) is on the
-boundary when the deflection held is the vector of discounted means of the trim still to come, W(a).
-The dead band is left when the gauge of the driver is K times the limit:
+By eq (4b) in each plane the report's control (trim until the dead band is left, then hold) is on
+the boundary when the deflection held is the vector of discounted means of the trim still to come,
+W(a). The dead band is left when the gauge of the driver is K times the limit:
 
     g_S(driver(a)) = K g_S(W(a)),        limit = g_S(W(a))
 
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import card
-from tvclin.base.errors import broadcast, one_of, plain, within
+from tvclin.base.errors import broadcast, one_of, within
 from tvclin.boundary.clusters import Cluster
 from tvclin.boundary.limit import (
     BOUNDARY,
@@ -47,8 +47,8 @@ _HALVINGS = 60
 _SLACK = 1e-12
 _FALLEN = 1e-9
 TURNS = (
-    "the wind turns, and what is held must know where to: a law that only keeps the direction of its"
-    " command when it limits it may need more in flight"
+    "the wind turns, and what is held must know where to: a law that only keeps the direction of"
+    " its command when it limits it may need more in flight"
 )
 POLYGON = "the dead band of the cluster is that of a polygon inside its shape, a little too much"
 

@@ -1,14 +1,14 @@
 """The least limit of two planes that know the whole wind, over all their modes, with its proof.
 
-The conditions are moments of the deflection from the onset on, integral p e^(-p t) delta dt = d for each
-pole of each plane, delta anywhere in L S. With multipliers l the vector l(t) = sum l_k p_k e^(-p_k t) (1 or
-j) gives
+The conditions are moments of the deflection from the onset on, integral p e^(-p t) delta dt = d for
+each pole of each plane, delta anywhere in L S. With multipliers l, and axes a_k of 1 in pitch and j
+in yaw, the vector l(t) = sum l_k a_k p_k e^(-p_k t) gives
 
     L = max over l of  l . d / N(l),        N(l) = integral of h_S(l(t)) dt
 
-and the deflection is the point of L S that is furthest along l(t). With one pole, the same in both planes,
-it is the gauge of d. Otherwise it is solved for a deflection that is constant in each of many cells, which
-is feasible, and so from above; N in the quadrature of each cell bounds it from below.
+and the deflection is the point of L S that is furthest along l(t). With one pole, the same in both
+planes, it is the gauge of d. Otherwise it is solved for a deflection that is constant in each of
+many cells, which is feasible, and so from above; N by quadrature bounds it from below.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import single
 from tvclin.boundary.clusters import Cluster
-from tvclin.boundary.optimum.minimum_peak import Certificate
+from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import CircularStop, Stop, Vectors
 from tvclin.linear.plant import Plant
-from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.plane_wind import PlaneWind, unit
 
 FloatArray = NDArray[np.float64]
 
@@ -53,8 +53,8 @@ class PlaneOptimum:
     deflections : ndarray of complex
         What is held [rad], pitch + j yaw, ``(n,)``.
     certificate : Certificate
-        The peak that is reached, the bound [rad] below which no deflection can be, and the violation
-        of the conditions. Its `tail` is zero.
+        The peak that is reached, the bound [rad] below which no deflection can be, and the
+        violation of the conditions. Its `tail` is zero.
     status : str
         "ok", or in words what is different.
     """
@@ -115,6 +115,8 @@ def plane_optimum(
 
 def least_in_planes(pair: Pair, stop: Stop) -> PlaneOptimum:
     """Return `plane_optimum` of arguments that are checked."""
+    if pair.equal and pair.wind.one_direction and isinstance(stop, CircularStop):
+        return _along_a_line(pair)
     moments = _Moments(pair, stop)
     start = np.asarray([float(pair.wind.onset)])
     if pair.equal and moments.poles.size == 2:
@@ -122,6 +124,15 @@ def least_in_planes(pair: Pair, stop: Stop) -> PlaneOptimum:
         peak = float(stop.gauge(held)[0])
         return _answer(pair, start, held, Certificate(peak, peak, 0.0, 0.0, 0.0))
     return _answer(pair, *_solved(moments, float(start[0])))
+
+
+def _along_a_line(pair: Pair) -> PlaneOptimum:
+    """The scalar answer: in a round stop nothing is gained by leaving the line."""
+    direction = pair.wind.direction
+    onset = float(pair.wind.onset)
+    best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)
+    times = np.append(onset, best.switch_times)
+    return _answer(pair, times, best.deflection(times) * unit(direction), best.certificate)
 
 
 def _answer(
@@ -172,7 +183,7 @@ class _Moments:
 
     @cached_property
     def nodes(self) -> tuple[Vectors, FloatArray]:
-        """p e^(-p t) (1 or j) at the nodes of a quadrature, ``(k, m)``, and its weights ``(m,)``.
+        """Functions a p e^(-p t) at the nodes of a quadrature, ``(k, m)``; weights ``(m,)``.
 
         Gauss-Legendre in x = e^(-p t) of the slowest pole, in which the last cell ends too.
         """
@@ -193,7 +204,7 @@ class _Moments:
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
     """Minimise N^2/2 - l . d in cells, mend the conditions, and say what is proved."""
-    from scipy.optimize import minimize  # late: it takes 0.3 s to import
+    from scipy.optimize import minimize, root  # late: they take 0.3 s to import
 
     size = np.abs(moments.demands).max()
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
@@ -206,6 +217,10 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
 
     options = {"gtol": 1e-11, "maxiter": _STEPS}
     best = minimize(height, d, jac=True, method="BFGS", options=options).x
+    # a slow pole may have a multiplier many decades below the others: then slopes say more
+    level = root(lambda multipliers: height(multipliers)[1], best, method="hybr", tol=1e-14)
+    if np.abs(level.fun).max() < np.abs(height(best)[1]).max():
+        best = level.x
     summed = best @ cells
     deflections = float(stop.support(summed).sum()) * stop.farthest(summed)
     for _ in range(2):  # the second time for the rounding of the first
@@ -217,5 +232,6 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     dual = float(best @ d) / moments.norm(best)
     left = np.abs(d - np.real(np.conj(cells) @ deflections))
     residual = float((left / (np.abs(cells).sum(axis=1) * peak + np.abs(d))).max())
-    proof = Certificate(peak * size, dual * size, (peak - dual) / peak, residual, 0.0)
+    gap = (peak - dual) / peak
+    proof = Certificate(peak * size, dual * size, gap, residual, 0.0)
     return onset + moments.edges[:-1], deflections * size, proof

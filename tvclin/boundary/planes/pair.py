@@ -104,7 +104,7 @@ def _both(parts: Any) -> Vectors:
 
 
 def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) -> tuple[int, ...]:
-    """Return the shape of the batch; raise `InputError` for what no limit in two planes is made of."""
+    """Return the shape of the batch; `InputError` for what has no limit in two planes."""
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     if isinstance(wind, History):
         raise InputError(

@@ -1,7 +1,7 @@
 """The bound of every law that does not know when a turning wind will stop.
 
-With I(s, T) what the wind between s and T asks for, the wind stopping at T leaves z(T) in the set y S
-of what can be returned from, and so z(s) - I(s, T) in y S as well; z(0) = 0. Hence
+With I(s, T) what the wind between s and T asks for, a wind that stops at T must leave z(T) in the
+set y S of what can be returned from, so z(s) - I(s, T) is in y S as well; z(0) = 0. Hence
 
     g_S(-I(0, T)) <= y,    I(s, T) in y (S - S)    for all s < T
 """
