@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
-from tvclin.boundary.stops import CircularStop, FloatArray, Stop, along, lowest, vectors
+from tvclin.boundary.stops import (
+    CircularStop,
+    FloatArray,
+    Stop,
+    Vectors,
+    along,
+    lowest,
+    vectors,
+)
 
 STATES = ("moving", "centred", "stuck", "out")
 _LOOKED_AT = 720
@@ -183,9 +191,9 @@ class Cluster(Stop):
 
     def _rolls(self, side: float) -> float:
         """The largest roll moment to one side; zero where it does not count."""
-        return float(self._sum(np.zeros(()), np.asarray(side))) if self.hold_roll else 0.0
+        return float(self._sum(np.zeros((), dtype=complex), np.asarray(side))) if self.hold_roll else 0.0
 
-    def _sum(self, d: ArrayLike, rho: FloatArray) -> FloatArray:
+    def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
         moving = [(one, share) for one, share in self._shares if one.state == "moving"]
         each = [share * one.stop.support(d + rho * self._arm(one)) for one, share in moving]
         return np.asarray(np.sum(each, axis=0))

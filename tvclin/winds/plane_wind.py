@@ -210,8 +210,10 @@ def _turned(
     p = kernel.spread(wind.pieces, shape)
     turns = np.broadcast_to(turns, shape)[..., np.newaxis]
     begun = np.broadcast_to(first - turns[..., 0] * wind.onset, shape)[..., np.newaxis]
-    half = 0.5 * np.exp(1j * (begun + turns * p.knots))[..., np.newaxis, np.newaxis]
-    both = np.concatenate([p.coefficients * half, p.coefficients * np.conj(half)], axis=-2)
+    straight = np.where(turns == 0.0, np.real(unit(begun)), 0.0)
+    half = np.where(turns == 0.0, 0.0, 0.5 * np.exp(1j * (begun + turns * p.knots)))
+    factors = [one[..., np.newaxis, np.newaxis] for one in (half + straight, np.conj(half))]
+    both = np.concatenate([p.coefficients * one for one in factors], axis=-2)
     return Piecewise(
         Pieces(p.knots, both, np.concatenate([p.rates + 1j * turns, p.rates - 1j * turns], axis=-1))
     )
