@@ -8,6 +8,7 @@ it in which the side forces have no moment about the axis.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -155,6 +156,11 @@ class Cluster(Stop):
             )
         return np.asarray(free + along(d, bias))
 
+    @cached_property
+    def inside(self) -> Stop:
+        """The polygon `inscribed`."""
+        return self.inscribed()
+
     def offset(self, control_arm: float) -> complex:
         """Return the mean deflection that trims thrusts whose sum is not on the axis.
 
@@ -191,7 +197,8 @@ class Cluster(Stop):
 
     def _rolls(self, side: float) -> float:
         """The largest roll moment to one side; zero where it does not count."""
-        return float(self._sum(np.zeros((), dtype=complex), np.asarray(side))) if self.hold_roll else 0.0
+        still = np.zeros((), dtype=complex)
+        return float(self._sum(still, np.asarray(side))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
         moving = [(one, share) for one, share in self._shares if one.state == "moving"]

@@ -44,6 +44,7 @@ FloatArray = NDArray[np.float64]
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"
+BEFORE_THE_END = "bound: a turn at the end of the wind may ask for a little more"
 _ROUNDING = 1e-12
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
 """About what a knot of a case takes, in plain Python and as machine code."""
@@ -60,7 +61,8 @@ class ForecastFreeLimit:
     deflection : float or ndarray
         The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     kind : str
-        "exact", or for models with drift "bound of the fast mode": no law needs less.
+        "exact", or for models with drift "bound of the fast mode": no law needs less. With a turn
+        of less than about a right angle it is a bound as well, and says so.
     foresight : float or ndarray
         W(onset) over the peak: what is needed when the whole wind is known.
     worst_stop : float or ndarray
@@ -125,8 +127,9 @@ def forecast_free_limit(
     Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
     the largest z that a stop allows, needs no forecast, and survives exactly above y*. With drift
     it is a bound, of the fast mode alone; the slow mode adds a little. With a turn it is a bound
-    of every law, reached by one that is told, after the turn, how the wind goes on: the page on two
-    planes has the proof.
+    of every law; for cos(turn) <= -R/(2 y) one reaches it that is told, after the turn, how the
+    wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then a
+    little more is needed: the page on two planes has the proof.
 
     Examples
     --------
@@ -186,10 +189,13 @@ def forecast_free_limit(
     beside = np.where(ahead - R * turned > 0.0, ahead - R * turned, np.inf)
     lost = R * np.maximum((R - ahead * turned) / beside, 0.0)
     limit = strength * np.maximum(foresight, np.maximum((ahead + np.minimum(lost, R)) / 2.0, R))
+    kind = EXACT if plant.model == "fixed-path" else BOUND
+    if kind == EXACT and R > 0.0 and np.any(turned > -R / 2.0 / np.maximum(limit, R)):
+        kind = BEFORE_THE_END
     return ForecastFreeLimit(
         plain(limit),
         plain(-limit * np.asarray(plant.coefficients.B) * peak),
-        EXACT if plant.model == "fixed-path" else BOUND,
+        kind,
         plain(strength * foresight),
         plain(np.asarray(when)),
     )

@@ -113,6 +113,11 @@ class Stop(ABC):
         column = u[..., np.newaxis]
         return np.asarray(size / lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high))
 
+    @property
+    def inside(self) -> Stop:
+        """Itself, or where its gauge takes long, a polygon inside it that is almost as large."""
+        return self
+
     def reach(self, angle: ArrayLike) -> FloatArray:
         """Return how far a unit limit reaches in directions [rad]: the equivalent limit there."""
         return 1.0 / self.gauge(unit(finite("angle", angle, "rad")))

@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import card
 from tvclin.base.errors import broadcast, one_of, within
-from tvclin.boundary.clusters import Cluster
 from tvclin.boundary.limit import (
     BOUNDARY,
     JUMP,
@@ -221,17 +220,17 @@ def _found(pair: Pair, stop: Stop, K: float, literal: bool) -> _Found:
     line = _line(pair)
     if line is not None:
         return _straight(pair, *line, stop, K, literal)
-    inside = stop.inscribed() if isinstance(stop, Cluster) and K > 0.0 else stop
-    held, time, status = _left(pair, inside, K, literal)
+    shape = stop if K == 0.0 else stop.inside
+    held, time, status = _left(pair, shape, K, literal)
     notes = [] if status == OK else [status]
     if K > 0.0:
         notes += [] if pair.wind.one_direction else [TURNS]
-        notes += [] if inside is stop else [POLYGON]
-    bound = unforeseen(pair, inside)
+        notes += [] if shape is stop else [POLYGON]
+    bound = unforeseen(pair, stop.inside)
     modes = max(one.size for one in pair.poles)
     needs = {
-        BOUNDARY: float(inside.gauge(held)),
-        MINIMUM: least_in_planes(pair, inside).peak if modes > 1 else 0.0,
+        BOUNDARY: float(shape.gauge(held)),
+        MINIMUM: least_in_planes(pair, stop.inside).peak if modes > 1 else 0.0,
         NO_FORECAST: bound if K == 1.0 else 0.0,
     }
     limit, more = _largest(needs)

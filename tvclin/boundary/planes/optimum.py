@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 
 from tvclin.base.cards import card
 from tvclin.base.errors import single
-from tvclin.boundary.clusters import Cluster
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.boundary.planes.pair import Pair, checked
-from tvclin.boundary.stops import CircularStop, Stop, Vectors
+from tvclin.boundary.stops import CircularStop, PolygonStop, Stop, Vectors
 from tvclin.linear.plant import Plant
 from tvclin.winds.plane_wind import PlaneWind, unit
 
@@ -34,6 +33,7 @@ _CELLS = 1200
 _NODES = 4
 _STEPS = 400
 _WIDEST_GAP = 1e-3
+_FEW_CORNERS = 32
 OK = "ok"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
@@ -110,7 +110,7 @@ def plane_optimum(
     stop = CircularStop() if stop is None else stop
     single("plant, wind", checked(plant, wind, stop, yaw_plant))
     pair = Pair((plant, yaw_plant or plant), wind)
-    return least_in_planes(pair, stop.inscribed() if isinstance(stop, Cluster) else stop)
+    return least_in_planes(pair, stop.inside)
 
 
 def least_in_planes(pair: Pair, stop: Stop) -> PlaneOptimum:
@@ -203,11 +203,13 @@ class _Moments:
 
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
-    """Minimise N^2/2 - l . d in cells, mend the conditions, and say what is proved."""
+    """Minimise N^2/2 - l . d in cells; of few corners, by a linear program."""
     from scipy.optimize import minimize, root  # late: they take 0.3 s to import
 
     size = np.abs(moments.demands).max()
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
+    if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
+        return _mended(moments, onset, *_by_corners(cells, d, stop), size)
 
     def height(multipliers: FloatArray) -> tuple[float, FloatArray]:
         summed = multipliers @ cells
@@ -223,6 +225,37 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
         best = level.x
     summed = best @ cells
     deflections = float(stop.support(summed).sum()) * stop.farthest(summed)
+    return _mended(moments, onset, best, deflections, size)
+
+
+def _by_corners(cells: Vectors, d: FloatArray, stop: PolygonStop) -> tuple[FloatArray, Vectors]:
+    """The multipliers and the deflections of the linear program for a stop of few corners.
+
+    In each cell the deflection is a sum of corners with weights w >= 0, sum w <= L.
+    """
+    from scipy.optimize import linprog  # late: it takes 0.3 s to import
+    from scipy.sparse import coo_array, eye_array, hstack, kron
+
+    count, corners = cells.shape[1], stop.corners
+    moments = np.real(np.conj(cells)[:, :, np.newaxis] * corners).reshape(d.size, -1)
+    sums = kron(eye_array(count), np.ones((1, corners.size)))
+    shared = hstack([sums, coo_array(-np.ones((count, 1)))]).tocsr()
+    found = linprog(
+        np.append(np.zeros(count * corners.size), 1.0),
+        A_ub=shared,
+        b_ub=np.zeros(count),
+        A_eq=np.hstack([moments, np.zeros((d.size, 1))]),
+        b_eq=d,
+        method="highs",
+    )
+    return found.eqlin.marginals, found.x[:-1].reshape(count, -1) @ corners
+
+
+def _mended(
+    moments: _Moments, onset: float, best: FloatArray, deflections: Vectors, size: float
+) -> tuple[FloatArray, Vectors, Certificate]:
+    """Meet the conditions to rounding, and say what is reached and what is proved."""
+    d, cells, stop = moments.demands / size, moments.cells, moments.stop
     for _ in range(2):  # the second time for the rounding of the first
         missing = d - np.real(np.conj(cells) @ deflections)
         basis = moments.axes[:, np.newaxis] * np.exp(-np.outer(moments.poles, moments.edges[:-1]))
