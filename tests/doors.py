@@ -41,7 +41,7 @@ ANSWERS = {
 """What the package alone makes, and what has no door: fields to be read."""
 
 NO_CALLS = {"CRITERIA", "CircularStop", "History", "InputError", "Law", "Stop", "list_vehicles"}
-"""A table, a stop and a function without an argument, three abstract classes, an exception, and a function without an argument."""
+"""A table, a stop and a function without an argument, three abstract classes, and an exception."""
 
 INSIDE = {
     "CampaignResults",

@@ -10,7 +10,7 @@ from scipy.special import hyp2f1
 
 import tvclin as tv
 from tvclin import CircularStop, EllipticStop, InputError, PlaneWind, PolygonStop, SquareStop
-from tvclin.boundary.forecast_free import EXACT
+from tvclin.boundary import forecast_free
 from tvclin.boundary.planes.pair import Pair
 from tvclin.boundary.planes.unforeseen import unforeseen
 from tvclin.winds.speed import angle_from_speed
@@ -87,7 +87,8 @@ def test_a_west_jet_across_a_slanting_flight():
         for part, path in ((np.cos(psi), BOOSTER.attitude), (np.sin(psi), np.pi / 2))
     ]
     assert np.degrees(parts) == pytest.approx([2.6515, 3.7623], abs=5e-5)
-    wind = PlaneWind(*(), **dict(zip(("pitch", "yaw"), (triangle(7.5, 1.0, p) for p in parts))))
+    pitch, yaw = (triangle(7.5, 1.0, part) for part in parts)
+    wind = PlaneWind(pitch=pitch, yaw=yaw)
     assert np.degrees(wind.peak) == pytest.approx(4.60275, abs=5.1e-6)
     stops = CircularStop(), CircularStop().each_plane(), SquareStop()
     published = {
@@ -407,12 +408,12 @@ def test_a_turn_instead_of_a_stop_against_a_convex_program(tau_beta, R, degrees,
     found = free.limit
     if published:
         assert found == pytest.approx(published, abs=5.1e-5)
-    assert (free.kind == EXACT) == (np.cos(phi) <= -R / (2.0 * found))
+    assert (free.kind == forecast_free.EXACT) == (np.cos(phi) <= -R / (2.0 * found))
     turned = R * np.exp(1j * phi), R * np.exp(-1j * phi)
     steps = 128 if tau_beta > 8 else 64
     sought = max(program(PlaneWind.towards(wind, 0.0), turned, steps=steps), R)
     step = BETA * wind.duration / steps
-    if free.kind == EXACT:
+    if free.kind == forecast_free.EXACT:
         assert sought <= found * (1.0 + 1e-7)  # of the program
     elif degrees == 60.0:  # a turn of 60 degrees when the wind ends, and all is used up
         assert sought == pytest.approx(0.4163, abs=2e-4)
@@ -489,6 +490,20 @@ def test_a_pair_in_the_fourth_order_model_is_refused():
 def test_arguments_beyond_their_range_are_refused(changed, message):
     with pytest.raises(InputError, match=message):
         tv.plane_limit(PLANT, veering(4, 90), **changed)
+
+
+def test_planes_of_other_models_are_served_together():
+    """Two conditions in pitch and one in yaw: never less than pitch alone, nor more than both."""
+    wind = veering(12, 60, beta=EXACT.coefficients.beta)
+    flat = tv.Plant.from_vehicle(BOOSTER)
+    best = tv.plane_optimum(EXACT, wind, yaw_plant=flat)
+    alone = (
+        tv.optimum_deflection(EXACT, wind.pitch).peak,
+        tv.optimum_deflection(flat, wind.yaw).peak,
+    )
+    assert abs(best.certificate.gap) < 1e-5
+    assert max(alone) <= best.peak * (1.0 + 1e-9)
+    assert best.certificate.dual <= np.hypot(*alone) * (1.0 + 1e-9)
 
 
 def test_the_optimum_is_of_one_wind():

@@ -146,7 +146,7 @@ class Stop(ABC):
             For less than 4, or more than 10000.
         """
         if not 4 <= whole_number("sides", sides) <= _MOST_CORNERS:
-            raise InputError(f"sides must be 4 to {_MOST_CORNERS}; got {sides}")
+            raise InputError(f"sides must be 4 to {_MOST_CORNERS}; got {shown(sides)}")
         around = unit(2.0 * np.pi * np.arange(sides) / sides)
         return PolygonStop(around * self.reach(np.angle(around)))
 

@@ -118,6 +118,7 @@ class PlaneWind:
             raise InputError("wind must end, and be other than zero")
         if np.any(np.abs(turns) * (wind.end - wind.onset) > 2.0 * np.pi * _TURNS):
             raise InputError(f"rate must turn the wind less than {_TURNS:g} times while it blows")
+        turns = np.where(np.abs(turns) * (wind.end - wind.onset) < _ROUNDING, 0.0, turns)
         if not np.any(turns):
             return cls.towards(wind, first)
         return cls(

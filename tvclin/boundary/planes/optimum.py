@@ -29,7 +29,9 @@ from tvclin.winds.plane_wind import PlaneWind, unit
 
 FloatArray = NDArray[np.float64]
 
-_CELLS = 1200
+_CELLS = 500
+_THINNEST = 1e-8
+"""A cell that is thinner, times the fastest pole, has no moments but rounding."""
 _NODES = 4
 _STEPS = 400
 _WIDEST_GAP = 1e-3
@@ -163,17 +165,16 @@ class _Moments:
     @cached_property
     def demands(self) -> FloatArray:
         onset = np.asarray([float(self.pair.wind.onset)])
-        modes = range(max(one.size for one in self.pair.poles))
-        both = np.array([self.pair.demanded(onset, mode)[0] for mode in modes])
-        pitch, yaw = self.pair.poles
-        return np.concatenate([np.real(both)[: pitch.size], np.imag(both)[: yaw.size]])
+        return np.concatenate([self.pair.of_modes(plane, onset)[:, 0] for plane in (0, 1)])
 
     @cached_property
     def edges(self) -> FloatArray:
         """Times [s] after the onset at which cells begin, ``(n + 1,)``; the last ends never."""
         even = np.arange(_CELLS) / _CELLS
         every = [-np.log1p(-even) / p for p in np.unique(self.poles)]
-        return np.append(np.unique(np.concatenate(every)), np.inf)
+        edges = np.unique(np.concatenate(every))
+        apart = np.append(True, np.diff(edges) > _THINNEST / self.poles.max())
+        return np.append(edges[apart], np.inf)
 
     @cached_property
     def cells(self) -> Vectors:

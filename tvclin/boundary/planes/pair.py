@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,20 +60,20 @@ class Pair:
 
     def held(self, t: FloatArray) -> Vectors:
         """Return what must be held from the times `t` [s] on: discounted means of trim, eq (4b)."""
-        return _both(
-            p[0] * one.future(p[0], t)
-            for p, one in zip(self.poles, (self.trim.pitch, self.trim.yaw), strict=True)
-        )
+        (p, *_), (r, *_) = self.poles
+        return np.asarray(p * self.trim.pitch.future(p, t) + 1j * r * self.trim.yaw.future(r, t))
 
-    def demanded(self, t: FloatArray, mode: int = 0) -> Vectors:
-        """Return what the wind after the times `t` [s] alone asks for at a mode, -B K1 W [rad]."""
-        winds = self.wind.pitch, self.wind.yaw
-        parts = []
-        for plant, poles, wind in zip(self.plants, self.poles, winds, strict=True):
-            p = poles[mode]
-            strength = wind_strength(plant, np.asarray([p]))[0]
-            parts.append(-strength * p * wind.future(p, t))
-        return _both(parts)
+    def demanded(self, t: FloatArray) -> Vectors:
+        """Return what the wind after the times `t` [s] alone asks for at the fast modes [rad]."""
+        pitch, yaw = (self.of_modes(plane, t)[0] for plane in (0, 1))
+        return np.asarray(pitch + 1j * yaw)
+
+    def of_modes(self, plane: int, t: FloatArray) -> FloatArray:
+        """Return the same, -B K1 W, for every mode of one plane, ``(N, n)``."""
+        poles, wind = self.poles[plane], (self.wind.pitch, self.wind.yaw)[plane]
+        strength = -wind_strength(self.plants[plane], poles) * poles
+        means = [wind.future(p, t) for p in poles]
+        return np.asarray([s * mean for s, mean in zip(strength, means, strict=True)])
 
     def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
         """Return vectors times e^(-p time), each part with the fast pole of its plane."""
@@ -96,11 +95,6 @@ class Pair:
             found.append(one.probe_times(int(np.clip(8.0 * swing, min(64, most), most))))
         every = np.unique(np.concatenate(found))
         return every[(every >= self.wind.onset) & (every <= self.wind.end)]
-
-
-def _both(parts: Any) -> Vectors:
-    pitch, yaw = parts
-    return np.asarray(pitch + 1j * yaw)
 
 
 def checked(plant: Plant, wind: PlaneWind, stop: Stop, yaw_plant: Plant | None) -> tuple[int, ...]:
