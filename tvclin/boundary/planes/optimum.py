@@ -207,7 +207,7 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     """Minimise N^2/2 - l . d in cells; of few corners, by a linear program."""
     from scipy.optimize import minimize, root  # late: they take 0.3 s to import
 
-    size = np.abs(moments.demands).max()
+    size = float(np.abs(moments.demands).max())
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
     if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
         return _mended(moments, onset, *_by_corners(cells, d, stop), size)
@@ -216,7 +216,7 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
         summed = multipliers @ cells
         norm = float(stop.support(summed).sum())
         turned = np.real(np.conj(cells) @ stop.farthest(summed))
-        return 0.5 * norm**2 - multipliers @ d, norm * turned - d
+        return float(0.5 * norm**2 - multipliers @ d), norm * turned - d
 
     options = {"gtol": 1e-11, "maxiter": _STEPS}
     best = minimize(height, d, jac=True, method="BFGS", options=options).x
