@@ -126,7 +126,7 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
 
 
 @pytest.mark.parametrize("stop", [CircularStop(), EllipticStop(1.0, 0.5), SquareStop(0.3), KITE])
-@pytest.mark.parametrize("K", [0.3, 0.7, 1.0])
+@pytest.mark.parametrize("K", [0.3, 1.0])
 def test_the_dead_band_is_left_where_quadrature_says(stop, K):
     wind = veering(4.0, 100.0, angle=0.2)
     found = tv.plane_limit(PLANT, wind, stop, dead_band=K)
@@ -372,11 +372,11 @@ def test_the_bound_of_a_sudden_turn():
 def test_the_bound_for_other_stops_among_all_pairs_of_times(stop):
     wind = veering(8, 150)
     found = unforeseen(Pair((PLANT, PLANT), wind), stop)
-    t = np.linspace(0.0, float(wind.end), 301)
+    t = np.linspace(0.0, float(wind.end), 151)
     ahead = -PLANT.coefficients.B * BETA * wind.future(BETA, t)
     asked = ahead[:, np.newaxis] - ahead * np.exp(-BETA * np.maximum(t - t[:, np.newaxis], 0.0))
-    asked = asked[np.triu_indices(301)]
-    around = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 721))[:-1]
+    asked = asked[np.triu_indices(151)]
+    around = np.exp(2j * np.pi * np.arange(360) / 360)
     both = stop.support(around) + stop.support(-around)
     apart = (np.real(np.conj(around) * asked[:, np.newaxis]) / both).max()
     sought = max(apart, stop.gauge(ahead[0] - ahead * np.exp(-BETA * t)).max())

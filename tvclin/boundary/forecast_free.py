@@ -104,7 +104,8 @@ def forecast_free_limit(
         there. One is a full reversal for ever.
     turn : float
         phi [rad], by how much the direction changes then, to either side, in [0, pi]: pi, a
-        reversal in one plane, by default. Where it may be less as well, it is the same bound. The stop is round where it is less. Then, S = sup W,
+        reversal in one plane, by default. Where it may be less as well, it is the same bound. The
+        stop is round unless it is pi. With S = sup W,
         y = max{W(onset), S/2, R, ``|S - R e^(j phi)|^2 / (2 (S - R cos phi))``}, the last for
         cos(phi) < R/S only: turns of less than arccos(R/S) cost nothing. A reversal gives
         (S + R)/2, a turn at right angles (S^2 + R^2)/(2 S).
