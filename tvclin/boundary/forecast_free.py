@@ -144,8 +144,8 @@ def forecast_free_limit(
     ...     print(turn, round(tv.forecast_free_limit(plant, wind, 0.3, turn).limit, 4))
     0.5 0.4145
     1.0 0.4145
-    1.5 0.4591
-    3.0 0.5639
+    1.5 0.4593
+    3.0 0.5638
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("wind", wind, History, "such as TriangularWind")
