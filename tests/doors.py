@@ -35,6 +35,8 @@ ANSWERS = {
     "ModeBand",
     "Modes",
     "Optimum",
+    "PlaneLimit",
+    "PlaneOptimum",
     "RateLimitedOptimum",
     "RequiredDeflection",
     "RigidBand",
@@ -45,8 +47,8 @@ ANSWERS = {
 }
 """What the package alone makes, and what has no door: fields to be read."""
 
-NO_CALLS = {"CRITERIA", "History", "InputError", "Law", "list_vehicles"}
-"""A table, two abstract classes, an exception, and a function without an argument."""
+NO_CALLS = {"CRITERIA", "CircularStop", "History", "InputError", "Law", "Stop", "list_vehicles"}
+"""A table, a stop and a function without an argument, three abstract classes, and an exception."""
 
 INSIDE = {
     "Availability",
@@ -140,6 +142,19 @@ def doors(folder: Path) -> dict[str, Door]:
     line = Line("wind tunnel", 0.001)
     times = [0.0, 5.0, 20.0]
     poles = {"natural_frequency": 1.0, "damping": 0.7}
+    veering = tv.PlaneWind.veering(wind, 0.3, 0.1)
+    square, ellipse = tv.SquareStop(), tv.EllipticStop(1.0, 0.5)
+    kite = tv.PolygonStop([1.0, 1.0j, -1.0, -1.0j])
+    engines = [tv.ClusterEngine(at=at) for at in (1.0, 1.0j, -1.0)]
+    three = tv.Cluster(engines)
+    stops = {
+        "Stop": square,
+        "CircularStop": tv.CircularStop(),
+        "EllipticStop": ellipse,
+        "PolygonStop": kite,
+        "Cluster": three,
+    }
+    planes = {"plant": exact, "wind": veering, "stop": ellipse, "yaw_plant": exact}
     options = {"actuator": actuator, "delay": 0.01, "integral_gain": 0.0, "pade_order": 2}
     hardware = {"rate_limit": 1.0, "actuator": actuator}
     history = {"plant": plant, "wind": wind}
@@ -179,7 +194,38 @@ def doors(folder: Path) -> dict[str, Door]:
     notch = tv.Filter.notch(32.0, 0.06, 0.6)
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
     detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
+    of_stops = {
+        f"{name}.{method}": Door(getattr(stop, method), {argument: [1.0, 0.5 + 1.0j]})
+        for name, stop in stops.items()
+        for method, argument in (
+            ("support", "direction"),
+            ("gauge", "vector"),
+            ("farthest", "direction"),
+        )
+        if name != "Cluster" or method == "support"
+    }
     return {
+        **of_stops,
+        "Stop.reach": Door(three.reach, {"angle": [0.0, 0.5]}),
+        "Stop.inscribed": Door(square.inscribed, {"sides": 8}),
+        "EllipticStop": Door(tv.EllipticStop, {"pitch": 1.0, "yaw": 0.5}),
+        "PolygonStop": Door(tv.PolygonStop, {"corners": kite.corners}),
+        "SquareStop": Door(tv.SquareStop, {"turn": 0.3}),
+        "ClusterEngine": Door(
+            tv.ClusterEngine,
+            {"at": 1.0, "share": 1.0, "stop": ellipse, "state": "stuck", "deflection": 0.1},
+        ),
+        "Cluster": Door(tv.Cluster, {"engines": engines, "hold_roll": True}),
+        "Cluster.offset": Door(three.offset, {"control_arm": 20.0}),
+        "PlaneWind": Door(tv.PlaneWind, {"pitch": wind, "yaw": gust}),
+        "PlaneWind.__call__": Door(veering, {"t": [0.0, 1.0]}),
+        "PlaneWind.component": Door(veering.component, {"angle": 0.3}),
+        "PlaneWind.future": Door(veering.future, {"s": 0.5, "t": 1.0}),
+        "PlaneWind.towards": Door(tv.PlaneWind.towards, {"wind": wind, "angle": 0.3}),
+        "PlaneWind.veering": Door(tv.PlaneWind.veering, {"wind": wind, "angle": 0.3, "rate": 0.1}),
+        "WindProfile.to_winds": Door(west.to_winds, {"flight": climb, "azimuth": 1.0}),
+        "plane_limit": Door(tv.plane_limit, {**planes, "dead_band": 0.5, "switch": "literal"}),
+        "plane_optimum": Door(tv.plane_optimum, planes),
         "Actuator": Door(tv.Actuator, {"natural_frequency": 25.0, "damping": 0.7}),
         "BandMargins.mode": Door(steered.band_margins(flexible).mode, {"name": "slosh 1"}),
         "BendingMode": Door(tv.BendingMode, bending),
@@ -744,7 +790,9 @@ def doors(folder: Path) -> dict[str, Door]:
                 "gust": gust,
             },
         ),
-        "forecast_free_limit": Door(tv.forecast_free_limit, {**history, "reversal": 0.1}),
+        "forecast_free_limit": Door(
+            tv.forecast_free_limit, {**history, "reversal": 0.1, "turn": 1.0}
+        ),
         "is_stable": Door(tv.is_stable, both),
         "is_sufficient": Door(tv.is_sufficient, {**history, "limit": 0.01, "dead_band": 0.5}),
         "judge": Door(tv.judge, both),

@@ -48,6 +48,8 @@ from .answers.trials import law_trials as law_trials
 from .answers.trials import standard_laws as standard_laws
 from .answers.trials import standard_winds as standard_winds
 from .base.errors import InputError as InputError
+from .boundary.clusters import Cluster as Cluster
+from .boundary.clusters import ClusterEngine as ClusterEngine
 from .boundary.forecast_free import ForecastFreeLimit as ForecastFreeLimit
 from .boundary.forecast_free import forecast_free_limit as forecast_free_limit
 from .boundary.limit import BoundaryLimit as BoundaryLimit
@@ -58,6 +60,15 @@ from .boundary.optimum.minimum_peak import optimum_deflection as optimum_deflect
 from .boundary.optimum.rate_limit import RateLimitedOptimum as RateLimitedOptimum
 from .boundary.optimum.rate_limit import optimum_with_rate_limit as optimum_with_rate_limit
 from .boundary.optimum.two_poles import single_pole_validity as single_pole_validity
+from .boundary.planes.limit import PlaneLimit as PlaneLimit
+from .boundary.planes.limit import plane_limit as plane_limit
+from .boundary.planes.optimum import PlaneOptimum as PlaneOptimum
+from .boundary.planes.optimum import plane_optimum as plane_optimum
+from .boundary.stops import CircularStop as CircularStop
+from .boundary.stops import EllipticStop as EllipticStop
+from .boundary.stops import PolygonStop as PolygonStop
+from .boundary.stops import SquareStop as SquareStop
+from .boundary.stops import Stop as Stop
 from .control.autopilot.actuator import Actuator as Actuator
 from .control.autopilot.autopilot import Autopilot as Autopilot
 from .control.autopilot.detuning import Detuned as Detuned
@@ -139,6 +150,7 @@ from .winds.equivalent import equivalent_triangle as equivalent_triangle
 from .winds.gusts import LayeredGust as LayeredGust
 from .winds.gusts import OneMinusCosineGust as OneMinusCosineGust
 from .winds.histories import History as History
+from .winds.plane_wind import PlaneWind as PlaneWind
 from .winds.pulses import AsymmetricTriangularWind as AsymmetricTriangularWind
 from .winds.pulses import RectangularWind as RectangularWind
 from .winds.pulses import TrapezoidalWind as TrapezoidalWind

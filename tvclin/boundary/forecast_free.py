@@ -9,7 +9,9 @@ survive when the wind stops for good at any instant needs
 
     y* = max{ W(onset), sup W / 2 }
 
-and a law that leans into the felt wind as far as it can still return from reaches it.
+and a law that leans into the felt wind as far as it can still return from reaches it. A wind that
+may turn by an angle phi instead, with the discounted impulse R, leaves less to lean on: where W is
+largest, a state must lie within y of zero, of W, and of R e^(j phi) and R e^(-j phi).
 """
 
 from __future__ import annotations
@@ -21,7 +23,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import card
-from tvclin.base.errors import InputError, broadcast, ending, instance, nonnegative, number, plain
+from tvclin.base.errors import (
+    InputError,
+    between,
+    broadcast,
+    ending,
+    instance,
+    nonnegative,
+    number,
+    plain,
+)
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import largest_futures
 from tvclin.kernels.pieces import rows
@@ -33,6 +44,7 @@ FloatArray = NDArray[np.float64]
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"
+BEFORE_THE_END = "bound: a turn at the end of the wind may ask for a little more"
 _ROUNDING = 1e-12
 """What a wind of one sign may be beyond zero, over its peak."""
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
@@ -50,7 +62,8 @@ class ForecastFreeLimit:
     deflection : float or ndarray
         The same as a deflection [rad], -limit B alpha_w,max; its sign opposes the wind.
     kind : str
-        "exact", or for models with drift "bound of the fast mode": no law needs less.
+        "exact", or for models with drift "bound of the fast mode": no law needs less. With a turn
+        of less than about a right angle it is a bound as well, and says so.
     foresight : float or ndarray
         W(onset) over the peak: what is needed when the whole wind is known.
     worst_stop : float or ndarray
@@ -75,7 +88,9 @@ class ForecastFreeLimit:
         return card("Least limit without a forecast", rows)
 
 
-def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> ForecastFreeLimit:
+def forecast_free_limit(
+    plant: Plant, wind: History, reversal: float = 0.0, turn: float = np.pi
+) -> ForecastFreeLimit:
     """Return the least deflection of any law that does not know when the wind will stop.
 
     Parameters
@@ -85,9 +100,16 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     wind : History
         One wind of one sign, which ends, or a batch; batches broadcast.
     reversal : float
-        R, the discounted impulse of a wind of the other sign that may come at any instant instead
-        of a stop, over the peak: ``p * integral of e^(-p r) |alpha_w(r)| dr``, counted from the
-        reversal. Then y = max{W(onset), (sup W + R)/2, R}. One is a full reversal for ever.
+        R, the discounted impulse of a wind of another direction that may come at any instant
+        instead of a stop, over the peak: ``p * integral of e^(-p r) |alpha_w(r)| dr``, counted from
+        there. One is a full reversal for ever.
+    turn : float
+        phi [rad], by how much the direction changes then, to either side, in [0, pi]: pi, a
+        reversal in one plane, by default. Where it may be less as well, it is the same bound. The
+        stop is round unless it is pi. With S = sup W,
+        y = max{W(onset), S/2, R, ``|S - R e^(j phi)|^2 / (2 (S - R cos phi))``}, the last for
+        cos(phi) < R/S only: turns of less than arccos(R/S) cost nothing. A reversal gives
+        (S + R)/2, a turn at right angles (S^2 + R^2)/(2 S).
 
     Returns
     -------
@@ -99,14 +121,17 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     ------
     InputError
         For a wind that changes its sign (y* is not defined for it: give the part of one sign and
-        the reversal), is zero or never ends, and for one plant without a real unstable pole or
-        with a faster pair.
+        the reversal), is zero or never ends, for a turn outside [0, pi], and for one plant without
+        a real unstable pole or with a faster pair.
 
     Notes
     -----
     Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
     the largest z that a stop allows, needs no forecast, and survives exactly above y*. With drift
-    it is a bound, of the fast mode alone; the slow mode adds a little.
+    it is a bound, of the fast mode alone; the slow mode adds a little. With a turn it is a bound
+    of every law; for cos(turn) <= -R/(2 y) one reaches it that is told, after the turn, how the
+    wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then a
+    little more is needed: the page on two planes has the proof.
 
     Examples
     --------
@@ -115,10 +140,18 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
     >>> found = tv.forecast_free_limit(plant, tv.TriangularWind(peak=0.1, duration=40.0))
     >>> round(found.limit, 4), round(found.foresight, 4)
     (0.4653, 0.1)
+    >>> wind = tv.TriangularWind(peak=0.1, duration=16.0)
+    >>> for turn in (0.5, 1.0, 1.5, 3.0):
+    ...     print(turn, round(tv.forecast_free_limit(plant, wind, 0.3, turn).limit, 4))
+    0.5 0.4145
+    1.0 0.4145
+    1.5 0.4593
+    3.0 0.5638
     """
     instance("plant", plant, Plant, RIGID)
     instance("wind", wind, History, "such as TriangularWind")
     R = number("reversal", reversal, nonnegative)
+    turned = np.cos(number("turn", turn, between(0.0, np.pi), "rad"))
     ending("wind", wind.end)
     shape = broadcast(plant=plant.batch, wind=wind.batch)
     poles = unstable_poles(plant)
@@ -154,11 +187,17 @@ def forecast_free_limit(plant: Plant, wind: History, reversal: float = 0.0) -> F
         _COMPILED_SECONDS * knots,
     )
     foresight, ahead, when = np.moveaxis(found.reshape(*shape, 3), -1, 0)
-    limit = strength * np.maximum(foresight, np.maximum((ahead + R) / 2.0, R))
+    # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
+    beside = np.where(ahead - R * turned > 0.0, ahead - R * turned, np.inf)
+    lost = R * np.maximum((R - ahead * turned) / beside, 0.0)
+    limit = strength * np.maximum(foresight, np.maximum((ahead + np.minimum(lost, R)) / 2.0, R))
+    kind = EXACT if plant.model == "fixed-path" else BOUND
+    if kind == EXACT and R > 0.0 and np.any(turned > -R / 2.0 / np.maximum(limit, R)):
+        kind = BEFORE_THE_END
     return ForecastFreeLimit(
         plain(limit),
         plain(-limit * np.asarray(plant.coefficients.B) * peak),
-        EXACT if plant.model == "fixed-path" else BOUND,
+        kind,
         plain(strength * foresight),
         plain(np.asarray(when)),
     )

@@ -33,6 +33,8 @@ _FASTEST = 1e100
 """Laplace variables beyond this [rad/s] would overflow in products."""
 _PROBES = 8192
 """About so many times, over all knots, are looked at for each rate of a curved history."""
+_SAME = 1e-12
+"""Times that are nearer to each other than this part of all count as one."""
 
 
 class History(ABC):
@@ -296,7 +298,11 @@ class History(ABC):
         sign = np.broadcast_to(np.sign(largest), self.batch).ravel()
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
-        near = [np.clip(where + step, 0, last) for step in (-1, 0, 1)]
+        here = np.take_along_axis(times, where, axis=-1)
+        apart = _SAME * (times[..., -1:] - times[..., :1])  # rates that are alike repeat a time
+        before = np.sum(times < here - apart, axis=-1, keepdims=True) - 1
+        after = np.sum(times <= here + apart, axis=-1, keepdims=True)
+        near = [np.maximum(before, 0), where, np.minimum(after, last)]
         bracket = [np.take_along_axis(times, i, axis=-1).ravel() for i in near]
 
         def negative(t: FloatArray, index: NDArray[np.intp]) -> FloatArray:

@@ -18,7 +18,9 @@ from tvclin.base.errors import (
     text,
     within,
 )
-from tvclin.winds.sampled import SampledWind
+from tvclin.winds.histories import Piecewise
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.sampled import SampledWind, straight_lines
 from tvclin.winds.soundings.passage import Flown, angles_along
 
 FloatArray = NDArray[np.float64]
@@ -202,6 +204,34 @@ class WindProfile:
         wind = self.in_plane(azimuth) if plane == "pitch" else self.cross_plane(azimuth)
         time, angle = angles_along(flight, self.height, wind, plane)
         return SampledWind(time=time, angle=angle)
+
+    def to_winds(self, flight: Flown, *, azimuth: float) -> PlaneWind:
+        """Return the wind angles in both planes that a flight through the profile meets.
+
+        Parameters
+        ----------
+        flight : NominalFlight, Climb, or anything like them
+            As of `to_wind`.
+        azimuth : float
+            Direction of flight [rad], from north, clockwise.
+
+        Returns
+        -------
+        PlaneWind
+            In pitch with the sine of the flight path angle, eq (B1e), in yaw without. A wind that
+            blows in one plane alone is zero in the other.
+
+        Raises
+        ------
+        InputError
+            As `to_wind`; of a wind that is zero in both planes.
+        """
+        planes = {"pitch": self.in_plane(azimuth), "yaw": self.cross_plane(azimuth)}
+        met = [angles_along(flight, self.height, wind, plane) for plane, wind in planes.items()]
+        if not any(np.any(angle) for _, angle in met):
+            raise InputError("the wind must blow along the flight; it is zero throughout there")
+        pitch, yaw = (Piecewise(straight_lines(*one)) for one in met)
+        return PlaneWind(pitch=pitch, yaw=yaw)
 
     def to_rocketpy(self) -> dict[str, list[tuple[float, float]]]:
         """Return ``wind_u`` and ``wind_v`` of RocketPy's custom atmosphere: (height m, m/s)."""

@@ -1,0 +1,199 @@
+"""What a nozzle and a cluster can do: closed forms, linear programs, and what is refused."""
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import tvclin as tv
+from tvclin import (
+    CircularStop,
+    Cluster,
+    ClusterEngine,
+    EllipticStop,
+    InputError,
+    PolygonStop,
+    SquareStop,
+)
+
+CROSS = (1.0, 1.0j, -1.0, -1.0j)
+AROUND = np.exp(1j * np.radians(np.arange(0.0, 360.0, 7.5)))
+KITE = PolygonStop([1.0, 0.6j, -0.5, -0.8j])
+STOPS = (CircularStop(), SquareStop(0.3), EllipticStop(2.0, 0.7), KITE)
+ROUNDING = 1e-13
+"""Of the gauge by grids: 4e-15 of the bracket, which is some times the shape."""
+
+
+def unit(degrees):
+    return np.exp(1j * np.radians(degrees))
+
+
+def cluster(dead, places=CROSS, stop=None, hold_roll=True, state="centred", deflection=0.0):
+    stop = stop or CircularStop()
+    held = {"state": state, "deflection": deflection}
+    return Cluster(
+        [
+            ClusterEngine(at=at, stop=stop, **(held if k in dead else {}))
+            for k, at in enumerate(places)
+        ],
+        hold_roll,
+    )
+
+
+@pytest.mark.parametrize("stop", STOPS)
+def test_the_gauge_follows_from_the_support(stop):
+    """g(v) = max d.v/h(d): looked for among many directions, it is approached from below."""
+    fine = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 40001))
+    sought = (np.real(np.conj(fine) * AROUND[:, np.newaxis]) / stop.support(fine)).max(axis=1)
+    found = stop.gauge(AROUND)
+    assert np.all(sought <= found * (1.0 + ROUNDING))
+    # a corner of the polar shape is missed by a slope of at most 8 times half a step
+    assert np.all(sought >= found * (1.0 - 8.0 * np.pi / 40000))
+    assert tv.Stop.gauge(stop, AROUND) == pytest.approx(found, rel=ROUNDING)
+    assert stop.gauge(stop.farthest(AROUND)) == pytest.approx(1.0, rel=ROUNDING)
+    reached = np.real(np.conj(AROUND) * stop.farthest(AROUND))
+    assert reached == pytest.approx(stop.support(AROUND), rel=ROUNDING)
+
+
+def test_gauges_in_closed_form():
+    v = np.array([3.0 + 4.0j, -1.0j, 0.0])
+    assert CircularStop().gauge(v).tolist() == [5.0, 1.0, 0.0]
+    assert SquareStop().gauge(v).tolist() == [4.0, 1.0, 0.0]
+    assert SquareStop(np.pi / 4).gauge(v[:2]) == pytest.approx([7 / 2**0.5, 0.5**0.5], rel=1e-15)
+    assert EllipticStop(3.0, 2.0).gauge(v).tolist() == [np.hypot(1.0, 2.0), 0.5, 0.0]
+    assert SquareStop().reach(np.radians(45)) == pytest.approx(2**0.5, rel=1e-15)
+    assert [stop.symmetric for stop in STOPS] == [True, True, True, False]
+
+
+def test_each_plane_for_itself_leaves_the_square_inside():
+    inside = CircularStop().each_plane()
+    assert inside.gauge(AROUND) == pytest.approx(2**0.5 * SquareStop().gauge(AROUND), rel=1e-14)
+    assert SquareStop().each_plane().gauge(AROUND) == pytest.approx(SquareStop().gauge(AROUND))
+
+
+@pytest.mark.parametrize("stop", [*STOPS, cluster([0], stop=EllipticStop(1.0, 0.5))])
+def test_an_inscribed_polygon_is_never_more_than_the_shape(stop):
+    around = unit(np.arange(0.0, 360.0, 13.3))
+    inside, true = stop.inscribed(90).gauge(around), stop.gauge(around)
+    assert np.all(inside >= true * (1.0 - ROUNDING))
+    assert np.all(inside <= true * (1.0 + 4.0 * np.pi / 90))  # a corner of a stop of 4 to 1
+
+
+def least_limit(places, wanted, stop_corners, dead=(), hold_roll=True):
+    """The primal program: the least L for which deflections in L S have the mean that is wanted."""
+    live = [k for k in range(len(places)) if k not in dead]
+    count = 2 * len(live)
+    cost = np.append(np.zeros(count), 1.0)
+    mean = np.zeros((2, count + 1))
+    roll = np.zeros((1, count + 1))
+    rows = []
+    edges = np.roll(stop_corners, -1) - stop_corners
+    normals = -1j * edges
+    heights = np.real(np.conj(normals) * stop_corners)
+    for i, k in enumerate(live):
+        mean[0, 2 * i] = mean[1, 2 * i + 1] = 1.0 / len(places)
+        roll[0, 2 * i : 2 * i + 2] = -places[k].imag, places[k].real
+        for n, h in zip(normals, heights, strict=True):
+            row = np.zeros(count + 1)
+            row[2 * i : 2 * i + 2], row[-1] = (n.real, n.imag), -h
+            rows.append(row)
+    equal = np.vstack([mean, roll]) if hold_roll else mean
+    right = [wanted.real, wanted.imag, 0.0][: len(equal)]
+    bounds = [(None, None)] * count + [(0, None)]
+    return linprog(cost, np.array(rows), np.zeros(len(rows)), equal, right, bounds).fun
+
+
+PLACES = (1.0 + 0.2j, -0.3 + 1.1j, -1.0 + 0.0j, 0.4 - 0.8j)
+
+
+@pytest.mark.parametrize("dead", [(), (0,), (2, 3)])
+@pytest.mark.parametrize("hold_roll", [True, False])
+def test_a_linear_program_finds_the_same_limit_with_square_stops(dead, hold_roll):
+    stop = SquareStop(0.2)
+    found = cluster(dead, PLACES, stop, hold_roll)
+    for v in unit(np.array([10.0, 100.0, 200.0, 305.0])):
+        expected = least_limit(PLACES, complex(v), stop.corners, dead, hold_roll)
+        assert found.gauge(v) == pytest.approx(expected, rel=1e-8)  # HiGHS: 1e-7 feasible, vertex
+
+
+@pytest.mark.parametrize("dead", [(0,), (1, 2)])
+def test_linear_programs_enclose_the_limit_with_round_stops(dead):
+    sides = 64
+    inside = np.exp(2j * np.pi * np.arange(sides) / sides)
+    for v in unit(np.array([10.0, 77.0, 205.0])):
+        above = least_limit(PLACES, complex(v), inside, dead)
+        found = cluster(dead, PLACES).gauge(v)
+        assert above * np.cos(np.pi / sides) <= found * (1.0 + 1e-9)
+        assert found <= above * (1.0 + 1e-9)
+
+
+def test_clusters_with_engines_that_are_centred():
+    three = cluster([0])
+    found = three.gauge(unit(np.array([0.0, 45.0, 90.0])))
+    assert found[[0, 2]] == pytest.approx([4 / 3, 4 / (1 + 3**0.5)], rel=1e-12)
+    assert found[1] == pytest.approx(1.4047, abs=5e-5)
+    assert cluster([0], hold_roll=False).gauge(AROUND) == pytest.approx(4 / 3, rel=1e-12)
+    two = cluster([0, 1]).gauge(unit(np.array([0.0, 90.0, 45.0])))
+    assert two == pytest.approx([8**0.5, 8**0.5, 2.0], rel=1e-12)
+    square = cluster([0], stop=SquareStop()).gauge(unit(np.array([0.0, 45.0])))
+    assert square == pytest.approx([4 / 3, 4 / 3 * 1.2 / 2**0.5], rel=1e-9)
+    five = (*unit(np.array([45.0, 135.0, 225.0, 315.0])), 0.0)
+    assert cluster([4], five).gauge(AROUND) == pytest.approx(1.25, rel=1e-12)
+    found = cluster([0, 4], five).gauge(unit(np.array([0.0, 135.0])))
+    assert found == pytest.approx([1.7558, 1.8301], abs=5e-5)
+
+
+def test_an_engine_hard_over_the_wrong_way_takes_two():
+    for n in (3, 4, 7):
+        places = np.exp(2j * np.pi * np.arange(n) / n)
+        stuck = cluster([0], places, hold_roll=False, state="stuck", deflection=1.0)
+        assert stuck.gauge(-1.0) == pytest.approx(n / (n - 2), rel=1e-12)
+        assert stuck.gauge(1.0) == pytest.approx(1.0, rel=1e-12)
+        assert not stuck.symmetric
+
+
+def test_a_stuck_engine_s_own_roll_moment_is_balanced_too():
+    """By one engine across the axis from the stuck one: roll and side force in closed form.
+
+    Stuck at 1 towards j with moment 1, the others (-1, j, -j) must give a moment of -1. Towards j
+    the engine at -1 gives -1 for all its deflection, and then those at j and -j are equal.
+    """
+    stuck = cluster([0], state="stuck", deflection=1.0j)
+    assert stuck.gauge(1.0j) == pytest.approx(1.0, rel=1e-12)
+    assert stuck.gauge(-1.0j) > 4 / 2
+    assert stuck.gauge(1.0) == pytest.approx(stuck.gauge(-1.0), rel=1e-12)
+
+
+def test_thrusts_that_are_not_about_the_axis_must_be_trimmed():
+    """Three engines left of four at 2 m: the mean of theirs is off by 2/3 m."""
+    left = Cluster([ClusterEngine(at=at) for at in (2.0j, -2.0, -2.0j)])
+    assert left.offset(23.6) == pytest.approx(-2.0 / 3.0 / 23.6, rel=1e-15)
+    assert cluster([0]).offset(23.6) == pytest.approx(0.0, abs=1e-17)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: EllipticStop(1.0, 0.0), "yaw must be between 1e-06"),
+        (lambda: PolygonStop([1.0, 0.1 + 0.1j, 1.0j, -1.0, -1.0j]), "convex polygon"),
+        (lambda: PolygonStop([2.0, 3.0, 2.0 + 1.0j]), "has zero inside"),
+        (lambda: PolygonStop(unit(np.arange(5) * 144.0)), "once around"),
+        (lambda: PolygonStop([1.0, 1.0j]), "3 to 10000"),
+        (lambda: SquareStop(np.inf), "turn must be finite"),
+        (lambda: CircularStop().gauge("x"), "vector must be numbers"),
+        (lambda: ClusterEngine(at=1.0, deflection=0.5), 'or state "stuck"'),
+        (lambda: ClusterEngine(at=1.0, state="stuck", deflection=1.1), "within the stop"),
+        (lambda: Cluster([ClusterEngine(at=1.0, state="centred")]), "one of them moving"),
+        (lambda: cluster([0], state="out"), "give the vehicle without its thrust"),
+        (
+            lambda: cluster([0], CROSS[::2], hold_roll=False, state="stuck", deflection=1.0),
+            "cannot trim the stuck one",
+        ),
+        (
+            lambda: cluster([0], (1.0, 0.0, 0.0), state="stuck", deflection=1.0j),
+            "balance the roll moment",
+        ),
+    ],
+)
+def test_what_is_no_stop_is_refused_in_one_sentence(call, message):
+    with pytest.raises(InputError, match=message):
+        call()

@@ -1,0 +1,211 @@
+"""What several engines can do together: mean deflections, with some engines centred or stuck.
+
+The thrust turns by the mean of the deflections, weighted with the thrusts. What it can be is the
+sum of the stops of the engines that move (Minkowski), and where roll is held at zero, the part of
+it in which the side forces have no moment about the axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.base.errors import InputError, between, each, flag, instance, nonzero, number, one_of
+from tvclin.boundary.stops import (
+    CircularStop,
+    FloatArray,
+    Stop,
+    Vectors,
+    along,
+    lowest,
+    vectors,
+)
+
+STATES = ("moving", "centred", "stuck", "out")
+_LOOKED_AT = 720
+_LEAST = 1e-4
+"""A cluster that reaches less than this part of the limit to some side cannot trim itself."""
+_CENTRAL = 1e-9
+"""An engine nearer to the axis than this part of the farthest has no roll moment."""
+_MOST_ENGINES = 100
+
+
+@dataclass(frozen=True)
+class ClusterEngine:
+    """One engine of a cluster.
+
+    Parameters
+    ----------
+    at : complex
+        Its place about the roll axis [m]: in the pitch plane + 1j in the yaw plane.
+    share : float
+        Its thrust, from 1e-6 to 1e9; only the ratios in a cluster count.
+    stop : Stop
+        What it can do, over the limit.
+    state : {"moving", "centred", "stuck", "out"}
+        Centred: it stays at zero. Stuck: it stays at `deflection`. Out: see `Cluster`.
+    deflection : complex
+        Where it is stuck, over the limit: 1 is hard over in pitch.
+
+    Raises
+    ------
+    InputError
+        For numbers beyond their range, an unknown state, a
+        deflection beyond the stop, and one of an engine that is not stuck.
+    """
+
+    at: complex
+    share: float = 1.0
+    stop: Stop = field(default_factory=CircularStop)
+    state: str = "moving"
+    deflection: complex = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("at", "deflection"):
+            array = vectors(name, getattr(self, name))
+            if array.ndim or abs(array) > 1e9:
+                raise InputError(f"{name} must be one number within 1e9 in size, pitch + 1j*yaw")
+            object.__setattr__(self, name, complex(array))
+        object.__setattr__(self, "share", number("share", self.share, between(1e-6, 1e9)))
+        instance("stop", self.stop, Stop, "such as CircularStop")
+        one_of("state", self.state, STATES)
+        if self.deflection and self.state != "stuck":
+            raise InputError('deflection must be zero, or state "stuck"')
+        if self.stop.gauge(self.deflection) > 1.0 + 1e-12:
+            raise InputError("deflection must be within the stop; 1 is the limit")
+
+
+@dataclass(frozen=True)
+class Cluster(Stop):
+    """The shape of what a cluster can do; its limit is that of an engine.
+
+    Parameters
+    ----------
+    engines : list or tuple of ClusterEngine
+        All that have thrust.
+    hold_roll : bool
+        Whether the side forces must have no moment about the roll axis; otherwise something else
+        holds the roll.
+
+    Raises
+    ------
+    InputError
+        For no engine that moves, an engine that is out (its thrust is missing in B, beta and the
+        drift as well: give the vehicle without it, and a cluster of the others), and a cluster
+        that cannot trim its own stuck engine.
+
+    Notes
+    -----
+    Without roll h(d) = sum s_j h_j(d), s_j = T_j/T; with roll held the least over rho of
+    sum s_j h_j(d + j rho r_j), r_j the place of engine j. A stuck engine moves the shape.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> places = (1, 1j, -1, -1j)
+    >>> fixed = tv.ClusterEngine(at=1, state="centred")
+    >>> three = tv.Cluster([fixed, *(tv.ClusterEngine(at=at) for at in places[1:])])
+    >>> three.gauge([1, 1j]).round(4)
+    array([1.3333, 1.4641])
+    """
+
+    engines: tuple[ClusterEngine, ...]
+    hold_roll: bool = True
+
+    def __post_init__(self) -> None:
+        given = each("engines", self.engines, ClusterEngine, "each with its place")
+        if len(given) > _MOST_ENGINES or not any(one.state == "moving" for one in given):
+            raise InputError(f"engines must be 1 to {_MOST_ENGINES}, one of them moving at least")
+        if any(one.state == "out" for one in given):
+            raise InputError(
+                "engines must all have thrust: of an engine that is out, give the vehicle without"
+                " its thrust, and a cluster of the others (Cluster.offset is what they must trim)"
+            )
+        object.__setattr__(self, "engines", given)
+        object.__setattr__(self, "hold_roll", flag("hold_roll", self.hold_roll))
+        around = np.exp(2j * np.pi * np.arange(_LOOKED_AT) / _LOOKED_AT)
+        bias, roll = self._stuck
+        if min(self._rolls(1.0) + roll, self._rolls(-1.0) - roll) <= 0.0 and roll:
+            raise InputError("engines must balance the roll moment of the one that is stuck")
+        worst = -bias / abs(bias) if bias else 1.0
+        if self.support(np.append(around, worst)).min() < _LEAST:
+            raise InputError(
+                "engines must reach to every side; those that move cannot trim the stuck one"
+            )
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the shape reaches as far to one side as to the other."""
+        return not any(self._stuck) and all(one.stop.symmetric for one in self._moving)
+
+    def support(self, direction: ArrayLike) -> FloatArray:
+        """Return how far the mean deflection reaches along vectors."""
+        d = vectors("direction", direction)
+        bias, roll = self._stuck
+        free = self._sum(d, np.zeros(d.shape))
+        sides = self._rolls(1.0) + roll, self._rolls(-1.0) - roll
+        if min(sides) > 0.0:
+            # sum s_j h_j(j rho r_j) <= sum s_j h_j(d + j rho r_j) + sum s_j h_j(-d) bounds rho
+            ends = free + self._sum(-d, np.zeros(d.shape))
+            column = d[..., np.newaxis]
+            free = lowest(
+                lambda rho: self._sum(column, rho) + rho * roll, -ends / sides[1], ends / sides[0]
+            )
+        return np.asarray(free + along(d, bias))
+
+    @cached_property
+    def inside(self) -> Stop:
+        """The polygon `inscribed`."""
+        return self.inscribed()
+
+    def offset(self, control_arm: float) -> complex:
+        """Return the mean deflection that trims thrusts whose sum is not on the axis.
+
+        Parameters
+        ----------
+        control_arm : float
+            From the centre of gravity to the engines [m], not zero.
+
+        Returns
+        -------
+        complex
+            sum s_j r_j/l_c [rad], as a vector, for ever. Add its gauge to a limit for the wind:
+            the sum is enough, for the gauge of a sum is at most the sum of the gauges.
+        """
+        arm = number("control_arm", control_arm, nonzero, "m")
+        return complex(sum(one.at * share for one, share in self._shares) / arm)
+
+    @property
+    def _shares(self) -> list[tuple[ClusterEngine, float]]:
+        total = sum(one.share for one in self.engines)
+        return [(one, one.share / total) for one in self.engines]
+
+    @property
+    def _moving(self) -> list[ClusterEngine]:
+        return [one for one in self.engines if one.state == "moving"]
+
+    @property
+    def _stuck(self) -> tuple[complex, float]:
+        """The mean deflection of engines that are stuck, and their roll moment."""
+        held = [(one, share) for one, share in self._shares if one.state == "stuck"]
+        bias = sum((one.deflection * share for one, share in held), 0j)
+        roll = sum(share * float(along(self._arm(one), one.deflection)) for one, share in held)
+        return bias, roll if self.hold_roll else 0.0
+
+    def _rolls(self, side: float) -> float:
+        """The largest roll moment to one side; zero where it does not count."""
+        still = np.zeros((), dtype=complex)
+        return float(self._sum(still, np.asarray(side))) if self.hold_roll else 0.0
+
+    def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
+        moving = [(one, share) for one, share in self._shares if one.state == "moving"]
+        each = [share * one.stop.support(d + rho * self._arm(one)) for one, share in moving]
+        return np.asarray(np.sum(each, axis=0))
+
+    def _arm(self, one: ClusterEngine) -> complex:
+        """Return j r of an engine, over the largest r."""
+        largest = max(abs(other.at) for other in self.engines)
+        return 1j * one.at / largest if abs(one.at) > _CENTRAL * largest else 0j

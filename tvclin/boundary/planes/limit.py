@@ -1,0 +1,318 @@
+"""The boundary limit of two planes that share one stop.
+
+By eq (4b) in each plane the report's control (trim until the dead band is left, then hold) is on
+the boundary when the deflection held is the vector of discounted means of the trim still to come,
+W(a). The dead band is left when the gauge of the driver is K times the limit:
+
+    g_S(driver(a)) = K g_S(W(a)),        limit = g_S(W(a))
+
+For a wind of one direction that is the scalar equation, times the gauge of the direction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import card
+from tvclin.base.errors import broadcast, one_of, within
+from tvclin.boundary.limit import (
+    BOUNDARY,
+    JUMP,
+    LARGER,
+    MINIMUM,
+    NEVER_LEFT,
+    NO_FORECAST,
+    OK,
+    ROUNDING,
+    boundary_alone,
+    open_loop_needs,
+)
+from tvclin.boundary.planes.optimum import least_in_planes
+from tvclin.boundary.planes.pair import Pair, checked
+from tvclin.boundary.planes.unforeseen import unforeseen
+from tvclin.boundary.stops import CircularStop, Stop
+from tvclin.linear.deflections import SWITCHES
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind, unit
+
+FloatArray = NDArray[np.float64]
+
+_HALVINGS = 60
+_SLACK = 1e-12
+_FALLEN = 1e-9
+TURNS = (
+    "the wind turns, and what is held must know where to: a law that only keeps the direction of"
+    " its command when it limits it may need more in flight"
+)
+POLYGON = "the dead band of the cluster is that of a polygon inside its shape, a little too much"
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneLimit:
+    """The limit of two planes in one wind, or of a batch; every number has the shape ``(...)``.
+
+    Attributes
+    ----------
+    limit : float or ndarray
+        The least limit over the trim B alpha_w,max of the largest wind vector, B that of pitch.
+    deflection : float or ndarray
+        The same [rad], positive, in the measure of the stop: the radius of a round one, the half
+        width of a square.
+    direction : float or ndarray
+        Angle [rad] from the pitch plane of the deflection that is held.
+    in_plane, across : float or ndarray
+        Its parts in pitch and in yaw [rad], with their signs.
+    pitch_alone : float or ndarray
+        The limit [rad] that the same question about the wind's pitch part alone gives.
+    underestimate : float or ndarray
+        `pitch_alone` over `deflection`.
+    without_forecast : float or ndarray
+        What no law without a forecast can do without, over the same as `limit`; at K = 1 the
+        limit is never below it.
+    leaving_time : float or ndarray
+        When the dead band is left [s]; NaN where it never is.
+    notes : tuple of str
+        What else there is to say; of a batch, of any case.
+    """
+
+    limit: Any
+    deflection: Any
+    direction: Any
+    in_plane: Any
+    across: Any
+    pitch_alone: Any
+    underestimate: Any
+    without_forecast: Any
+    leaving_time: Any
+    notes: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("limit, of full trim", self.limit, "-"),
+            ("deflection", np.degrees(self.deflection), "deg"),
+            ("pitch alone", np.degrees(self.pitch_alone), "deg"),
+            ("direction from pitch", np.degrees(self.direction), "deg"),
+            ("without a forecast", self.without_forecast, "-"),
+            ("dead band is left at", self.leaving_time, "s"),
+            ("notes", "; ".join(self.notes) or "none", ""),
+        ]
+        return card("Limit in two planes", rows)
+
+
+def plane_limit(
+    plant: Plant,
+    wind: PlaneWind,
+    stop: Stop | None = None,
+    dead_band: ArrayLike = 1.0,
+    switch: str = "report",
+    yaw_plant: Plant | None = None,
+) -> PlaneLimit:
+    """Return the least limit with which pitch and yaw survive a wind with a direction.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant or a batch, whose unstable poles are real.
+    wind : PlaneWind
+        One wind that ends, or a batch; batches broadcast, and are solved case by case.
+    stop : Stop, optional
+        The shape of what the nozzle can do; round by default. `Stop.each_plane` is what is left of
+        it where each plane is limited by itself.
+    dead_band : array_like
+        K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
+    switch : {"report", "literal"}
+        What leaves the dead band, as in `trim_then_hold`.
+    yaw_plant : Plant, optional
+        Of the yaw plane; by default the same as in pitch. With other poles the vector that is held
+        is safe, and at most two percent more than `plane_optimum` up to a ratio of 1.5.
+
+    Returns
+    -------
+    PlaneLimit
+        The largest of the boundary of the control, the minimum over all unstable poles, and for
+        K = 1 the bound without a forecast; the notes say where it is not the first.
+
+    Raises
+    ------
+    InputError
+        For a wind without a direction, one that is zero or never ends, a dead band outside [0, 1],
+        and plants without unstable poles, with a complex pair, two fastest poles that are
+        together, or no aerodynamic moment.
+
+    Notes
+    -----
+    A limit counted in the pitch plane alone asks for 1/sqrt(1 + (tan psi/sin gamma)^2) of this, for
+    a horizontal wind at the angle psi to the flight and a path angle gamma.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> gust = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    >>> found = tv.plane_limit(plant, tv.PlaneWind.towards(gust, np.radians(55)))
+    >>> np.degrees([found.deflection, found.pitch_alone]).round(3)
+    array([0.368, 0.211])
+    """
+    stop = CircularStop() if stop is None else stop
+    one_of("switch", switch, SWITCHES)
+    K = within("dead_band", dead_band, 0.0, 1.0)
+    shape = broadcast(dead_band=K.shape, plants=checked(plant, wind, stop, yaw_plant))
+    if not shape:
+        return _alone(Pair((plant, yaw_plant or plant), wind), stop, float(K), switch)
+    every = np.broadcast_to(K, shape).ravel()
+    found = []
+    for case in range(every.size):
+        first = plant.one(case, shape)
+        plants = first, yaw_plant.one(case, shape) if yaw_plant else first
+        pair = Pair(plants, wind.one(case, shape))
+        found.append(_alone(pair, stop, float(every[case]), switch))
+    names = [one.name for one in fields(PlaneLimit)][:-1]
+    numbers = {n: np.reshape([getattr(one, n) for one in found], shape) for n in names}
+    notes = tuple(dict.fromkeys(note for one in found for note in one.notes))
+    return PlaneLimit(**numbers, notes=notes)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What one wind asks for: the limit and the bound [rad], the vector held, and since when.
+
+    `y` is the limit over B alpha_w,max where that is known to the last digit.
+    """
+
+    limit: float
+    held: complex
+    time: float
+    bound: float
+    notes: tuple[str, ...]
+    y: float | None = None
+
+
+def _alone(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
+    literal = switch == "literal" or pair.plants[0].model == "fixed-path"
+    found = _found(pair, stop, K, literal)
+    pitch_alone = found.limit
+    if np.isfinite(pair.wind.yaw.onset):
+        pitch_alone = 0.0
+        if np.isfinite(pair.wind.pitch.onset):
+            flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
+            pitch_alone = _found(Pair(pair.plants, flat), stop, K, literal).limit
+    scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
+    return PlaneLimit(
+        limit=found.limit / scale if found.y is None else found.y,
+        deflection=found.limit,
+        direction=float(np.angle(found.held)),
+        in_plane=found.held.real,
+        across=found.held.imag,
+        pitch_alone=pitch_alone,
+        underestimate=pitch_alone / found.limit if found.limit > 0.0 else 1.0,
+        without_forecast=found.bound / scale,
+        leaving_time=found.time,
+        notes=found.notes,
+    )
+
+
+def _found(pair: Pair, stop: Stop, K: float, literal: bool) -> _Found:
+    line = _line(pair)
+    if line is not None:
+        return _straight(pair, *line, stop, K, literal)
+    shape = stop if K == 0.0 else stop.inside
+    held, time, status = _left(pair, shape, K, literal)
+    notes = [] if status == OK else [status]
+    if K > 0.0:
+        notes += [] if pair.wind.one_direction else [TURNS]
+        notes += [] if shape is stop else [POLYGON]
+    bound = unforeseen(pair, stop.inside)
+    modes = max(one.size for one in pair.poles)
+    needs = {
+        BOUNDARY: float(shape.gauge(held)),
+        MINIMUM: least_in_planes(pair, stop.inside).peak if modes > 1 else 0.0,
+        NO_FORECAST: bound if K == 1.0 else 0.0,
+    }
+    limit, more = _largest(needs)
+    return _Found(limit, held, time, bound, (*notes, *more))
+
+
+def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:
+    """The largest need, and what to say if it is not that of the control."""
+    governs = max(needs, key=lambda name: needs[name])
+    more = needs[governs] > needs[BOUNDARY] * (1.0 + ROUNDING)
+    return (needs[governs], [LARGER[governs]]) if more else (needs[BOUNDARY], [])
+
+
+def _line(pair: Pair) -> tuple[Plant, History] | None:
+    """The plant and the scalar wind of one direction and one sign; None for all others."""
+    if not pair.wind.one_direction:
+        return None
+    wind, angle = pair.wind, pair.wind.direction
+    alone = [not np.isfinite(one.onset) for one in (wind.yaw, wind.pitch)]
+    if not (pair.equal or any(alone)):
+        return None
+    scalar = wind.component(angle)
+    low, high = scalar.extent
+    if min(-low, high) > _SLACK * max(-low, high):
+        return None
+    return pair.plants[1 if alone[1] and not pair.equal else 0], scalar
+
+
+def _straight(
+    pair: Pair, plant: Plant, wind: History, stop: Stop, K: float, literal: bool
+) -> _Found:
+    """The scalar answers, each along the direction of the wind."""
+    boundary = boundary_alone(plant, wind, K, literal)[0]
+    needs = {name: float(one) for name, one in open_loop_needs(plant, wind, 1.0, boundary).items()}
+    direction = complex(unit(pair.wind.direction))
+    held = boundary.deflection * direction
+    one_way = float(stop.gauge(np.sign(boundary.deflection) * direction))
+    both_ways = max(float(stop.gauge(direction)), float(stop.gauge(-direction)))
+    bound = needs[NO_FORECAST] * both_ways
+    limit, more = _largest(
+        {
+            BOUNDARY: needs[BOUNDARY] * one_way,
+            MINIMUM: needs[MINIMUM] * both_ways,
+            NO_FORECAST: bound if K == 1.0 else 0.0,
+        }
+    )
+    notes = [] if boundary.status == OK else [str(boundary.status)]
+    y = None if more or not pair.equal else boundary.limit * one_way
+    return _Found(limit, held, float(boundary.switch_time), bound, (*notes, *more), y)
+
+
+def _left(pair: Pair, stop: Stop, K: float, literal: bool) -> tuple[complex, float, str]:
+    """The vector held, the time [s] from which on, and what is different.
+
+    Only new heights of the driver's gauge count; of several solutions it is the last.
+    """
+    onset = np.asarray([float(pair.wind.onset)])
+    if K == 0.0:
+        return complex(pair.held(onset)[0]), float(onset[0]), OK
+    times = pair.times()
+
+    def spare(t: FloatArray, floor: float = 0.0) -> FloatArray:
+        driver = stop.gauge(pair.trim(t) if literal else pair.of_moment(t))
+        return np.maximum(driver, floor) - K * stop.gauge(pair.held(t))
+
+    heights = stop.gauge(pair.trim(times) if literal else pair.of_moment(times))
+    records = np.flatnonzero(heights >= np.maximum.accumulate(heights))
+    left = spare(times[records])
+    short = np.flatnonzero(left < -_SLACK * heights.max())
+    if short.size == 0:
+        return complex(pair.held(times[:1])[0]), float(times[0]), OK
+    if short[-1] == records.size - 1:
+        trims = pair.trim(times)
+        return complex(trims[np.argmax(stop.gauge(trims))]), np.nan, NEVER_LEFT
+    first, last = records[short[-1]], records[short[-1] + 1]
+    floor = float(heights[first])
+    between = spare(times[first : last + 1], floor)
+    low = first + np.flatnonzero(between[:-1] < 0.0)[-1]
+    a, b = times[low], times[low + 1]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (a + b)
+        a, b = (middle, b) if spare(np.asarray([middle]), floor)[0] < 0.0 else (a, middle)
+    held, driver = pair.held(np.asarray([b])), spare(np.asarray([b]))[0]
+    fallen = driver < -_FALLEN * floor
+    return complex(held[0]), float(b), JUMP if fallen else OK

@@ -1,0 +1,296 @@
+"""Where a nozzle may be in two planes: the limit times a convex shape about zero.
+
+Vectors are complex, pitch + j yaw, and angles are counted from the pitch plane. The support h(d)
+is the furthest that the shape reaches along d, max Re(conj(d) v); the gauge g(v) is the least
+factor by which the shape must grow to contain v.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import (
+    MOST_AXES,
+    InputError,
+    between,
+    finite,
+    number,
+    shown,
+    whole_number,
+    within,
+)
+from tvclin.winds.plane_wind import unit
+
+FloatArray = NDArray[np.float64]
+Vectors = NDArray[np.complex128]
+
+_GRID, _ROUNDS = 17, 16
+"""Points of a grid that is laid into two cells of the one before: after 16 rounds, 4e-15 of it."""
+_MOST_CORNERS = 10_000
+_LARGEST = 1e100
+_ROUNDING = 1e-12
+_SIDES = 360
+_SMALL, _LARGE = 1e-6, 1e6
+"""A shape is counted over the limit; other sizes are another unit."""
+
+
+def vectors(name: str, value: ArrayLike) -> Vectors:
+    """Return `value` as complex numbers; `InputError` unless they are within 1e100 in size."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "iufc" or array.ndim > MOST_AXES:
+            raise TypeError
+        array = array.astype(complex)
+        good = bool(np.all(np.maximum(np.abs(array.real), np.abs(array.imag)) <= _LARGEST))
+    except Exception:  # whatever a stranger's conversion to an array may raise
+        good = False
+    if not good:
+        raise InputError(
+            f"{name} must be numbers up to {_LARGEST:g} in size, pitch + 1j*yaw; got {shown(value)}"
+        )
+    return array
+
+
+def along(direction: ArrayLike, vector: ArrayLike) -> FloatArray:
+    """Return the scalar product of vectors as complex numbers."""
+    return np.asarray(np.real(np.conj(direction) * vector))
+
+
+def lowest(height: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray) -> Any:
+    """Return the least values of convex functions between `low` and `high` ``(...)``.
+
+    By grids, each between the neighbours of the lowest point of the one before. `height` takes
+    ``(..., k)`` to the same shape.
+    """
+    for _ in range(_ROUNDS):
+        x = low[..., np.newaxis] + (high - low)[..., np.newaxis] * np.linspace(0.0, 1.0, _GRID)
+        found = height(x)
+        best = np.argmin(found, axis=-1)[..., np.newaxis]
+        low, high = (
+            np.take_along_axis(x, np.clip(best + step, 0, _GRID - 1), axis=-1)[..., 0]
+            for step in (-1, 1)
+        )
+    return found.min(axis=-1)
+
+
+class Stop(ABC):
+    """The shape of what a nozzle can do, over its limit."""
+
+    @abstractmethod
+    def support(self, direction: ArrayLike) -> FloatArray:
+        """Return how far the shape reaches along vectors, times their size; in their shape."""
+
+    def farthest(self, direction: ArrayLike) -> Vectors:
+        """Return a point of the shape, or of a polygon inside, that is furthest along vectors."""
+        return self.inscribed().farthest(direction)
+
+    @property
+    @abstractmethod
+    def symmetric(self) -> bool:
+        """Whether the shape reaches as far to one side as to the other."""
+
+    def gauge(self, vector: ArrayLike) -> FloatArray:
+        """Return the least limit that reaches vectors, in their shape and unit.
+
+        Raises
+        ------
+        InputError
+            For what is no finite number, real or complex.
+        """
+        v = vectors("vector", vector)
+        size = np.abs(v)
+        u = np.where(size > 0.0, v / np.where(size > 0.0, size, 1.0), 1.0)
+        # 1/g(u) = min over x of h(u (1 + j x)); h(j u x) <= h(u (1 + j x)) + h(-u) bounds x
+        ends = self.support(u) + self.support(-u)
+        low, high = (-ends / self.support(-1j * u), ends / self.support(1j * u))
+        column = u[..., np.newaxis]
+        return np.asarray(size / lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high))
+
+    @property
+    def inside(self) -> Stop:
+        """Itself, or where its gauge takes long, a polygon inside it that is almost as large."""
+        return self
+
+    def reach(self, angle: ArrayLike) -> FloatArray:
+        """Return how far a unit limit reaches in directions [rad]: the equivalent limit there."""
+        return 1.0 / self.gauge(unit(finite("angle", angle, "rad")))
+
+    def each_plane(self) -> PolygonStop:
+        """Return what is left where each plane is limited by itself: the square inside.
+
+        Of a round stop it is 1/sqrt(2) in each plane, so up to 1.41 times the limit is needed.
+        """
+        corners = np.array([1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j, 1.0 - 1.0j])
+        return PolygonStop(corners / self.gauge(corners).max())
+
+    def inscribed(self, sides: int = _SIDES) -> PolygonStop:
+        """Return a polygon inside, with its corners on the edge: never more than the shape.
+
+        It misses 1 - cos(pi/sides) of a circle, and up to pi/sides of a corner.
+
+        Parameters
+        ----------
+        sides : int
+            At least 4.
+
+        Raises
+        ------
+        InputError
+            For less than 4, or more than 10000.
+        """
+        if not 4 <= whole_number("sides", sides) <= _MOST_CORNERS:
+            raise InputError(f"sides must be 4 to {_MOST_CORNERS}; got {shown(sides)}")
+        around = unit(2.0 * np.pi * np.arange(sides) / sides)
+        return PolygonStop(around * self.reach(np.angle(around)))
+
+
+@dataclass(frozen=True)
+class CircularStop(Stop):
+    """A stop that is the same in all directions: the limit is its radius."""
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the shape reaches as far to one side as to the other."""
+        return True
+
+    def support(self, direction: ArrayLike) -> FloatArray:
+        """Return the size of vectors."""
+        return np.asarray(np.abs(vectors("direction", direction)))
+
+    def gauge(self, vector: ArrayLike) -> FloatArray:
+        """Return the size of vectors."""
+        return np.asarray(np.abs(vectors("vector", vector)))
+
+    def farthest(self, direction: ArrayLike) -> Vectors:
+        """Return the point of the shape that is furthest along vectors."""
+        d = vectors("direction", direction)
+        return np.asarray(d / np.where(d == 0.0, 1.0, np.abs(d)))
+
+
+@dataclass(frozen=True)
+class EllipticStop(Stop):
+    """A stop of two half axes, over the limit.
+
+    Parameters
+    ----------
+    pitch, yaw : float
+        Half axes, from 1e-6 to 1e6.
+
+    Raises
+    ------
+    InputError
+        For other half axes: with one of zero, a nozzle that turns in one plane alone, no limit
+        reaches the other.
+    """
+
+    pitch: float
+    yaw: float
+
+    def __post_init__(self) -> None:
+        for name in ("pitch", "yaw"):
+            axis = number(name, getattr(self, name), between(_SMALL, _LARGE))
+            object.__setattr__(self, name, axis)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the shape reaches as far to one side as to the other."""
+        return True
+
+    def support(self, direction: ArrayLike) -> FloatArray:
+        """Return how far the ellipse reaches along vectors."""
+        d = vectors("direction", direction)
+        return np.asarray(np.hypot(self.pitch * np.real(d), self.yaw * np.imag(d)))
+
+    def gauge(self, vector: ArrayLike) -> FloatArray:
+        """Return the factor by which the ellipse must grow to reach vectors."""
+        v = vectors("vector", vector)
+        return np.asarray(np.hypot(np.real(v) / self.pitch, np.imag(v) / self.yaw))
+
+    def farthest(self, direction: ArrayLike) -> Vectors:
+        """Return the point of the shape that is furthest along vectors."""
+        d = vectors("direction", direction)
+        grown = self.pitch**2 * np.real(d) + 1j * self.yaw**2 * np.imag(d)
+        return np.asarray(grown / np.where(d == 0.0, 1.0, self.support(d)))
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonStop(Stop):
+    """A stop of straight edges.
+
+    Parameters
+    ----------
+    corners : array_like of complex
+        Its corners over the limit, pitch + 1j*yaw, in order around zero, ``(n,)``.
+
+    Raises
+    ------
+    InputError
+        For fewer than three corners, or more than 10000, a polygon that is not convex, and one
+        that does not have zero inside.
+    """
+
+    corners: Vectors
+
+    def __post_init__(self) -> None:
+        c = vectors("corners", self.corners)
+        if c.ndim != 1 or not 3 <= c.size <= _MOST_CORNERS:
+            raise InputError(
+                f"corners must be one row of 3 to {_MOST_CORNERS} numbers, pitch + 1j*yaw; got an"
+                f" array of shape {c.shape}"
+            )
+        size = within("the largest of corners", np.abs(c).max(), _SMALL, _LARGE)
+        c = c if along(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
+        edges = (np.roll(c, -1) - c) / size
+        turns = along(1j * edges, np.roll(edges, -1))
+        around = np.angle(np.roll(edges, -1) * np.conj(edges)).sum()
+        inside = along(-1j * edges, c) > _ROUNDING * size * np.abs(edges)
+        if np.any(turns < -_ROUNDING) or not np.isclose(around, 2.0 * np.pi) or not np.all(inside):
+            raise InputError(
+                "corners must go once around a convex polygon that has zero inside; got"
+                f" {shown(self.corners)}"
+            )
+        object.__setattr__(self, "corners", c)
+
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether the shape reaches as far to one side as to the other."""
+        return bool(np.all(self.gauge(-self.corners) <= 1.0 + _ROUNDING))
+
+    def support(self, direction: ArrayLike) -> FloatArray:
+        """Return how far the polygon reaches along vectors."""
+        d = vectors("direction", direction)[..., np.newaxis]
+        return np.asarray(along(d, self.corners).max(axis=-1))
+
+    def gauge(self, vector: ArrayLike) -> FloatArray:
+        """Return the factor by which the polygon must grow to reach vectors."""
+        v = vectors("vector", vector)[..., np.newaxis]
+        normals = -1j * (np.roll(self.corners, -1) - self.corners)
+        return np.asarray((along(normals, v) / along(normals, self.corners)).max(axis=-1))
+
+    def farthest(self, direction: ArrayLike) -> Vectors:
+        """Return the corner that is furthest along vectors."""
+        d = vectors("direction", direction)[..., np.newaxis]
+        return np.asarray(self.corners[np.argmax(along(d, self.corners), axis=-1)])
+
+
+class SquareStop(PolygonStop):
+    """Two actuators at right angles, each with the limit for itself.
+
+    Parameters
+    ----------
+    turn : float
+        Angle [rad] of the first actuator from the pitch plane; a roll of the body turns it too.
+    """
+
+    def __init__(self, turn: float = 0.0) -> None:
+        angle = number("turn", turn, unit="rad")
+        PolygonStop.__init__(
+            self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit(angle)
+        )
