@@ -74,6 +74,8 @@ class Flights(NamedTuple):
     own, driven : ndarray
         What a step makes of the states of a law and of what it sees, ``(l, s, s)``, ``(l, s, 5)``;
         one for each flight, or one for all.
+    gain : ndarray
+        Factors on what laws ask for, ``(m,)``.
     limit, rate_limit : ndarray
         Of the deflection, ``(m,)``.
     start : ndarray
@@ -123,6 +125,7 @@ class Flights(NamedTuple):
     laws: Any
     own: FloatArray
     driven: FloatArray
+    gain: FloatArray
     limit: FloatArray
     rate_limit: FloatArray
     start: FloatArray
@@ -266,6 +269,7 @@ def judged(f: Flights, i: int) -> None:
 def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
     """Move a flight by a sample."""
     p, limit, measured = f.vehicle[i], f.limit[i], f.measured[i]
+    demand = f.gain[i] * demand
     mode = switched(engage * limit, release * limit, demand, f.mode[i])
     f.mode[i] = mode
     command = mode * limit if mode != 0.0 else min(max(demand, -limit), limit)
