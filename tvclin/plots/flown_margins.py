@@ -38,7 +38,7 @@ _GROWS: Style = {"color": "0.88"}
 def flown_margins(found: Sequence[FlownMargins]) -> ControlPlot:
     """Draw flown margins over the limit: from the boundary to what linear theory says.
 
-    Dotted lines are the changes with which the loop grows near rest.
+    Dotted lines are the changes of gain and delay with which the loop grows near rest.
 
     Parameters
     ----------
@@ -56,7 +56,8 @@ def flown_margins(found: Sequence[FlownMargins]) -> ControlPlot:
     for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
         margins = [getattr(one, name) for one in every]
         unit, panel = ("s", _DELAY) if name == "delay" else ("dB", _FACTORS)
-        for field, suffix, width in (("value", "", 2.0), ("near_rest", _NEAR_REST, 1.0)):
+        kinds = [("value", "", 2.0), ("near_rest", _NEAR_REST, 1.0)]
+        for field, suffix, width in kinds[: 1 if name.startswith("effect") else 2]:
             values = np.array([getattr(one, field) for one in margins])
             shown = values if name == "delay" else 20.0 * np.log10(values)
             label = name.replace("_", " ") + suffix
@@ -106,7 +107,7 @@ def boundary_map(found: BoundaryMap, limit: float | None = None) -> ControlPlot:
     axes, place = new_axes(), (found.gains, found.delays)
     values = np.ma.masked_invalid(found.limit.T)
     lines = axes.contour(*place, values, levels=12, colors=COLOURS[0], linewidths=0.9)
-    axes.clabel(lines, fmt="%.3g", fontsize=8)
+    axes.clabel(lines, fmt="%.3g", fontsize=8, zorder=2)
     handles: list[Line2D | Patch] = [Line2D([], [], label="boundary, of full trim", **_BOUNDARY)]
     if level is not None:
         handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT))

@@ -8,8 +8,7 @@ margin is the smallest change, from none outwards, that fails either way.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -33,12 +32,11 @@ from tvclin.flights.closed_loop.edges import (
     in_all,
     stopped_winds,
 )
-from tvclin.flights.closed_loop.growth import growth_near_rest, step_near_rest
+from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.many import SURVIVED, UNDECIDED, fly_many
 from tvclin.flights.closed_loop.near_rest import (
-    MOST_FACTOR,
     delay_at_growth,
-    factor_at_growth,
+    factors_at_growth,
     with_effectiveness,
 )
 from tvclin.flights.closed_loop.sampled import Batch, one_flight
@@ -51,6 +49,8 @@ RINGS, NOTHING = "rings", "nothing"
 CHANGES = ("gain_fall", "gain_rise", "effectiveness_fall", "effectiveness_rise", "delay")
 _BEYOND = 1.15
 """Changes are flown up to so many times the one with which the loop grows near rest."""
+_MOST_FACTOR = 1e4
+"""And factors up to this."""
 _SLOWEST = 2.0
 """Delay over 1/s of the fastest unstable pole, which no linear loop bears."""
 _HIGHEST, _MOST_LIMIT = 2.0, 1e6
@@ -301,23 +301,9 @@ class _Flights:
 
 def _near_rest(one: Batch, pace: float) -> dict[str, float]:
     """With what change the loop of a flight grows near rest."""
-
-    def gain(factor: float) -> FloatArray:
-        return step_near_rest(replace(one, gain=np.asarray(factor)))
-
-    def effectiveness(factor: float) -> FloatArray:
-        return step_near_rest(replace(one, plant=with_effectiveness(one.plant, factor)))
-
-    steps: dict[str, Callable[[float], FloatArray]] = {
-        "gain": gain,
-        "effectiveness": effectiveness,
-    }
-    found = {
-        f"{name}_{way}": factor_at_growth(step, float(one.length), rise=way == "rise")
-        for name, step in steps.items()
-        for way in ("fall", "rise")
-    }
-    return {**found, "delay": delay_at_growth(one, pace)}
+    names = ("gain", "effectiveness")
+    factors = [edge for name in names for edge in factors_at_growth(one, name, pace)]
+    return dict(zip(CHANGES, (*factors, delay_at_growth(one, pace)), strict=True))
 
 
 def _margin(flights: _Flights, name: str, near_rest: float, pace: float) -> FlownMargin:
@@ -326,7 +312,7 @@ def _margin(flights: _Flights, name: str, near_rest: float, pace: float) -> Flow
         room = LATE / flights.options["sample_rate"] - flights.options["delay"]
         end = min(_BEYOND * min(near_rest, _SLOWEST / pace), room)
     else:
-        end = min(_BEYOND * near_rest, MOST_FACTOR)
+        end = min(_BEYOND * near_rest, _MOST_FACTOR)
     change = partial(_change, name == "delay", end)
     edge: Edge = edge_above_losses(
         lambda back: flights.survive(name, change(back)), np.linspace(0.0, 1.0, STEPS + 1)

@@ -1,11 +1,13 @@
 """How far a sampled loop may change before it grows near rest: from its step, without a flight.
 
-There the loop is linear and its step a matrix, affine in a gain and in the effectiveness of the
-nozzle. With a gain g and n samples of delay it grows from where, for some z on the unit circle,
+There the loop is linear and its step a matrix, M = A_e + g D_e with a gain g, affine also in the
+effectiveness e of the nozzle. n whole samples of delay are the gain g z^-n. A mode begins to grow
+where it comes to the unit circle, at some z = e^(j theta) on which
 
-    1 = g z^-n G(z),        G(z) = trace (z - M_0)^-1 (M_1 - M_0),
+    1 = factor x l(z),    l = trace (z - M_0)^-1 (M_1 - M_0),
 
-M_g being the step without these samples: M_1 - M_0 is of rank one, for it goes through the command.
+M_0 and M_1 being the steps without what the factor multiplies, and with it once: their difference
+acts through the one command, so that l is the only eigenvalue that is not zero.
 """
 
 from __future__ import annotations
@@ -13,59 +15,54 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.flights.closed_loop.growth import step_near_rest, worst_mode
+from tvclin.flights.closed_loop.growth import step_near_rest
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.sampled import Batch
     from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
+Response = Callable[[Any], NDArray[np.complex128]]
 
-MOST_FACTOR = 1e6
-"""Factors are looked at up to this."""
-_FACTORS = 1.03
-"""From one factor to the next; what lies between two that do not grow is not seen."""
-_FREQUENCIES = 1500
-_LOWEST = 1e-3
-"""Of the frequencies of the delay, over the fastest pole of the plant."""
+_FREQUENCIES, _PER_TURN = 1500, 8
+"""Angles that are laid by ratio, and in each turn of the delay."""
+_LOWEST = 1e-4
+"""Of the frequencies, over the fastest pole of the plant."""
+_ZERO = 1e-12
+"""An angle for zero, where an integrator is not yet infinite."""
 _EXACT = 4.0 * np.finfo(float).eps
 
 
-def factor_at_growth(step: Callable[[float], FloatArray], length: float, *, rise: bool) -> float:
-    """Return the least factor above one by which to multiply, or divide, before the loop grows.
+def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, float]:
+    """Return by how much to divide, and to multiply, until the loop grows; infinite for never.
 
     Parameters
     ----------
-    step : callable
-        The step of the loop with a gain, or with an effectiveness.
-    length : float
-        Of a sample [s].
-    rise : bool
-        Whether to multiply.
+    batch : Batch
+        One flight, whose loop does not grow.
+    name : {"gain", "effectiveness"}
+        What is multiplied.
+    pace : float
+        The fastest unstable pole of the plant [1/s].
     """
-    from scipy.optimize import brentq
-
-    one, two = step(1.0), step(2.0)
-
-    def growth(exponent: float) -> float:
-        factor = np.exp(exponent if rise else -exponent)
-        return worst_mode(one + (factor - 1.0) * (two - one), length).real
-
-    exponents = np.arange(0.0, np.log(MOST_FACTOR), np.log(_FACTORS))
-    for before, after in pairwise(exponents.tolist()):
-        if growth(after) > 0.0:
-            begins = before if before > 0.0 else _EXACT
-            return float(np.exp(brentq(growth, begins, after, xtol=_EXACT, rtol=_EXACT)))
-    return float(np.inf)
+    samples = np.floor(float(batch.delay) / float(batch.length) + 1e-9)
+    rest = float(batch.delay) - samples * float(batch.length)
+    loop = _response(replace(batch, delay=np.asarray(max(rest, 0.0))), name, samples)
+    angles = _angles(batch, pace, samples)
+    real = [_ZERO, *_roots(lambda a: loop(a).imag, angles), np.pi]
+    factors = 1.0 / loop(np.array(real)).real
+    fall = factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)
+    rise = factors[factors > 1.0].min(initial=np.inf)
+    return float(1.0 / fall) if fall > _ZERO else np.inf, float(rise)
 
 
 def delay_at_growth(batch: Batch, pace: float) -> float:
-    """Return the least delay [s], beyond that of the loop, with which it grows; all frequencies.
+    """Return the least delay [s], beyond that of the loop, with which it grows.
 
     Parameters
     ----------
@@ -76,25 +73,20 @@ def delay_at_growth(batch: Batch, pace: float) -> float:
 
     Notes
     -----
-    With the fraction f of a sample in G, the whole samples n that bring it to the circle are
-    arg G/theta where |G| = 1. f is the one with which n is whole.
+    With a fraction f of a sample in l, as many whole samples n bring a mode to the circle as arg l
+    = n theta where ``|l| = 1``; f is the one with which n is whole.
     """
     from scipy.optimize import brentq
 
     h, late = float(batch.length), float(batch.delay) / float(batch.length)
-    angles = np.geomspace(_LOWEST * pace * h, np.pi, _FREQUENCIES)
+    angles = _angles(batch, pace, 0.0)
 
     def samples(part: float) -> float:
-        """Whole samples on top of a fraction; they need not be whole yet."""
-        loop = _open(replace(batch, delay=np.asarray(part * h)))
-        sizes = np.log(np.abs(loop(angles)))
-        found = [
-            brentq(lambda a: float(np.log(np.abs(loop(np.array([a]))[0]))), *ends, rtol=_EXACT)
-            for ends in pairwise(angles)
-            if np.prod(np.sign(sizes[np.searchsorted(angles, ends)])) < 0.0
-        ]
-        at, least = np.array(found), late - part
-        turns = np.mod(np.angle(loop(at)) - least * at, 2.0 * np.pi) if found else at
+        """Samples on top of a fraction; they need not be whole yet."""
+        loop = _response(replace(batch, delay=np.asarray(part * h)), "gain", 0.0)
+        at = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
+        least = late - part
+        turns = np.mod(np.angle(loop(at)) - least * at, 2.0 * np.pi)
         return float(np.min(least + turns / at, initial=np.inf))
 
     first = samples(0.0)
@@ -105,19 +97,47 @@ def delay_at_growth(batch: Batch, pace: float) -> float:
     return float((whole + part - late) * h)
 
 
-def _open(batch: Batch) -> Callable[[FloatArray], NDArray[np.complex128]]:
-    """G at angles of z on the unit circle."""
-    rest, moved = (step_near_rest(replace(batch, gain=np.asarray(g))) for g in (0.0, 1.0))
-    by_command, unit = moved - rest, np.eye(len(rest))
-
-    def loop(angles: FloatArray) -> NDArray[np.complex128]:
-        z = np.exp(1j * angles)[:, np.newaxis, np.newaxis]
-        return np.asarray(np.trace(np.linalg.solve(z * unit - rest, by_command), axis1=1, axis2=2))
-
-    return loop
-
-
 def with_effectiveness(plant: Plant, factor: FloatArray | float) -> Plant:
     """Return a plant whose deflection does so many times as much, moment and side force alike."""
     c = plant.coefficients
     return replace(plant, coefficients=c.replace(mu_delta=factor * np.asarray(c.mu_delta)))
+
+
+def _response(batch: Batch, name: str, samples: float) -> Response:
+    """L at angles of z on the unit circle, with so many whole samples of delay more."""
+
+    def step(gain: float, effectiveness: float) -> FloatArray:
+        plant = with_effectiveness(batch.plant, effectiveness)
+        return step_near_rest(replace(batch, gain=np.asarray(gain), plant=plant))
+
+    one, two = ((step(0.0, e), step(1.0, e)) for e in (1.0, 2.0))
+    free, by_command = one[0], one[1] - one[0]  # A_1 and D_1
+    more, unit = (two[0] - one[0], two[1] - one[1] - (two[0] - one[0])), np.eye(len(free))
+
+    def response(angles: Any) -> NDArray[np.complex128]:
+        theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
+        z, late = np.exp(1j * theta), np.exp(-1j * samples * theta)
+        if name == "gain":
+            rest, moved = free, late * by_command
+        else:
+            moved = more[0] + late * more[1]
+            rest = free + late * by_command - moved
+        return np.asarray(np.trace(np.linalg.solve(z * unit - rest, moved), axis1=-2, axis2=-1))
+
+    return response
+
+
+def _angles(batch: Batch, pace: float, samples: float) -> FloatArray:
+    """Angles between which l is smooth, rising."""
+    by_ratio = np.geomspace(_LOWEST * pace * float(batch.length), np.pi, _FREQUENCIES)
+    turns = np.linspace(0.0, np.pi, int(_PER_TURN * samples) // 2 + 2)
+    return np.union1d(by_ratio, turns[1:-1])
+
+
+def _roots(function: Callable[[Any], Any], angles: FloatArray) -> list[float]:
+    """Where a function changes its sign between angles."""
+    from scipy.optimize import brentq
+
+    above = function(angles) > 0.0
+    ends = [pair for k, pair in enumerate(pairwise(angles.tolist())) if above[k] != above[k + 1]]
+    return [brentq(function, *pair, xtol=_EXACT * pair[0], rtol=_EXACT) for pair in ends]
