@@ -261,9 +261,10 @@ def flown_margins(
     winds = stopped_winds(wind, cuts, length)
     flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
     if flights.survive("gain_rise", np.ones(1))[0] != SURVIVED:
+        needs = f"{found.limit:.4g}" if found.limit < np.inf else f"more than {highest:.4g}"
         raise InputError(
-            "limit must be one with which the unchanged flight survives: it needs"
-            f" {found.limit:.4g} of trim, has {part:.4g}"
+            f"limit must be one with which the unchanged flight survives: it needs {needs} of trim,"
+            f" has {part:.4g}"
         )
     edges = _near_rest(one, pace)
     margins = {name: _margin(flights, name, edges[name], pace) for name in CHANGES}
