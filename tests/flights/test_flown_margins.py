@@ -304,7 +304,7 @@ def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
     law = tv.RecoverableAttitudeLaw(PLANT, reach=1.0, gain=6.0)
     wind = tv.SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))
     options = {"limit": 0.8 * TRIM, "sample_rate": 20.0}
-    whole, stopped = (tv.flown_margins(PLANT, law, wind, cuts=n, **options) for n in (0, 3))
+    whole, stopped = (tv.flown_margins(PLANT, law, wind, cuts=n, **options) for n in (0, 1))
     assert stopped.spare < whole.spare
     assert stopped.effectiveness_fall.value < whole.effectiveness_fall.value
     gains = LAWS["attitude and rate"]

@@ -110,19 +110,19 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         plant = with_effectiveness(batch.plant, effectiveness)
         return step_near_rest(replace(batch, gain=np.asarray(gain), plant=plant))
 
-    one, two = ((step(0.0, e), step(1.0, e)) for e in (1.0, 2.0))
-    free, by_command = one[0], one[1] - one[0]  # A_1 and D_1
-    more, unit = (two[0] - one[0], two[1] - one[1] - (two[0] - one[0])), np.eye(len(free))
+    free, moved = step(0.0, 1.0), step(1.0, 1.0)
+    by_command, unit = moved - free, np.eye(len(free))  # D_1; A_1 is free
+    if name == "effectiveness":  # A_2 - A_1 and D_2 - D_1
+        more = step(0.0, 2.0) - free
+        more_by_command = step(1.0, 2.0) - moved - more
 
     def response(angles: Any) -> NDArray[np.complex128]:
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, late = np.exp(1j * theta), np.exp(-1j * samples * theta)
-        if name == "gain":
-            rest, moved = free, late * by_command
-        else:
-            moved = more[0] + late * more[1]
-            rest = free + late * by_command - moved
-        return np.asarray(np.trace(np.linalg.solve(z * unit - rest, moved), axis1=-2, axis2=-1))
+        loop = free + late * by_command
+        part = late * by_command if name == "gain" else more + late * more_by_command
+        found = np.linalg.solve(z * unit - loop + part, part)
+        return np.asarray(np.trace(found, axis1=-2, axis2=-1))
 
     return response
 
