@@ -300,7 +300,10 @@ def test_flown_margins_stand_beside_the_linear_ones():
 
 
 def test_flown_margins_need_a_limit_that_is_enough():
-    for options, said in (([], "--limit-deg"), (["--limit-deg", "0.2"], "needs 0.8927 of trim, has 0.373")):
+    for options, said in (
+        ([], "--limit-deg"),
+        (["--limit-deg", "0.2"], "needs 0.8927 of trim, has 0.373"),
+    ):
         result = run("margins", "--flown", "--natural-frequency", "1", *options)
         assert result.exit_code == 2
         assert said in result.output

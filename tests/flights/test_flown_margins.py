@@ -290,12 +290,12 @@ def test_margins_can_be_read_from_the_map():
     chart = tv.boundary_map(
         PLANT, law, WIND, gains, [0.0, found.delay.value], sample_rate=50.0, actuator=SERVO
     )
-    known = 2.0 * 1.98 / 60.0 * STEP + 1e-4
+    known = 2.0 * 1.98 / 60.0 * STEP  # of both: by gain and delay the boundary moves slowly
     assert chart.full_trim == pytest.approx(TRIM)
     assert chart.limit[gains.index(at["fall"]), 0] == pytest.approx(found.limit, abs=known)
     effect = chart.limit[gains.index(at["effect"]), 0]
     assert effect / at["effect"] == pytest.approx(found.limit, abs=known)
-    assert chart.limit[2, 1] == pytest.approx(found.limit, abs=2e-3)
+    assert chart.limit[2, 1] == pytest.approx(found.limit, abs=known)
     assert chart.limit[2, 0] == found.boundary
     assert np.all(chart.growth < 0.0)
 
@@ -304,7 +304,7 @@ def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
     law = tv.RecoverableAttitudeLaw(PLANT, reach=1.0, gain=6.0)
     wind = tv.SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))
     options = {"limit": 0.8 * TRIM, "sample_rate": 20.0}
-    whole, stopped = (tv.flown_margins(PLANT, law, wind, cuts=n, **options) for n in (0, 1))
+    whole, stopped = (tv.flown_margins(PLANT, law, wind, cuts=n, **options) for n in (0, 3))
     assert stopped.spare < whole.spare
     assert stopped.effectiveness_fall.value < whole.effectiveness_fall.value
     gains = LAWS["attitude and rate"]
