@@ -83,9 +83,9 @@ from .flights.closed_loop.boundary import ClosedLoopBoundary as ClosedLoopBounda
 from .flights.closed_loop.boundary import closed_loop_boundary as closed_loop_boundary
 from .flights.closed_loop.boundary_map import BoundaryMap as BoundaryMap
 from .flights.closed_loop.boundary_map import boundary_map as boundary_map
-from .flights.closed_loop.flown_margins import FlownMargin as FlownMargin
-from .flights.closed_loop.flown_margins import FlownMargins as FlownMargins
 from .flights.closed_loop.flown_margins import flown_margins as flown_margins
+from .flights.closed_loop.flown_record import FlownMargin as FlownMargin
+from .flights.closed_loop.flown_record import FlownMargins as FlownMargins
 from .flights.closed_loop.fly import fly as fly
 from .flights.closed_loop.many import FlownCases as FlownCases
 from .flights.closed_loop.many import fly_many as fly_many

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import expm
 
 import tvclin as tv
-from tvclin.flights.closed_loop.flown_margins import CHANGES, NearRest
+from tvclin.flights.closed_loop.flown_record import CHANGES, NearRest
 from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,

@@ -9,7 +9,7 @@ from tvclin.cli.inputs import peak_angle
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.flights.closed_loop.flown_margins import FlownMargin, FlownMargins
+    from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.vehicle import Vehicle as VehicleData
 
@@ -70,7 +70,7 @@ class FlownCase:
 def print_flown(found: "FlownMargins", title: str) -> None:
     """Print flown margins as a table, with what is to be known about them."""
     from tvclin.cli.output import print_table
-    from tvclin.flights.closed_loop.flown_margins import CHANGES
+    from tvclin.flights.closed_loop.flown_record import CHANGES
 
     rows = [_row(name, getattr(found, name)) for name in CHANGES]
     print_table(title, ["may change", "by", "then it", "near rest"], rows)
@@ -94,7 +94,7 @@ def _row(name: str, one: "FlownMargin") -> list[str]:
 
 def flown_document(found: "FlownMargins") -> dict[str, Any]:
     """Return flown margins for JSON; what does not exist becomes null."""
-    from tvclin.flights.closed_loop.flown_margins import CHANGES
+    from tvclin.flights.closed_loop.flown_record import CHANGES
 
     fields = ("value", "cause", "again", "lost", "near_rest")
     return {

@@ -9,7 +9,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError, each, instance, number, positive
 from tvclin.flights.closed_loop.boundary_map import BoundaryMap
-from tvclin.flights.closed_loop.flown_margins import CHANGES, FlownMargins
+from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargins
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import (
     COLOURS,

@@ -19,16 +19,8 @@ def growth_near_rest(batch: Batch) -> float:
     The spectral radius of its step near rest says how fast the worst mode grows (positive) or
     decays.
     """
-    return float(np.real(worst_mode(step_near_rest(batch), float(batch.length))))
-
-
-def worst_mode(step: FloatArray, length: float) -> complex:
-    """Return s [1/s] of the fastest growing mode e^(s t) of steps of a length [s]."""
-    found = np.linalg.eigvals(step)
-    worst = found[np.abs(found).argmax()]
-    return complex(
-        np.log(max(abs(worst), np.finfo(float).tiny)) / length, abs(np.angle(worst)) / length
-    )
+    radius = np.abs(np.linalg.eigvals(step_near_rest(batch))).max()
+    return float(np.log(max(radius, np.finfo(float).tiny)) / float(batch.length))
 
 
 def step_near_rest(batch: Batch) -> FloatArray:
