@@ -101,9 +101,9 @@ def boundary_map(
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
     >>> law = tv.SaturatedLaw(tv.canonical_gains(plant.coefficients))
     >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)
-    >>> found = tv.boundary_map(plant, law, wind, [0.7, 1.0, 2.0], [0.0, 0.3], sample_rate=25)
+    >>> found = tv.boundary_map(plant, law, wind, [1.0, 2.0, 4.0], [0.0, 0.3], sample_rate=25)
     >>> found.limit.round(2).tolist()
-    [[1.34, 1.43], [0.98, 1.06], [0.8, 0.85]]
+    [[1.39, 1.58], [0.99, 1.05], [0.82, 0.83]]
     """
     factors = positive("gains", one_row("gains", gains))
     late = nonnegative("delays", one_row("delays", delays, "s"), "s")

@@ -115,16 +115,16 @@ def flown_margins(
 
     Examples
     --------
-    >>> import numpy as np, tvclin as tv
+    >>> import tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=0.228, mu_delta=1.317))
     >>> law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=1.88, rate_gain=1.59))
     >>> wind = tv.TriangularWind(peak=0.05, duration=8.0)
     >>> limit = 0.0083  # of 0.0087 for full trim
     >>> m = tv.flown_margins(plant, law, wind, limit=limit, actuator=tv.Actuator())
     >>> round(m.spare, 2), round(m.effectiveness_fall.value, 2), m.effectiveness_fall.cause
-    (1.21, 1.18, 'lost')
+    (1.23, 1.19, 'lost')
     >>> round(m.gain_fall.dB, 1), round(m.gain_fall.near_rest, 2)
-    (7.0, 10.86)
+    (7.3, 10.86)
     """
     check_flight(plant, law, wind)
     level = number("limit", limit, positive, "rad")
