@@ -105,6 +105,11 @@ from .flights.beside import FlightBeside as FlightBeside
 from .flights.beside import fly_beside as fly_beside
 from .flights.closed_loop.boundary import ClosedLoopBoundary as ClosedLoopBoundary
 from .flights.closed_loop.boundary import closed_loop_boundary as closed_loop_boundary
+from .flights.closed_loop.boundary_map import BoundaryMap as BoundaryMap
+from .flights.closed_loop.boundary_map import boundary_map as boundary_map
+from .flights.closed_loop.flown_margins import flown_margins as flown_margins
+from .flights.closed_loop.flown_record import FlownMargin as FlownMargin
+from .flights.closed_loop.flown_record import FlownMargins as FlownMargins
 from .flights.closed_loop.fly import fly as fly
 from .flights.closed_loop.many import FlownCases as FlownCases
 from .flights.closed_loop.many import fly_many as fly_many

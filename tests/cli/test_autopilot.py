@@ -267,3 +267,44 @@ def test_bad_input_is_one_sentence(arguments, message):
     assert result.exit_code == 2
     assert message in result.stderr
     assert "Traceback" not in result.stderr
+
+
+def test_flown_margins_stand_beside_the_linear_ones():
+    asked = ("margins", "--natural-frequency", "1", "--model", "fixed-path", "--delay-ms", "5")
+    flown = (*asked, "--flown", "--limit-deg", "0.6", "--duration", "6", "--sample-rate", "60")
+    document, plant = json.loads(run(*flown, "--json").output), booster("fixed-path")
+    law = tv.SaturatedLaw(tv.design_gains(plant.coefficients, natural_frequency=1.0, damping=0.7))
+    expected = tv.flown_margins(
+        plant,
+        law,
+        tv.TriangularWind(peak=np.radians(5.0), duration=6.0),
+        limit=np.radians(0.6),
+        actuator=tv.Actuator(),
+        sample_rate=60.0,
+        delay=0.005,
+    )
+    for name in ("gain_fall", "effectiveness_fall", "delay"):
+        one = getattr(expected, name)
+        found = document["flown"][name]
+        assert found["value"] == pytest.approx(one.value, rel=1e-9)
+        assert (found["cause"], found["again"]) == (one.cause, one.again)
+    assert document["flown"]["spare"] == pytest.approx(expected.spare, rel=1e-12)
+    assert document["margins"] == json.loads(run(*asked, "--json").output)["margins"]
+    shown = run(*flown).output
+    assert "In this triangular wind of 6 s, with a stop at 0.6 deg, 60 Hz" in shown
+    assert re.search(rf"gain fall\W+{expected.gain_fall.dB:.2f} dB", shown)
+
+
+def test_flown_margins_need_a_limit_that_is_enough():
+    for options, said in (
+        ([], "--limit-deg"),
+        (["--limit-deg", "0.2"], "needs 0.8927 of trim, has 0.373"),
+    ):
+        result = run("margins", "--flown", "--natural-frequency", "1", *options)
+        assert result.exit_code == 2
+        assert said in result.output
+    unstable = run(
+        "margins", "--flown", "--limit-deg", "0.6", "--attitude-gain", "0.05", "--rate-gain", "0.5"
+    )
+    assert unstable.exit_code == 1
+    assert "NO MARGINS" in unstable.output

@@ -106,7 +106,7 @@ def _print(
     title: str, found: list["LawTrial"], limits: dict[str, float | None], names: list[str]
 ) -> None:
     from tvclin.cli.output import print_table
-    from tvclin.flights.closed_loop.boundary import ABOVE, PARTS, STEPS
+    from tvclin.flights.closed_loop.edges import ABOVE, PARTS, STEPS
 
     headings = ["wind", *names, "any law"]
     table = {(one.wind, one.law): one for one in found}
@@ -160,6 +160,6 @@ def _limit(one: "LawTrial") -> str:
 
 def _doubtful(one: "LawTrial") -> bool:
     """Whether there is more to be said of a boundary than the table shows."""
-    from tvclin.flights.closed_loop.boundary import ALWAYS, NEVER, OK
+    from tvclin.flights.closed_loop.edges import ALWAYS, NEVER, OK
 
     return one.status not in (OK, NEVER, ALWAYS)

@@ -6,8 +6,26 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.flown import (
+    Flown,
+    FlownCase,
+    FlownLimitDeg,
+    SampleRate,
+    flown_document,
+    print_flown,
+)
 from tvclin.cli.gains import GainOptions, gains_document, takes_gains
-from tvclin.cli.options import MODELS_HELP, AsJson, Plane, Plot, Vehicle
+from tvclin.cli.options import (
+    MODELS_HELP,
+    AsJson,
+    Duration,
+    PeakDeg,
+    PeakSpeed,
+    Plane,
+    Plot,
+    Vehicle,
+    Wind,
+)
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -43,12 +61,21 @@ def margins(
     chart: Annotated[
         str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
     ] = "nichols",
+    flown: Flown = False,
+    limit_deg: FlownLimitDeg = None,
+    wind: Wind = "triangular",
+    duration: Duration = 7.5,
+    peak_deg: PeakDeg = None,
+    peak_speed: PeakSpeed = None,
+    sample_rate: SampleRate = 100.0,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
+    With --flown also how much may change before a flight through the wind, with a deflection
+    limit, is lost; the criteria judge the linear margins alone.
     """
     from tvclin.base.errors import one_of
     from tvclin.cli.output import print_json
@@ -61,13 +88,18 @@ def margins(
     plant = Plant.from_vehicle(loaded, model, plane)
     autopilot = gains.autopilot(plant)
     found = autopilot.margins(plant)
+    case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
+    in_wind = case.margins(loaded, plane, plant, autopilot) if flown and found.stable else None
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
         head = {"vehicle": loaded.name, "model": model, "plane": plane}
-        print_json({**head, **margins_document(autopilot, plant, found, asked)})
+        beside = {} if in_wind is None else {"flown": flown_document(in_wind)}
+        print_json({**head, **margins_document(autopilot, plant, found, asked), **beside})
     else:
         _print(f"{loaded.name or vehicle}, {model}, {plane}", autopilot, plant, found, asked)
+        if in_wind is not None:
+            print_flown(in_wind, case.title)
     if not asked.are_met(found):
         raise typer.Exit(1)
 

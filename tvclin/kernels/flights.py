@@ -80,6 +80,8 @@ class Flights(NamedTuple):
     seen, told : ndarray
         With filters, what a law sees and what the limit is told, likewise ``(l, 5, s + 6)`` and
         ``(l, s + 6)``; of no length without filters.
+    gain : ndarray
+        Factors on what laws ask for, ``(m,)``.
     limit, rate_limit : ndarray
         Of the deflection, ``(m,)``.
     start : ndarray
@@ -133,6 +135,7 @@ class Flights(NamedTuple):
     memory: FloatArray
     seen: FloatArray
     told: FloatArray
+    gain: FloatArray
     limit: FloatArray
     rate_limit: FloatArray
     start: FloatArray
@@ -305,6 +308,7 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     within that step: its first part (1) still has the command before, its second (0) this one.
     """
     p, limit, sensed = f.vehicle[i], f.limit[i], f.sensed[i]
+    demand = f.gain[i] * demand
     sensed[MEASURED] = demand
     if f.told.shape[0]:
         demand = filtered(f, i, f.told[i if f.told.shape[0] > 1 else 0])

@@ -16,6 +16,8 @@ from .flights import flight_chart as flight_chart
 from .flights import flight_curves as flight_curves
 from .flown_boundaries import figure_10 as figure_10
 from .flown_boundaries import figure_11 as figure_11
+from .flown_margins import boundary_map as boundary_map
+from .flown_margins import flown_margins as flown_margins
 from .laws import laws_chart as laws_chart
 from .nyquist import nyquist_chart as nyquist_chart
 from .poles import pole_map as pole_map

@@ -1,11 +1,9 @@
 """The least deflection limit with which a law survives a wind, decided without a horizon.
 
 Survival need not grow with the limit (a law that leans further may be further out when the wind
-turns), so limits are scanned, and the edge is that above the highest limit that does not survive.
-The steps above an edge are looked at again, in finer steps, and the edge moves up until they are
-clean; then the finer steps likewise. Only a window of losses that is narrower than the steps where
-it lies is missed. To survive is to be brought back from the wind (see `fly_many`); a
-slow mode which the law then lets creep away is told apart from it.
+turns), so limits are scanned, and the edge is that above the highest limit that does not survive
+(see `edges`). To survive is to be brought back from the wind (see `fly_many`); a slow mode which
+the law then lets creep away is told apart from it.
 """
 
 from __future__ import annotations
@@ -27,8 +25,6 @@ from tvclin.base.errors import (
     nonnegative,
     number,
     positive,
-    shown,
-    whole_number,
 )
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.autopilot.actuated import check_engine
@@ -42,29 +38,24 @@ from tvclin.flights.closed_loop.checks import (
     check_sample_rate,
     check_samples,
 )
+from tvclin.flights.closed_loop.edges import (
+    LEVELS,
+    OK,
+    STEPS,
+    edge_above_losses,
+    in_all,
+    stopped_winds,
+)
 from tvclin.flights.closed_loop.growth import growth_near_rest
-from tvclin.flights.closed_loop.law_batch import law_batch
-from tvclin.flights.closed_loop.many import SURVIVED, UNDECIDED, fly_many
-from tvclin.flights.closed_loop.sampled import Batch
+from tvclin.flights.closed_loop.many import SURVIVED, fly_many
+from tvclin.flights.closed_loop.sampled import one_flight
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
-OK = "ok"
-NEVER = "no limit in the range survives"
-ALWAYS = "every limit in the range survives"
-OPEN = "undecided: the highest limit that does not survive is not lost either"
-STEPS = 60
-"""Of the scan."""
-ABOVE, PARTS, LEVELS = 4, 16, 3
-"""So many steps above an edge are looked at again, each in so many parts, and that so often."""
 _LIMITS = (1e-6, 1e6)
 """Limits that may be tried, over the largest trim deflection."""
-_MOST_CUTS = 1000
-"""Times at which a wind may be cut off; each is a wind of its own to be flown."""
-_SAMPLES = 5_000_000
-"""Of all winds that are flown together: some hundred megabytes."""
 _CREEPS = 1e-5
 """A mode that grows more slowly, over the fastest pole of the plant, is held within rounding."""
 
@@ -134,6 +125,7 @@ def closed_loop_boundary(
     actuator: Actuator | None = None,
     sample_rate: float = 200.0,
     delay: float = 0.0,
+    gain: float = 1.0,
     cuts: int = 0,
     lowest: float = 0.02,
     highest: float = 2.0,
@@ -157,6 +149,8 @@ def closed_loop_boundary(
         Samples of the law in a second [Hz].
     delay : float
         Computing delay [s], as of `fly`.
+    gain : float
+        Factor on what the law asks for, as of `fly_many`.
     cuts : int
         So many sudden stops are tried as well, at even instants of the wind: a limit survives if
         it survives them all.
@@ -197,9 +191,7 @@ def closed_loop_boundary(
     length = 1.0 / check_sample_rate(sample_rate, actuator)
     most_rate = check_rate_limit(rate_limit)
     check_samples(1.0 / float(modes.poles[0]), length)
-    stops = whole_number("cuts", cuts)
-    if stops > _MOST_CUTS:
-        raise InputError(f"cuts must be at most {_MOST_CUTS}; got {shown(cuts)}")
+    factor = number("gain", gain, positive)
     low, high = (
         number(name, number(name, value, positive), between(*_LIMITS))
         for name, value in (("lowest", lowest), ("highest", highest))
@@ -209,27 +201,24 @@ def closed_loop_boundary(
     late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
     scale = abs(float(plant.coefficients.B) * float(wind.peak))
     check_pace(plant, length)
-    winds = _winds(wind, stops, length)
-    nozzle: dict[str, Any] = {"rate_limit": most_rate, "actuator": actuator}
+    winds = stopped_winds(wind, cuts, length)
+    nozzle: dict[str, Any] = {"rate_limit": most_rate, "actuator": actuator, "gain": factor}
     outcomes = partial(fly_many, plant, law, sample_rate=1.0 / length, delay=late, **nozzle)
     flown, most = count(1), (1 + LEVELS) * len(winds)
 
-    def survives(limits: FloatArray) -> NDArray[np.str_]:
-        """The status over all winds of each limit: the first that is not survived counts."""
-        found = np.full(limits.size, SURVIVED, dtype=object)
-        for one in winds:
-            alive = found == SURVIVED
-            if np.any(alive):
-                found[alive] = outcomes(wind=one, deflection_limit=limits[alive] * scale).status
-            if progress is not None:
-                progress(min(next(flown), most), most)
-        return found.astype(str)
+    def tell() -> None:
+        if progress is not None:
+            progress(min(next(flown), most), most)
 
-    edge = _edge(survives, np.linspace(low, high, STEPS + 1))
+    def survives(limits: FloatArray) -> NDArray[np.str_]:
+        def status(one: History, some: NDArray[np.bool_]) -> NDArray[np.str_]:
+            return outcomes(wind=one, deflection_limit=limits[some] * scale).status
+
+        return in_all(winds, status, limits.size, tell)
+
+    edge = edge_above_losses(survives, np.linspace(low, high, STEPS + 1))
     at = edge.limit if np.isfinite(edge.limit) else high
-    level, quickest, step, behind = map(np.asarray, (at * scale, most_rate, length, late))
-    laws = law_batch(law, ())
-    batch = Batch(plant, wind, laws, level, quickest, actuator, step, behind, np.inf, ())
+    batch = one_flight(plant, law, wind, at * scale, most_rate, actuator, length, late, factor)
     growth = growth_near_rest(batch)
     words = [] if edge.status == OK else [edge.status]
     creeps = bool(growth > _CREEPS * modes.poles[0])
@@ -245,62 +234,3 @@ def closed_loop_boundary(
         creeps=creeps,
         status="; ".join(words) or OK,
     )
-
-
-def _winds(wind: History, stops: int, length: float) -> list[History]:
-    """The wind, and the same with so many sudden stops, at even instants."""
-    start, end = float(wind.onset), float(wind.end)
-    if (stops + 1) * (end - start) / length > _SAMPLES:
-        raise InputError(
-            f"cuts and sample_rate may make at most {_SAMPLES:g} samples of all winds; got"
-            f" {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
-        )
-    check_samples(end - start, length)
-    return [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
-
-
-@dataclass(frozen=True, eq=False)
-class _Edge:
-    """The limit, the limits tried, their status, what was looked at, and what is to be said."""
-
-    limit: float
-    scan: FloatArray
-    found: NDArray[np.str_]
-    looked: tuple[tuple[float, float], ...]
-    status: str
-
-
-def _edge(survives: Callable[[FloatArray], NDArray[np.str_]], scan: FloatArray) -> _Edge:
-    """The edge above the highest limit that does not survive."""
-    limits, found = scan, survives(scan)
-    bottom, top = float(scan[0]), float(scan[-1])
-    step, looked = float(scan[1] - scan[0]), []
-    for _ in range(LEVELS):
-        step /= PARTS
-        base, first, last = max(_highest_lost(limits, found), bottom), 1, ABOVE * PARTS
-        while True:
-            parts = np.arange(first, last + 1)
-            parts = parts[parts % PARTS != 0]  # the others have been tried a level above
-            ahead = base + step * parts
-            ahead = ahead[ahead < top]
-            new = survives(ahead)
-            limits, found = np.append(limits, ahead), np.append(found, new)
-            lost = np.flatnonzero(new != SURVIVED)
-            if not lost.size:
-                break
-            first, last = last + 1, int(parts[lost[-1]]) + ABOVE * PARTS
-        looked.append((step, min(base + step * last, top)))
-    low = _highest_lost(limits, found)
-    order = np.argsort(limits)
-    status = OPEN if np.any(found[limits == low] == UNDECIDED) else OK
-    edge = min(low + step, top)
-    if low == -np.inf:
-        edge, status = bottom, ALWAYS
-    elif low == top:
-        edge, status = np.inf, NEVER if status == OK else f"{NEVER}; {OPEN}"
-    return _Edge(edge, limits[order], found[order], tuple(looked), status)
-
-
-def _highest_lost(limits: FloatArray, found: NDArray[np.str_]) -> float:
-    """The highest limit that does not survive, or minus infinity."""
-    return float(limits[found != SURVIVED].max(initial=-np.inf))

@@ -37,7 +37,7 @@ FASTEST = 100.0
 """Most e-foldings of a plant in a sample of the law."""
 _LONGEST = 1e5
 """Longest flight [s]."""
-_LATE = 10_000
+LATE = 10_000
 """Samples by which a command may be late."""
 _SAMPLES = 2.0
 """Least samples of the law in the time 1/omega_n of the actuator."""
@@ -91,9 +91,9 @@ def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
     """Return the delays [s]; `InputError` if one is below zero or of too many samples [s]."""
     delays = nonnegative("delay", delay, "s")
     together(delay=delays, sample_rate=length)
-    if np.any(delays > _LATE * length):
+    if np.any(delays > LATE * length):
         raise InputError(
-            f"delay must be at most {_LATE} samples; got {shown(plain(delays))} s at"
+            f"delay must be at most {LATE} samples; got {shown(plain(delays))} s at"
             f" {1.0 / float(length.min()):.6g} Hz"
         )
     return delays

@@ -24,8 +24,7 @@ from tvclin.flights.closed_loop.checks import (
 )
 from tvclin.flights.closed_loop.continuous import ContinuousFlight
 from tvclin.flights.closed_loop.equations import LinearEquations
-from tvclin.flights.closed_loop.law_batch import law_batch
-from tvclin.flights.closed_loop.sampled import Batch, flown
+from tvclin.flights.closed_loop.sampled import flown, one_flight
 from tvclin.flights.closed_loop.track import between_samples, check_track
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import INPUTS, Plant
@@ -164,11 +163,8 @@ def _sampled(
     start, last = float(wind.onset), float(times.max())
     check_samples(max(last - start, 0.0), length)
     check_pace(plant, length)
-    laws = law_batch(law, ())
     until = max(last, start) + length
-    numbers = (np.asarray(one) for one in (*limits, length, delay))
-    limit, most, step, late = numbers
-    batch = Batch(plant, wind, laws, limit, most, actuator, step, late, until, ())
+    batch = one_flight(plant, law, wind, *limits, actuator, length, delay, until=until)
     f = flown(batch, track=True)
     check_track(f, len(plant.states))
     return between_samples(f, plant, actuator, wind, times)

@@ -110,6 +110,7 @@ def fly_many(
     actuator: Actuator | None = None,
     sample_rate: ArrayLike,
     delay: ArrayLike = 0.0,
+    gain: ArrayLike = 1.0,
     until: float | None = None,
 ) -> FlownCases:
     """Return what comes of many flights of laws with limits, each from rest.
@@ -134,6 +135,8 @@ def fly_many(
     delay : array_like
         Computing delay [s], from a sample to when its command takes effect; any, not only whole
         samples.
+    gain : array_like
+        Factor on what a law asks for, positive, ahead of its switch and of the limit.
     until : float, optional
         When the flights end [s]. Without it each ends when it is lost or saved, which needs one
         or two real unstable poles.
@@ -149,8 +152,8 @@ def fly_many(
     Raises
     ------
     InputError
-        For shapes that do not broadcast, a single limit that is not positive, a delay below zero,
-        and a sample rate too slow for the actuator.
+        For shapes that do not broadcast, a single limit that is not positive, a gain that is not,
+        a delay below zero, and a sample rate too slow for the actuator.
 
     Notes
     -----
@@ -178,6 +181,7 @@ def fly_many(
     rate = check_sample_rates(sample_rate, actuator)
     check_engine(plant, actuator)
     late = check_delays(delay, 1.0 / rate)
+    factor = positive("gain", gain)
     shape = broadcast(
         plant=plant.batch,
         law=shape_of(law),
@@ -187,6 +191,7 @@ def fly_many(
         actuator=() if actuator is None else actuator.batch,
         sample_rate=rate.shape,
         delay=late.shape,
+        gain=factor.shape,
     )
     laws = law_batch(law, shape)
     stop = np.inf if until is None else number("until", until, between(-LATEST, LATEST), "s")
@@ -194,12 +199,13 @@ def fly_many(
         span = stop - float(np.min(wind.onset, initial=stop))
         check_span(0.0, span)
         check_samples(span, 1.0 / float(rate.max(initial=0.01)))
-    limit, most = (np.broadcast_to(a, shape) for a in (limit, most))
+    factor, limit, most = (np.broadcast_to(a, shape) for a in (factor, limit, most))
     good = (limit > 0.0) & (limit < _WIDEST) & (most > 0.0) & np.isfinite(wind.end)
     good &= paces(plant) <= FASTEST * rate
     good &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MOST)
     good &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
-    batch = Batch(plant, wind, laws, limit, most, actuator, 1.0 / rate, late, stop, shape)
+    step = 1.0 / rate
+    batch = Batch(plant, wind, laws, factor, limit, most, actuator, step, late, stop, shape)
     if not np.any(good):
         return _flown_cases(None, good)
     return _flown_cases(flown(batch if np.all(good) else _only(batch, good)), good)
@@ -219,6 +225,7 @@ def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
         plant=batch.plant.some(where, shape),
         wind=batch.wind.some(where, shape),
         laws=laws,
+        gain=some(batch.gain),
         limit=some(batch.limit),
         rate_limit=some(batch.rate_limit),
         actuator=actuator,

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.laws.law import Measurement
+from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
-from tvclin.flights.closed_loop.law_batch import LawBatch
+from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch
 from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
@@ -55,6 +55,8 @@ class Batch:
         One each or a batch.
     laws : LawBatch
         Of the flights.
+    gain : ndarray
+        Factor on what each asks for, of the shape of the batch.
     limit, rate_limit : ndarray
         Of the deflection, of the shape of the batch.
     actuator : Actuator or None
@@ -70,6 +72,7 @@ class Batch:
     plant: AnyPlant
     wind: History
     laws: LawBatch
+    gain: FloatArray
     limit: FloatArray
     rate_limit: FloatArray
     actuator: Actuator | None
@@ -81,8 +84,32 @@ class Batch:
     def repeated(self, times: int) -> Batch:
         """Return the same flight many times, of one alone."""
         laws = replace(self.laws, which=np.repeat(self.laws.which, times))
-        limit, rate_limit = (np.repeat(one, times) for one in (self.limit, self.rate_limit))
-        return replace(self, laws=laws, limit=limit, rate_limit=rate_limit, shape=(times,))
+        return replace(
+            self,
+            laws=laws,
+            gain=np.repeat(self.gain, times),
+            limit=np.repeat(self.limit, times),
+            rate_limit=np.repeat(self.rate_limit, times),
+            shape=(times,),
+        )
+
+
+def one_flight(
+    plant: AnyPlant,
+    law: Law,
+    wind: History,
+    limit: float,
+    rate_limit: float,
+    actuator: Actuator | None,
+    length: float,
+    delay: float,
+    gain: float = 1.0,
+    until: float = np.inf,
+) -> Batch:
+    """Return the batch of a single flight; the arguments are those of `Batch`."""
+    factor, most, quickest, step, late = map(np.asarray, (gain, limit, rate_limit, length, delay))
+    laws = law_batch(law, ())
+    return Batch(plant, wind, laws, factor, most, quickest, actuator, step, late, until, ())
 
 
 def flights(batch: Batch, *, track: bool = False) -> Flights:
@@ -141,6 +168,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         memory=memory.moved,
         seen=memory.seen,
         told=memory.told,
+        gain=_flat(batch.gain, shape),
         limit=_flat(batch.limit, shape),
         rate_limit=_flat(batch.rate_limit, shape),
         start=start.copy(),

@@ -10,7 +10,7 @@ from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.comparison.trim import TrimComparison
-from tvclin.flights.closed_loop.boundary import OK
+from tvclin.flights.closed_loop.edges import OK
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, no_answer, pairs

@@ -1,0 +1,110 @@
+"""What `tvclin margins --flown` adds: how much may change in this wind, with this stop."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tvclin.cli.inputs import peak_angle
+
+if TYPE_CHECKING:
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.vehicle import Vehicle as VehicleData
+
+Flown = Annotated[
+    bool,
+    typer.Option("--flown", help="Fly the wind with --limit-deg, and say what may change then."),
+]
+FlownLimitDeg = Annotated[float | None, typer.Option(help="Deflection limit of --flown, in deg.")]
+SampleRate = Annotated[float, typer.Option(help="Samples of the autopilot in --flown, in Hz.")]
+
+
+@dataclass(frozen=True)
+class FlownCase:
+    """What is flown: the options of the wind and of the limit."""
+
+    limit_deg: float | None
+    wind: str
+    duration: float
+    peak_deg: float | None
+    peak_speed: float | None
+    sample_rate: float
+
+    def margins(
+        self, vehicle: "VehicleData", plane: str, plant: "Plant", autopilot: "Autopilot"
+    ) -> "FlownMargins":
+        """Return the flown margins of an autopilot, in place of its delay a computing delay."""
+        import numpy as np
+
+        from tvclin.base.errors import InputError, one_of, positive
+        from tvclin.control.laws.attitude import SaturatedLaw
+        from tvclin.flights.closed_loop.flown_margins import flown_margins
+        from tvclin.winds.shaped import PULSES
+
+        if self.limit_deg is None:
+            raise InputError("--flown needs --limit-deg, the deflection limit in deg")
+        limit = float(np.radians(positive("--limit-deg", self.limit_deg, "deg")))
+        peak = peak_angle(vehicle, plane, self.peak_deg, self.peak_speed)
+        shape = PULSES[one_of("--wind", self.wind, PULSES)]
+        return flown_margins(
+            plant,
+            SaturatedLaw(replace(autopilot, actuator=None, delay=0.0)),
+            shape(peak=peak, duration=self.duration),
+            limit=limit,
+            actuator=autopilot.actuator,
+            sample_rate=self.sample_rate,
+            delay=float(autopilot.delay),
+        )
+
+    @property
+    def title(self) -> str:
+        """The case in one line."""
+        return (
+            f"In this {self.wind} wind of {self.duration:g} s, with a stop at {self.limit_deg:g}"
+            f" deg, {self.sample_rate:g} Hz"
+        )
+
+
+def print_flown(found: "FlownMargins", title: str) -> None:
+    """Print flown margins as a table, with what is to be known about them."""
+    from tvclin.cli.output import print_table
+    from tvclin.flights.closed_loop.flown_record import CHANGES
+
+    rows = [_row(name, getattr(found, name)) for name in CHANGES]
+    print_table(title, ["may change", "by", "then it", "near rest"], rows)
+    typer.echo(
+        f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
+        " autopilot."
+    )
+    for note in found.notes:
+        typer.echo(f"Note: {note}")
+
+
+def _row(name: str, one: "FlownMargin") -> list[str]:
+    def shown(value: float) -> str:
+        if name == "delay":
+            return f"{1000.0 * value:.1f} ms"
+        return f"{replace(one, value=value).dB:.2f} dB ({value:.4g}x)"
+
+    cause = {"lost": "is lost"}.get(one.cause, one.cause)
+    return [name.replace("_", " "), shown(one.value), cause, shown(one.near_rest)]
+
+
+def flown_document(found: "FlownMargins") -> dict[str, Any]:
+    """Return flown margins for JSON; what does not exist becomes null."""
+    from tvclin.flights.closed_loop.flown_record import CHANGES
+
+    fields = ("value", "cause", "again", "lost", "near_rest")
+    return {
+        "limit_of_full_trim": found.limit,
+        "boundary_of_full_trim": found.boundary,
+        "spare": found.spare,
+        "status": found.status,
+        **{
+            name: {field: getattr(getattr(found, name), field) for field in fields}
+            for name in CHANGES
+        },
+        "notes": list(found.notes),
+    }

@@ -1,0 +1,145 @@
+"""Above which value all that was tried survives: a scan, and its edge looked at ever more finely.
+
+Survival need not be even: windows of loss lie above values that survive. The edge is that above
+the highest value that does not; the steps above it are looked at again, in finer steps, and the
+edge moves up until they are clean; then the finer steps likewise. Only a window of losses that is
+narrower than the steps where it lies is missed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError, shown, whole_number
+from tvclin.flights.closed_loop.checks import check_samples
+from tvclin.flights.closed_loop.many import SURVIVED, UNDECIDED
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+Words = NDArray[np.str_]
+
+OK = "ok"
+NEVER = "no limit in the range survives"
+ALWAYS = "every limit in the range survives"
+OPEN = "undecided: the highest limit that does not survive is not lost either"
+STEPS = 60
+"""Of a scan."""
+ABOVE, PARTS, LEVELS = 4, 16, 3
+"""So many steps above an edge are looked at again, each in so many parts, and that so often."""
+_MOST_CUTS = 1000
+_SAMPLES = 5_000_000
+"""Of all winds that are flown together: some hundred megabytes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Edge:
+    """The edge, the values tried, their status, what was looked at, and what is to be said.
+
+    `looked` holds steps, and up to which value they were tried, the finest last; `lost` is the
+    highest value that does not survive, or minus infinity.
+    """
+
+    limit: float
+    lost: float
+    scan: FloatArray
+    found: Words
+    looked: tuple[tuple[float, float], ...]
+    status: str
+
+
+def edge_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray) -> Edge:
+    """Return the edge above the highest value that does not survive.
+
+    Parameters
+    ----------
+    survives : callable
+        The status of values, ``(n,)``.
+    scan : ndarray
+        Values in even steps, rising.
+    """
+    values, found = scan, survives(scan)
+    bottom, top = float(scan[0]), float(scan[-1])
+    step, looked = float(scan[1] - scan[0]), []
+    for _ in range(LEVELS):
+        step /= PARTS
+        base, first, last = max(_highest_lost(values, found), bottom), 1, ABOVE * PARTS
+        while True:
+            parts = np.arange(first, last + 1)
+            parts = parts[parts % PARTS != 0]  # the others have been tried a level above
+            ahead = base + step * parts
+            ahead = ahead[ahead < top]
+            new = survives(ahead)
+            values, found = np.append(values, ahead), np.append(found, new)
+            lost = np.flatnonzero(new != SURVIVED)
+            if not lost.size:
+                break
+            first, last = last + 1, int(parts[lost[-1]]) + ABOVE * PARTS
+        looked.append((step, min(base + step * last, top)))
+    low = _highest_lost(values, found)
+    order = np.argsort(values)
+    status = OPEN if np.any(found[values == low] == UNDECIDED) else OK
+    edge = min(low + step, top)
+    if low == -np.inf:
+        edge, status = bottom, ALWAYS
+    elif low == top:
+        edge, status = np.inf, NEVER if status == OK else f"{NEVER}; {OPEN}"
+    return Edge(edge, low, values[order], found[order], tuple(looked), status)
+
+
+def _highest_lost(values: FloatArray, found: Words) -> float:
+    """The highest value that does not survive, or minus infinity."""
+    return float(values[found != SURVIVED].max(initial=-np.inf))
+
+
+def in_all(
+    winds: Sequence[History],
+    status: Callable[[History, BoolArray], Words],
+    size: int,
+    flown: Callable[[], None] = lambda: None,
+) -> Words:
+    """Return the status over all winds of many flights: the first not survived counts.
+
+    Parameters
+    ----------
+    winds : sequence of History
+        Flown one after the other.
+    status : callable
+        Of the flights chosen by a mask, in a wind.
+    size : int
+        Number of flights.
+    flown : callable
+        Is called after each wind.
+    """
+    found = np.full(size, SURVIVED, dtype=object)
+    for one in winds:
+        alive = found == SURVIVED
+        if np.any(alive):
+            found[alive] = status(one, alive)
+        flown()
+    return found.astype(str)
+
+
+def stopped_winds(wind: History, cuts: int, length: float) -> list[History]:
+    """Return the wind, and the same with so many sudden stops, at even instants.
+
+    Raises
+    ------
+    InputError
+        For cuts that are not a whole number up to 1000, or make too many samples of a length [s].
+    """
+    stops = whole_number("cuts", cuts)
+    if stops > _MOST_CUTS:
+        raise InputError(f"cuts must be at most {_MOST_CUTS}; got {shown(cuts)}")
+    start, end = float(wind.onset), float(wind.end)
+    if (stops + 1) * (end - start) / length > _SAMPLES:
+        raise InputError(
+            f"cuts and sample_rate may make at most {_SAMPLES:g} samples of all winds; got"
+            f" {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
+        )
+    check_samples(end - start, length)
+    return [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]

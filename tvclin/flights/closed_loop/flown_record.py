@@ -1,0 +1,132 @@
+"""The answer of `flown_margins`: how far each thing may change, and what comes first then."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.cards import Row, card
+from tvclin.control.margins.record import decibels
+from tvclin.flights.closed_loop.edges import OK
+from tvclin.flights.closed_loop.many import UNDECIDED
+
+FloatArray = NDArray[np.float64]
+
+RINGS, NOTHING = "rings", "nothing"
+CHANGES = ("gain_fall", "gain_rise", "effectiveness_fall", "effectiveness_rise", "delay")
+
+
+class NearRest(NamedTuple):
+    """Changes with which the loop grows near rest: factors of the gain, and a delay [s]."""
+
+    fall: float
+    rise: float
+    delay: float
+
+
+@dataclass(frozen=True, eq=False)
+class FlownMargin:
+    """How far one thing may change.
+
+    Attributes
+    ----------
+    value : float
+        A factor above one, or a further delay [s]; infinite if nothing fails.
+    cause : str
+        What comes first: "lost" (or "undecided", where a flight is neither lost nor saved),
+        "rings" (the loop grows near rest; on the side of the aerodynamic moment it need not
+        oscillate), or "nothing".
+    again : bool
+        Whether some larger change, of those that were tried, survives and does not ring.
+    lost : float
+        The change from which a flight is lost; infinite if none is that was tried.
+    near_rest : float
+        The change from which the loop grows near rest, from its eigenvalues.
+    scan : ndarray
+        The changes that were flown, rising.
+    survives : ndarray of bool
+        Which of them survive, whatever the loop does near rest.
+    """
+
+    value: float
+    cause: str
+    again: bool
+    lost: float
+    near_rest: float
+    scan: FloatArray
+    survives: NDArray[np.bool_]
+
+    @property
+    def dB(self) -> float:
+        """The factor in dB; without meaning for a delay."""
+        return float(decibels(self.value))
+
+
+@dataclass(frozen=True, eq=False)
+class FlownMargins:
+    """What may change before the flight of a law with a limit is lost.
+
+    Attributes
+    ----------
+    gain_fall, gain_rise : FlownMargin
+        What the law asks for divided, or multiplied, ahead of switch and limit.
+    effectiveness_fall, effectiveness_rise : FlownMargin
+        What the nozzle does divided, or multiplied, behind its stop, of which the law knows
+        nothing.
+    delay : FlownMargin
+        Further delay between command and nozzle.
+    limit : float
+        The limit, over ``|B alpha_w,max|``.
+    boundary : float
+        The least limit, of `closed_loop_boundary`, over the same.
+    status : str
+        "ok", or in words what is wrong with the limit or its boundary.
+    """
+
+    gain_fall: FlownMargin
+    gain_rise: FlownMargin
+    effectiveness_fall: FlownMargin
+    effectiveness_rise: FlownMargin
+    delay: FlownMargin
+    limit: float
+    boundary: float
+    status: str
+
+    @property
+    def spare(self) -> float:
+        """The limit over the boundary."""
+        return self.limit / self.boundary
+
+    @property
+    def near_rest(self) -> NearRest:
+        """What gain and delay may be before the loop grows near rest."""
+        return NearRest(*(getattr(self, n).near_rest for n in ("gain_fall", "gain_rise", "delay")))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be known about these margins."""
+        found = [] if self.status == OK else [self.status]
+        for name in CHANGES:
+            one = getattr(self, name)
+            words = name.replace("_", " ")
+            if one.cause == NOTHING:
+                found.append(f"{words} inf: none up to {one.scan[-1]:.4g} is lost or rings")
+            elif one.cause == UNDECIDED:
+                found.append(f"{words} {one.value:.4g}: beyond it flights stay undecided")
+            if one.again:
+                found.append(f"{words} {one.value:.4g}: some larger changes survive again")
+        return tuple(found)
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [
+            ("limit, of full trim", self.limit, "-"),
+            ("limit over boundary", self.spare, "-"),
+        ]
+        for name in CHANGES:
+            one = getattr(self, name)
+            shown, unit = (one.value, "s") if name == "delay" else (one.dB, "dB")
+            rows.append((f"{name.replace('_', ' ')}, then {one.cause}", shown, unit))
+        return card("Flown margins", [*rows, ("status", self.status, "")])

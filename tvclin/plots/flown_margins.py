@@ -1,0 +1,147 @@
+"""Flown margins over the limit, and the boundary over gain and delay that they are read from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tvclin.base.errors import InputError, each, instance, number, positive
+from tvclin.flights.closed_loop.boundary_map import BoundaryMap
+from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargins
+from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import (
+    COLOURS,
+    INK,
+    LINES,
+    WARM,
+    Look,
+    Style,
+    control_plot,
+    draw,
+    fine_grid,
+    new_axes,
+)
+
+if TYPE_CHECKING:
+    from control import ControlPlot
+    from matplotlib.axes import Axes
+
+_FACTORS, _DELAY = "gain and effectiveness", "delay"
+_NEAR_REST = ": grows near rest"
+_BOUNDARY: Style = {"color": COLOURS[0], "lw": 0.9}
+_LIMIT: Style = {"color": WARM, "lw": 2.4}
+_GROWS: Style = {"color": "0.88"}
+
+
+def flown_margins(found: Sequence[FlownMargins]) -> ControlPlot:
+    """Draw flown margins over the limit: from the boundary to what linear theory says.
+
+    Dotted lines are the changes of gain and delay with which the loop grows near rest.
+
+    Parameters
+    ----------
+    found : sequence of FlownMargins
+        Of one law in one wind with two or more limits.
+
+    Raises
+    ------
+    InputError
+        For fewer than two different limits.
+    """
+    every = sorted(each("found", found, FlownMargins, "see flown_margins"), key=lambda m: m.spare)
+    spare = np.array([one.spare for one in every])
+    columns, styles = [], {}
+    for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
+        margins = [getattr(one, name) for one in every]
+        unit, panel = ("s", _DELAY) if name == "delay" else ("dB", _FACTORS)
+        kinds = [("value", "", 2.0), ("near_rest", _NEAR_REST, 1.0)]
+        for field, suffix, width in kinds[: 1 if name.startswith("effect") else 2]:
+            values = np.array([getattr(one, field) for one in margins])
+            shown = values if name == "delay" else 20.0 * np.log10(values)
+            label = name.replace("_", " ") + suffix
+            columns.append(Column(label, np.where(np.isinf(shown), np.nan, shown), unit, panel))
+            styles[label] = {"color": colour, "ls": ":" if suffix else line, "lw": width}
+    curves = Curves(
+        "flown-margins",
+        "flown margins over the limit",
+        "limit over the boundary of the law [-]",
+        spare,
+        tuple(columns),
+    )
+    ordinate = {_FACTORS: "may change by  [dB]", _DELAY: "may grow by  [s]"}
+    plot = draw(curves, Look("Flown margins over the limit", ordinate, styles))
+    for axes in plot.axes.flat:
+        axes.set_ylim(bottom=0.0)
+        _by_ratio(axes)
+    return plot
+
+
+def boundary_map(found: BoundaryMap, limit: float | None = None) -> ControlPlot:
+    """Draw the boundary of a law over gain and delay as contours, with a limit among them.
+
+    A flight with the limit survives on that side of its line on which boundaries are below it.
+
+    Parameters
+    ----------
+    found : BoundaryMap
+        Of two or more gains and two or more delays.
+    limit : float, optional
+        Deflection limit [rad].
+
+    Raises
+    ------
+    InputError
+        For fewer gains or delays, and a map without a finite boundary.
+    """
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    instance("found", found, BoundaryMap, "see boundary_map")
+    if min(found.limit.shape) < 2:
+        raise InputError(f"a map needs two or more gains and delays; got {found.limit.shape}")
+    if not np.any(np.isfinite(found.limit)):
+        raise InputError("a map needs a finite boundary somewhere; got none")
+    level = None if limit is None else number("limit", limit, positive, "rad") / found.full_trim
+    axes, place = new_axes(), (found.gains, found.delays)
+    values = np.ma.masked_invalid(found.limit.T)
+    lines = axes.contour(*place, values, levels=12, colors=COLOURS[0], linewidths=0.9)
+    axes.clabel(lines, fmt="%.3g", fontsize=8, zorder=2)
+    handles: list[Line2D | Patch] = [Line2D([], [], label="boundary, of full trim", **_BOUNDARY)]
+    if level is not None:
+        handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT))
+        if values.min() < level < values.max():
+            axes.contour(*place, values, levels=[level], colors=WARM, linewidths=2.4)
+    if found.growth.max() > 0.0:
+        handles.append(Patch(label="grows near rest", **_GROWS))
+        ends = [0.0, 2.0 * found.growth.max()]
+        axes.contourf(*place, found.growth.T, levels=ends, colors=_GROWS["color"], zorder=3)
+    axes.set(xlabel="gain, over that of the law [-]", ylabel="delay [s]")
+    axes.set_title("Boundary over gain and delay")
+    fine_grid(axes)
+    _by_ratio(axes)
+    axes.figure.legend(handles=handles, loc="outside right center")
+    return control_plot([], axes, _numbers(found))
+
+
+def _numbers(found: BoundaryMap) -> Curves:
+    """What the map shows, with a column for each delay."""
+    columns = [
+        Column(f"{name}, delay {delay:g} s", row, unit)
+        for name, table, unit in (("boundary", found.limit, "-"), ("growth", found.growth, "1/s"))
+        for delay, row in zip(found.delays.tolist(), table.T, strict=True)
+    ]
+    words = "boundary over the largest trim deflection, and growth near rest"
+    label = "gain, over that of the law [-]"
+    return Curves("boundary-map", words, label, found.gains, tuple(columns))
+
+
+def _by_ratio(axes: Axes) -> None:
+    """Let the abscissa go by ratio, with plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
