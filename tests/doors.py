@@ -344,6 +344,15 @@ def doors(folder: Path) -> dict[str, Door]:
         "Criteria.own": Door(
             tv.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
         ),
+        "FilteredLaw": Door(
+            tv.FilteredLaw,
+            {
+                "law": law,
+                "filters": (notch,),
+                "attitude_filters": (notch,),
+                "rate_filters": (notch,),
+            },
+        ),
         "DeadBandLaw": Door(tv.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}),
         "DeflectionTotal": Door(
             tv.DeflectionTotal,

@@ -88,6 +88,7 @@ from .control.comparison.trim import compare_with_trim as compare_with_trim
 from .control.laws.attitude import SaturatedLaw as SaturatedLaw
 from .control.laws.dead_band import DeadBandLaw as DeadBandLaw
 from .control.laws.estimator import WindEstimator as WindEstimator
+from .control.laws.filtered import FilteredLaw as FilteredLaw
 from .control.laws.law import Law as Law
 from .control.laws.law import Measurement as Measurement
 from .control.laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
