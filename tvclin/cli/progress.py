@@ -5,6 +5,8 @@ from contextlib import contextmanager
 
 Progress = Callable[[int, int], None]
 """Is told how much is done, and how much there is."""
+_SPAN = 3600.0
+"""Seconds over which a rate is taken: slow work may tell of nothing for minutes."""
 
 
 @contextmanager
@@ -25,7 +27,8 @@ def bar(what: str) -> Iterator[Progress | None]:
         return
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
     rate, left = rich.TextColumn("{task.fields[rate]}"), rich.TimeRemainingColumn()
-    with rich.Progress(rich.BarColumn(), counted, rate, left, console=console) as progress:
+    columns = (rich.BarColumn(), counted, rate, left)
+    with rich.Progress(*columns, console=console, speed_estimate_period=_SPAN) as progress:
         task = progress.add_task(what, total=None, rate="", visible=False)
 
         def tell(done: int, total: int) -> None:

@@ -87,18 +87,18 @@ class ModeBand:
         Where it goes as the gain of the loop grows from zero to one [1/s]. Of a sampled loop that
         of least frequency which has the same samples.
     stabilised : str or ndarray of str
-        "gain": it is felt, and |L| stays below one. "phase": |L| is one where it owns the loop.
-        "with the rigid body": the rest of the loop is larger even at its pole. "unstable": its
-        closed pole lies in the right half plane.
+        "gain": it is felt, and ``|L|`` stays below one. "phase": ``|L|`` is one where it owns the
+        loop. "with the rigid body": the rest of the loop is larger even at its pole. "unstable":
+        its closed pole lies in the right half plane.
     peak, peak_frequency : float or ndarray
-        The largest |L| at frequencies that it owns, and where [rad/s]; NaN if it owns none.
+        The largest ``|L|`` at frequencies that it owns, and where [rad/s]; NaN if it owns none.
     lag_margin, lead_margin : float or ndarray
         The least phase [rad] by which L may lag, and lead, at crossovers that it owns; infinite
         without one, and NaN in a loop that is not stable.
     gain_reduction, gain_increase : float or ndarray
         Factors above one by which the gain may fall and rise at phase crossovers that it owns.
     distance : float or ndarray
-        The least |1 + L| within eight half-widths of its pole.
+        The least ``|1 + L|`` within eight half-widths of its pole.
     alias : float or ndarray
         The frequency [rad/s] at which a sampled law sees it, where that is another; else NaN.
     """
