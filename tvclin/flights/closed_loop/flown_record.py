@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from tvclin.base.cards import Row, card
 from tvclin.control.margins.record import decibels
 from tvclin.flights.closed_loop.edges import OK
-from tvclin.flights.closed_loop.many import UNDECIDED
+from tvclin.flights.closed_loop.many import RINGS, UNDECIDED
 
 FloatArray = NDArray[np.float64]
 
-RINGS, NOTHING = "rings", "nothing"
+NOTHING = "nothing"
 CHANGES = ("gain_fall", "gain_rise", "effectiveness_fall", "effectiveness_rise", "delay")
 
 

@@ -81,18 +81,6 @@ class Batch:
     until: float
     shape: tuple[int, ...]
 
-    def repeated(self, times: int) -> Batch:
-        """Return the same flight many times, of one alone."""
-        laws = replace(self.laws, which=np.repeat(self.laws.which, times))
-        return replace(
-            self,
-            laws=laws,
-            gain=np.repeat(self.gain, times),
-            limit=np.repeat(self.limit, times),
-            rate_limit=np.repeat(self.rate_limit, times),
-            shape=(times,),
-        )
-
 
 def one_flight(
     plant: AnyPlant,
