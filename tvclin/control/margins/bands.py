@@ -147,8 +147,10 @@ class ModeBand:
 
     @property
     def phase_margin_deg(self) -> Any:
-        """The smaller of lag and lead margin in degrees; NaN unless it is held by phase, and has
-        a crossover of its own."""
+        """The smaller of lag and lead margin in degrees; NaN where there is none.
+
+        Only a mode that is held by phase has one, and only if it has a crossover of its own.
+        """
         least = np.degrees(np.minimum(self.lag_margin, self.lead_margin))
         held = (np.asarray(self.stabilised) == PHASE) & np.isfinite(least)
         return plain(np.where(held, least, np.nan)[()])

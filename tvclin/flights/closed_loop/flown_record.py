@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tvclin.base.cards import Row, card
 from tvclin.control.margins.record import decibels
 from tvclin.flights.closed_loop.edges import OK
-from tvclin.flights.closed_loop.many import RINGS, UNDECIDED
+from tvclin.flights.closed_loop.many import UNDECIDED
 
 FloatArray = NDArray[np.float64]
 

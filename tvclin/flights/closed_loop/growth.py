@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.flights.closed_loop.sampled import Batch, advanced, flights
+from tvclin.flights.closed_loop.sampled import Batch, finish, flights
 from tvclin.kernels.flights import Flights
 
 FloatArray = NDArray[np.float64]
@@ -68,14 +68,15 @@ def _steps(batch: Batch, f: Flights, cases: NDArray[np.intp]) -> FloatArray:
     f = _chosen(f, np.repeat(cases, size + 1))  # the last of each is at rest: what noise does
     states = np.split((small * np.eye(size + 1, size)).reshape(-1, size), [order, order + own], 1)
     f.y[:], f.states[:], f.commands[:, -ages % ring] = states
-    advanced(f, batch.laws, 0)
+    finish(f, batch.laws)
     moved = np.concatenate([f.y, f.states, f.commands[:, (1 - ages) % ring]], axis=1)
     moved = moved.reshape(-1, size + 1, size)
     return np.asarray(np.swapaxes((moved[:, :-1] - moved[:, -1:]) / small, 1, 2))
 
 
 def _chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
-    """Some flights, in still air; those that are named twice are two."""
+    """Some flights, of one sample in still air; those that are named twice are two."""
     own = {name for name in _SHARED if len(getattr(f, name)) > 1}
     rows = {name: getattr(f, name)[index] for name in {*_OF_EACH, *own}}
+    rows["finish"][:] = 1
     return f._replace(pieces=np.zeros_like(f.pieces), **rows)
