@@ -118,3 +118,15 @@ def test_a_mapped_coefficient_is_not_taken_for_its_slope(tmp_path: Path) -> None
 def test_an_angle_of_attack_that_is_mapped_is_looked_at(tmp_path: Path) -> None:
     with pytest.raises(tv.InputError, match="the angle of attack is 3 deg at 1 s"):
         tv.read_table(FOLDER / "table.csv", MAP | {"angle_of_attack_deg": 3.0})
+
+
+def test_pounds_of_force_are_not_read_as_newtons(tmp_path: Path) -> None:
+    """Of weight and thrust alike, so that their ratio looks right."""
+    text = (FOLDER / "table.csv").read_text().replace("T (kN)", "T (lb)").replace(";2.4;", ";540;")
+    path = tmp_path / "pounds.csv"
+    path.write_text(text)
+    names = {key: name for key, name in MAP.items() if not key.startswith("thrust")}
+    with pytest.raises(tv.InputError, match=r"T \(lb\) is not in the unit of thrust_N"):
+        tv.read_table(path, names | {"thrust_N": "T (lb)"})
+    found = tv.read_table(path, names | {"thrust_lbf": "T (lb)"})
+    assert found.at(3.0).thrust == pytest.approx(540 * 4.4482216152605, rel=1e-12)

@@ -236,6 +236,30 @@ def test_the_notch_decides_whether_the_booster_flies():
     assert not np.isfinite(tv.closed_loop_boundary(BOOSTER, bare, WIND, **options).limit)
 
 
+def test_a_vehicle_that_is_brought_back_while_bending_grows_rings():
+    """A gyro that sees the first mode turned round: whatever the limit is, the nozzle swings."""
+    structure = BOOSTER.structure
+    first = structure.bending[0]
+    turned = replace(first, attitude_slope=-first.attitude_slope, rate_slope=-first.rate_slope)
+    several = replace(
+        first,
+        attitude_slope=np.array([first.attitude_slope, turned.attitude_slope]),
+        rate_slope=np.array([first.rate_slope, turned.rate_slope]),
+    )
+    plant = replace(
+        BOOSTER, structure=replace(structure, bending=(several, *structure.bending[1:]))
+    )
+    limits = np.radians([[0.3], [5.0]])
+    nozzle = {"actuator": STIFF, "sample_rate": 50.0, "delay": 0.02}
+    found = tv.fly_many(plant, tv.SaturatedLaw(SHAPED), WIND, deflection_limit=limits, **nozzle)
+    assert found.status.tolist() == [["lost", "lost"], ["survived", "rings"]]
+    assert found.saturated_time_fraction[1, 0] == 0.0
+    assert found.saturated_time_fraction[1, 1] > 0.3
+    sampled = replace(SHAPED, actuator=STIFF, delay=0.02, sample_rate=50.0)
+    unstable = [sampled.margins(plant.some(np.array([k]), (2,))).status[0] for k in (0, 1)]
+    assert unstable == ["ok", "unstable"]
+
+
 def test_what_cannot_be_flown_is_refused():
     filtered = tv.SaturatedLaw(SHAPED)
     with pytest.raises(InputError, match="filters are flown by samples"):

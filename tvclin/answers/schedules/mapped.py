@@ -20,7 +20,7 @@ from tvclin.answers.schedules.table import Column, Heading, Table, letters, read
 from tvclin.answers.schedules.units import WRITTEN, unit_of
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
-from tvclin.base.units import UNITS
+from tvclin.base.units import POUND_FORCE, UNITS
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 _QUANTITIES = {
@@ -201,11 +201,14 @@ def _column(table: Table, name: str, key: str, factor: float | None, source: str
         )
     if factor is None:
         return table.numbers(heading, _QUANTITIES[name])
-    theirs = unit_of(heading.unit or "", WRITTEN[_QUANTITIES[name]]) if heading.unit else None
+    known = WRITTEN[_QUANTITIES[name]]
+    if name in ("weight", "thrust", "axial_force"):
+        known = known | {"lb": POUND_FORCE}  # as many tools write a force
+    theirs = unit_of(heading.unit or "", known) if heading.unit else None
     if theirs is not None and not np.isclose(theirs.factor, factor):
         raise InputError(
-            f"{table.text.source}: {heading.text} is not in the unit of {key}; write {name}, and"
-            " the unit is taken from the column"
+            f"{table.text.source}: {heading.text} is not in the unit of {key}; write {name} with"
+            " the unit of the column, or without one where the column has it in full"
         )
     values = table.numbers(replace(heading, unit=""), "number").values
     return Column(values * factor, f"column {heading.text}, read as {key}")

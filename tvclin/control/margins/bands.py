@@ -87,9 +87,10 @@ class ModeBand:
         Where it goes as the gain of the loop grows from zero to one [1/s]. Of a sampled loop that
         of least frequency which has the same samples.
     stabilised : str or ndarray of str
-        "gain": it is felt, and ``|L|`` stays below one. "phase": ``|L|`` is one where it owns the
-        loop. "with the rigid body": the rest of the loop is larger even at its pole. "unstable":
-        its closed pole lies in the right half plane.
+        "gain": it is felt, and ``|L|`` stays below one where it owns the loop. "phase": ``|L|`` is
+        one or above one there, all over where the rest of the loop is large at its frequency.
+        "with the rigid body": the rest of the loop is larger even at its pole. "unstable": its
+        closed pole lies in the right half plane.
     peak, peak_frequency : float or ndarray
         The largest ``|L|`` at frequencies that it owns, and where [rad/s]; NaN if it owns none.
     lag_margin, lead_margin : float or ndarray
@@ -146,9 +147,13 @@ class ModeBand:
 
     @property
     def phase_margin_deg(self) -> Any:
-        """The smaller of lag and lead margin in degrees; NaN unless it is phase-stabilised."""
+        """The smaller of lag and lead margin in degrees; NaN where there is none.
+
+        Only a mode that is held by phase has one, and only if it has a crossover of its own.
+        """
         least = np.degrees(np.minimum(self.lag_margin, self.lead_margin))
-        return plain(np.where(np.asarray(self.stabilised) == PHASE, least, np.nan)[()])
+        held = (np.asarray(self.stabilised) == PHASE) & np.isfinite(least)
+        return plain(np.where(held, least, np.nan)[()])
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +238,8 @@ def _mode(terms: Terms, found: LoopFindings, k: int, closed: ComplexArray) -> di
     highest, where = peak(terms, k)
     felt = terms.owner(np.nan_to_num(np.imag(pole), nan=1.0)[:, np.newaxis])[:, 0] == k
     crosses = np.any(~np.isnan(phases), axis=-1)
-    words = np.select([closed.real > 0.0, crosses, ~felt], [UNSTABLE, PHASE, RIGID], GAIN)
+    by_phase = crosses | (felt & (highest >= 1.0))
+    words = np.select([closed.real > 0.0, by_phase, ~felt], [UNSTABLE, PHASE, RIGID], GAIN)
     at, omega = found.phase_frequencies, found.gain_frequencies
     with np.errstate(divide="ignore", invalid="ignore"):
         fall = np.where(factors < 1.0, 1.0 / factors, np.nan)

@@ -33,12 +33,11 @@ from tvclin.flights.closed_loop.edges import (
 from tvclin.flights.closed_loop.flown_record import (
     CHANGES,
     NOTHING,
-    RINGS,
     FlownMargin,
     FlownMargins,
 )
 from tvclin.flights.closed_loop.growth import growth_near_rest
-from tvclin.flights.closed_loop.many import SURVIVED, fly_many
+from tvclin.flights.closed_loop.many import RINGS, SURVIVED, fly_many
 from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,
     factors_at_growth,

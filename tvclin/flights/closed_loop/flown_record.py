@@ -15,7 +15,7 @@ from tvclin.flights.closed_loop.many import UNDECIDED
 
 FloatArray = NDArray[np.float64]
 
-RINGS, NOTHING = "rings", "nothing"
+NOTHING = "nothing"
 CHANGES = ("gain_fall", "gain_rise", "effectiveness_fall", "effectiveness_rise", "delay")
 
 

@@ -1,16 +1,27 @@
-"""How fast a sampled loop grows near rest, in still air and far below its limits."""
+"""How fast sampled loops grow near rest, in still air and far below their limits."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.flights.closed_loop.sampled import Batch, advanced, flights
+from tvclin.flights.closed_loop.sampled import Batch, finish, flights
+from tvclin.kernels.flights import Flights
 
 FloatArray = NDArray[np.float64]
 
 _SMALL = 1e-7
 """A state so small, over the reach, is far below every limit and dead band."""
+_TOGETHER = 20_000
+"""Flights of one sample that are flown together."""
+_SHARED = {"memory", "seen", "told"}
+"""One for each flight, or one for all."""
+_OF_EACH = (
+    *("vehicle", "wind", "law", "gain", "limit", "rate_limit", "start", "finish", "ends"),
+    *("waiting", "settling", "sequence", "y", "states", "here", "sensed", "measured", "next"),
+    *("series", "commands", "mode", "peaks", "piece", "settled", "outcome", "ended"),
+)
+"""Arrays of `Flights` with a row for each flight."""
 
 
 def growth_near_rest(batch: Batch) -> float:
@@ -23,21 +34,49 @@ def growth_near_rest(batch: Batch) -> float:
     return float(np.log(max(radius, np.finfo(float).tiny)) / float(batch.length))
 
 
+def swing_near_rest(batch: Batch) -> FloatArray:
+    """Return the growth rate [1/s] of the worst oscillation of each of many loops, ``(m,)``.
+
+    What only grows to one side, a real positive eigenvalue of the step, does not count.
+    """
+    f = flights(batch)
+    size = 1 + f.y.shape[1] + f.states.shape[1] + f.commands.shape[1]
+    parts = np.array_split(np.arange(f.limit.size), -(-f.limit.size * size // _TOGETHER))
+    steps = [np.linalg.eigvals(_steps(batch, f, part)) for part in parts]
+    values = np.concatenate(steps).astype(complex)
+    swings = (values.imag != 0.0) | (values.real < 0.0)
+    radius = np.where(swings, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
+    return np.asarray(np.log(radius) / f.lengths[f.vehicle, 0])
+
+
 def step_near_rest(batch: Batch) -> FloatArray:
     """Return the step of one loop near rest, where it is a matrix.
 
     Its columns are what a step makes of small states: those of the vehicle, of the nozzle and of
     the law, and the commands that are still to come, the latest first.
     """
-    f = flights(batch)
+    return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]
+
+
+def _steps(batch: Batch, f: Flights, cases: NDArray[np.intp]) -> FloatArray:
+    """The steps of some flights at their start, ``(k, size, size)``."""
     order, own, ring = f.y.shape[1], f.states.shape[1], f.commands.shape[1]
-    ages = np.arange(1, int(f.late[0]) + f.joint.shape[1])  # of commands that are still to come
+    ages = np.arange(1, ring)  # of commands that are still to come
     size = order + own + ages.size
-    small = _SMALL * float(batch.limit) / abs(float(batch.plant.coefficients.B))
-    f = flights(batch.repeated(size + 1))  # the last is at rest: what noise does
-    f.pieces[:] = 0.0
-    states = np.split(small * np.eye(size + 1, size), [order, order + own], axis=1)
+    reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
+    small = _SMALL / reach * f.limit[cases, np.newaxis, np.newaxis]
+    f = _chosen(f, np.repeat(cases, size + 1))  # the last of each is at rest: what noise does
+    states = np.split((small * np.eye(size + 1, size)).reshape(-1, size), [order, order + own], 1)
     f.y[:], f.states[:], f.commands[:, -ages % ring] = states
-    advanced(f, batch.laws, 0)
+    finish(f, batch.laws)
     moved = np.concatenate([f.y, f.states, f.commands[:, (1 - ages) % ring]], axis=1)
-    return np.asarray((moved[:-1] - moved[-1]).T / small)
+    moved = moved.reshape(-1, size + 1, size)
+    return np.asarray(np.swapaxes((moved[:, :-1] - moved[:, -1:]) / small, 1, 2))
+
+
+def _chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
+    """Some flights, of one sample in still air; those that are named twice are two."""
+    own = {name for name in _SHARED if len(getattr(f, name)) > 1}
+    rows = {name: getattr(f, name)[index] for name in {*_OF_EACH, *own}}
+    rows["finish"][:] = 1
+    return f._replace(pieces=np.zeros_like(f.pieces), **rows)

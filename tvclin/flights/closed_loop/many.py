@@ -31,18 +31,22 @@ from tvclin.flights.closed_loop.checks import (
     check_span,
     paces,
 )
+from tvclin.flights.closed_loop.growth import swing_near_rest
 from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.kernels.flights import Flights
-from tvclin.linear.flexible import AnyPlant, check_plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
-UNDECIDED, SURVIVED, LOST, NO_FLIGHT = STATUS = ("undecided", "survived", "lost", "no flight")
+STATUS = ("undecided", "survived", "lost", "rings", "no flight")
+UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS
 _WIDEST = 1e9
 """A limit of so many radians, or more, is none."""
+_RINGING = 1e-5
+"""1/s; an oscillation that grows more slowly is held within rounding."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,7 +71,8 @@ class FlownCases:
     saturated_time_fraction : ndarray
         Part of the flight in which the whole limit was asked for.
     status : ndarray of str
-        "survived", "lost", "undecided", or "no flight" where a case cannot be flown.
+        "survived", "lost", "undecided", or "no flight" where a case cannot be flown; "rings" where
+        a flexible vehicle is brought back, and an oscillation then grows from nothing.
     """
 
     peak_attitude: FloatArray
@@ -145,7 +150,9 @@ def fly_many(
     -------
     FlownCases
         Largest values and outcomes. A flight is lost when after its wind it leaves the recoverable
-        set of its unstable modes, and survives when it has settled well inside. A case whose
+        set of its unstable modes, and survives when it has settled well inside. A flexible vehicle
+        rings where it does so, but an oscillation of its loop grows near rest, of bending or slosh
+        most often: then the nozzle will swing from stop to stop. A case whose
         limit is not positive, or whose wind is nothing, never ends or lasts for more than a million
         samples, is "no flight", and so is one that could never be decided; the others go on.
 
@@ -207,8 +214,9 @@ def fly_many(
     step = 1.0 / rate
     batch = Batch(plant, wind, laws, factor, limit, most, actuator, step, late, stop, shape)
     if not np.any(good):
-        return _flown_cases(None, good)
-    return _flown_cases(flown(batch if np.all(good) else _only(batch, good)), good)
+        return _flown_cases(None, good, good)
+    some = batch if np.all(good) else _only(batch, good)
+    return _flown_cases(flown(some), good, _rings(some))
 
 
 def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
@@ -240,7 +248,16 @@ def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> 
     return np.broadcast_to(array, shape).ravel()[where]
 
 
-def _flown_cases(f: Flights | None, good: NDArray[np.bool_]) -> FlownCases:
+def _rings(batch: Batch) -> NDArray[np.bool_]:
+    """In which flights of a flexible vehicle an oscillation grows near rest, ``(m,)``."""
+    if not isinstance(batch.plant, FlexiblePlant):
+        return np.zeros(int(np.prod(batch.shape)), dtype=bool)
+    return swing_near_rest(batch) > _RINGING
+
+
+def _flown_cases(
+    f: Flights | None, good: NDArray[np.bool_], rings: NDArray[np.bool_]
+) -> FlownCases:
     """What came of the flights; None where there were none."""
     outcome = np.full(good.shape, len(STATUS) - 1)
     if f is None:
@@ -254,7 +271,8 @@ def _flown_cases(f: Flights | None, good: NDArray[np.bool_]) -> FlownCases:
         return found
 
     h = f.lengths[f.vehicle, 0]
-    outcome[good] = f.outcome
+    brought_back = f.outcome == STATUS.index(SURVIVED)
+    outcome[good] = np.where(brought_back & rings, STATUS.index(RINGS), f.outcome)
     return FlownCases(
         peak_attitude=whole(f.peaks[:, 0]),
         peak_attitude_rate=whole(f.peaks[:, 1]),

@@ -8,7 +8,7 @@ from where it begins to where it ends.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -80,18 +80,6 @@ class Batch:
     delay: FloatArray
     until: float
     shape: tuple[int, ...]
-
-    def repeated(self, times: int) -> Batch:
-        """Return the same flight many times, of one alone."""
-        laws = replace(self.laws, which=np.repeat(self.laws.which, times))
-        return replace(
-            self,
-            laws=laws,
-            gain=np.repeat(self.gain, times),
-            limit=np.repeat(self.limit, times),
-            rate_limit=np.repeat(self.rate_limit, times),
-            shape=(times,),
-        )
 
 
 def one_flight(
@@ -198,10 +186,16 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
 
 def flown(batch: Batch, *, track: bool = False) -> Flights:
     """Return the flights of a batch at their ends; of one alone with its track if asked for."""
-    f, laws = flights(batch, track=track), batch.laws
+    f = flights(batch, track=track)
+    finish(f, batch.laws)
+    return f
+
+
+def finish(f: Flights, laws: LawBatch) -> None:
+    """Fly flights of such laws to their ends."""
     if any(one is None for one in laws.numbers):
         _in_python(f, laws)
-        return f
+        return
     cases = f.limit.size
     last = np.where(f.finish < NEVER, f.finish, f.ends + f.settling)
     samples, first = float(last.sum()), 0
@@ -215,7 +209,6 @@ def flown(batch: Batch, *, track: bool = False) -> Flights:
         compact = f._replace(laws=_table(f.laws))
         work = samples * _COMPILED
         in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
-    return f
 
 
 def _in_python(f: Flights, laws: LawBatch) -> None:
@@ -224,16 +217,16 @@ def _in_python(f: Flights, laws: LawBatch) -> None:
     look, advance = (swiftest(one, whole * _PLAIN / 2.0) for one in (kernel.look, kernel.advance))
     compact = f if look is kernel.look else f._replace(laws=_table(f.laws))
     k = 0
-    while advanced(compact, laws, k, look, advance):
+    while _advanced(compact, laws, k, look, advance):
         k += 1
 
 
-def advanced(
+def _advanced(
     f: Flights,
     laws: LawBatch,
     k: int,
-    look: Callable[..., int] = kernel.look,
-    advance: Callable[..., None] = kernel.advance,
+    look: Callable[..., int],
+    advance: Callable[..., None],
 ) -> bool:
     """Move all flights that go on by a sample, whatever their laws; return whether any did."""
     with np.errstate(all="ignore"):  # a lost flight may leave all numbers
