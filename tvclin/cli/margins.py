@@ -80,7 +80,7 @@ def margins(
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
-    sample_rate: SampleRate = 100.0,
+    sample_rate: SampleRate = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -92,6 +92,8 @@ def margins(
     With --flown also how much may change before a flight through the wind, with a deflection
     limit, is lost; the criteria judge the linear margins alone.
     """
+    from dataclasses import replace
+
     from tvclin.base.errors import InputError, one_of
     from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
     from tvclin.cli.output import print_json
@@ -106,7 +108,7 @@ def margins(
             "--mode-gain-db and --mode-phase-deg are asked of modes: they need a vehicle file with"
             " [[bending]] or [[slosh]], and no --rigid"
         )
-    autopilot = gains.autopilot(frame)
+    autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
     fine = flown and found.whole.stable
