@@ -93,6 +93,7 @@ def test_rigid_leaves_the_structure_out():
         (("made-up-booster", "--model", "drift"), 'use "drift-exact"'),
         (("made-up-booster", "--rigid", "--mode-gain-db", "6"), "are asked of modes: they need"),
         (("configuration-i", "--mode-phase-deg", "6"), "are asked of modes: they need"),
+        (("made-up-booster", "--rigid", "--detuned"), "--detuned moves modes: it needs"),
         (("made-up-booster", "--actuator-frequency", "0"), "actuator of second order"),
         (("made-up-booster", "--mode-gain-db", "-6"), "--mode-gain-db must be zero or positive"),
     ],
@@ -101,3 +102,22 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
     result = run("margins", *arguments)
     assert result.exit_code == 2
     assert message in result.stderr
+
+
+def test_detuned_modes_are_those_of_the_library():
+    asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
+    document = json.loads(margins(*asked, "--json").output)["detuned"]
+    criteria = tv.Criteria.own(aero_margin_dB=3, gain_increase_dB=3, phase_margin_deg=20)
+    expected = tv.detuned(autopilot(), booster(), criteria=criteria)
+    assert [row["change"] for row in document["rows"]] == list(expected.changes)
+    assert [row["first"] for row in document["rows"]] == list(expected.first)
+    assert "unstable" in expected.first
+    for row, phase in zip(document["rows"], expected.margins.phase_margin_deg, strict=True):
+        found = row["phase_margin_deg"]
+        assert (found is None) == (row["status"] != "ok")
+        assert found is None or found == pytest.approx(phase, rel=1e-9)
+    edge = expected.edges[1]
+    assert document["edges"][1]["lower"] == pytest.approx(edge.lower, rel=1e-9)
+    shown = margins(*asked).output
+    assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
+    assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)

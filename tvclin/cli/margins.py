@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.detuned import IsDetuned, detuned_document, detuned_of, print_detuned
 from tvclin.cli.flown import (
     Flown,
     FlownCase,
@@ -64,6 +65,7 @@ def margins(
     mode_gain_db: ModeGainDb = None,
     mode_phase_deg: ModePhaseDeg = None,
     rigid: Rigid = False,
+    detuned: IsDetuned = False,
     model: Annotated[
         str | None,
         typer.Option(
@@ -110,6 +112,7 @@ def margins(
         )
     autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
+    moved = detuned_of(found) if detuned else None
     case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
     fine = flown and found.whole.stable
     in_wind = case.margins(loaded, plane, frame, autopilot) if fine else None
@@ -117,10 +120,13 @@ def margins(
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
         head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
-        beside = {} if in_wind is None else {"flown": flown_document(in_wind)}
+        beside = {} if moved is None else {"detuned": detuned_document(moved)}
+        beside |= {} if in_wind is None else {"flown": flown_document(in_wind)}
         print_json({**head, **margins_document(found), **beside})
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
+        if moved is not None:
+            print_detuned(moved)
         if in_wind is not None:
             print_flown(in_wind, case.title)
     if not found.met:
