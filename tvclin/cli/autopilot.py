@@ -7,7 +7,8 @@ import typer
 
 from tvclin.cli.gains import GainOptions, gains_document, takes_gains
 from tvclin.cli.inputs import peak_angle
-from tvclin.cli.margins import CriteriaName, poles, wanted_criteria
+from tvclin.cli.margin_tables import poles
+from tvclin.cli.margins import CriteriaName, wanted_criteria
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -63,7 +64,7 @@ def autopilot(
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
-    asked = wanted_criteria(criteria, None, None, None)
+    asked = wanted_criteria(criteria)
     plant = Plant.from_vehicle(loaded, model, plane)
     found = compare_with_trim(plant, gains.autopilot(plant), shape(peak=peak, duration=duration))
     worst = _worst(found, peak, duration, shape)

@@ -18,7 +18,14 @@ Flown = Annotated[
     typer.Option("--flown", help="Fly the wind with --limit-deg, and say what may change then."),
 ]
 FlownLimitDeg = Annotated[float | None, typer.Option(help="Deflection limit of --flown, in deg.")]
-SampleRate = Annotated[float, typer.Option(help="Samples of the autopilot in --flown, in Hz.")]
+SampleRate = Annotated[
+    float | None,
+    typer.Option(
+        help="Samples of the autopilot, in Hz; without it the margins are those of a continuous"
+        " one, and --flown has 100."
+    ),
+]
+_RATE = 100.0
 
 
 @dataclass(frozen=True)
@@ -30,7 +37,7 @@ class FlownCase:
     duration: float
     peak_deg: float | None
     peak_speed: float | None
-    sample_rate: float
+    sample_rate: float | None
 
     def margins(
         self, vehicle: "VehicleData", plane: str, plant: "Plant", autopilot: "Autopilot"
@@ -50,20 +57,25 @@ class FlownCase:
         shape = PULSES[one_of("--wind", self.wind, PULSES)]
         return flown_margins(
             plant,
-            SaturatedLaw(replace(autopilot, actuator=None, delay=0.0)),
+            SaturatedLaw(replace(autopilot, actuator=None, delay=0.0, sample_rate=None)),
             shape(peak=peak, duration=self.duration),
             limit=limit,
             actuator=autopilot.actuator,
-            sample_rate=self.sample_rate,
+            sample_rate=self.rate,
             delay=float(autopilot.delay),
         )
+
+    @property
+    def rate(self) -> float:
+        """Samples of the flights [Hz]."""
+        return _RATE if self.sample_rate is None else self.sample_rate
 
     @property
     def title(self) -> str:
         """The case in one line."""
         return (
             f"In this {self.wind} wind of {self.duration:g} s, with a stop at {self.limit_deg:g}"
-            f" deg, {self.sample_rate:g} Hz"
+            f" deg, {self.rate:g} Hz"
         )
 
 

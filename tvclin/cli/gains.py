@@ -1,6 +1,6 @@
 """The options that describe an autopilot, and the autopilot that they ask for."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from inspect import Parameter, Signature, signature
@@ -11,6 +11,7 @@ import typer
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.linear.plant import Plant
+    from tvclin.vehicle.filters import Filter
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,22 @@ class GainOptions:
     delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
         0.0
     )
+    notch_hz: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="F,ZEROS,POLES",
+            help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
+            " poles, as in 12,0.05,0.5; may be given several times.",
+        ),
+    ] = None
+    low_pass_hz: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="F[,DAMPING]",
+            help="Low-pass filter there: frequency in Hz, of second order with a damping; may be"
+            " given several times.",
+        ),
+    ] = None
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
@@ -50,9 +67,36 @@ class GainOptions:
         from tvclin.control.autopilot.rules import GainsAsked
 
         asked = dict(vars(self))
+        notches, passes = asked.pop("notch_hz"), asked.pop("low_pass_hz")
+        asked["filters"] = _filters(notches or (), passes or ())
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
         number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
         return GainsAsked(delay=delay / 1000.0, **asked).autopilot(plant)
+
+
+def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+    from tvclin.vehicle.filters import Filter
+
+    made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]
+    made += [Filter.low_pass(*_numbers("--low-pass-hz", given, 1, 2)) for given in passes]
+    return tuple(made)
+
+
+def _numbers(option: str, given: str, least: int, most: int) -> list[float]:
+    """Return numbers that commas part, the first of them a frequency, from Hz to rad/s."""
+    from math import pi
+
+    from tvclin.base.errors import InputError, number, positive
+
+    parts = given.replace(",", " ").split()
+    try:
+        found = [float(part) for part in parts]
+    except ValueError:
+        found = []
+    if not least <= len(found) <= most:
+        count = f"{least}" if least == most else f"{least} or {most}"
+        raise InputError(f"{option} must be {count} numbers with commas between; got {given!r}")
+    return [2.0 * pi * number(option, found[0], positive, "Hz"), *found[1:]]
 
 
 def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
@@ -74,6 +118,8 @@ def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
 
 def gains_document(autopilot: "Autopilot") -> dict[str, Any]:
     """Return the numbers of an autopilot for JSON."""
+    from tvclin.control.autopilot.feedback import CHAINS
+
     actuator = autopilot.actuator
     return {
         "attitude_gain": autopilot.attitude_gain,
@@ -84,4 +130,12 @@ def gains_document(autopilot: "Autopilot") -> dict[str, Any]:
         "actuator": None
         if actuator is None
         else {"natural_frequency_rad_s": actuator.natural_frequency, "damping": actuator.damping},
+        **{
+            name: [
+                {"numerator": one.numerator, "denominator": one.denominator}
+                for one in getattr(autopilot, name)
+            ]
+            for name in CHAINS
+        },
+        "sample_rate_Hz": autopilot.sample_rate,
     }

@@ -4,8 +4,31 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
+    from tvclin.linear.flexible import AnyPlant
+    from tvclin.linear.plant import Plant
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
+
+
+def load_plant(
+    source: str, model: str | None, plane: str, rigid: bool
+) -> "tuple[Vehicle, AnyPlant, Plant]":
+    """Return a vehicle, its plant, and the rigid plant of the same model.
+
+    The plant is flexible where the file has a structure and `rigid` is not asked for; without a
+    model it is "drift-exact" then, and "drift" else.
+    """
+    from tvclin.linear.flexible import FlexiblePlant
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.file import load_vehicle
+    from tvclin.vehicle.structure_file import load_structure
+
+    loaded, structure = load_vehicle(source), load_structure(source)
+    if rigid or structure.is_rigid:
+        plant = Plant.from_vehicle(loaded, model or "drift", plane)
+        return loaded, plant, plant
+    bends = FlexiblePlant.from_vehicle(loaded, structure, model or "drift-exact", plane)
+    return loaded, bends, bends.rigid
 
 
 def peak_angle(

@@ -247,6 +247,12 @@ class Structure:
         return card("Structure", rows)
 
     @property
+    def is_rigid(self) -> bool:
+        """Whether nothing bends, sloshes or swings, and no sensor lags."""
+        parts = (self.engine, self.attitude_sensor, self.rate_gyro)
+        return not (self.bending or self.slosh) and all(part is None for part in parts)
+
+    @property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one structure."""
         return _batch(self)

@@ -10,7 +10,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import one_of
-from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
+from tvclin.control.autopilot.rules import GainsAsked
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import gust_of, winds_of
 
@@ -40,9 +40,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         gust=gust,
         sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
-        gains=GainsAsked(**AUTOPILOT_TABLE.read(document["autopilot"]))
-        if "autopilot" in document
-        else None,
+        gains=GainsAsked.from_table(document["autopilot"]) if "autopilot" in document else None,
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,
         **question,
         **given,

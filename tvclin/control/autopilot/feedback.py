@@ -23,6 +23,7 @@ GAINS = {
 }
 """The gains, and of what kind of `UNITS` each is."""
 CHAINS = ("attitude_filters", "rate_filters", "filters")
+_PLACES = dict(zip(CHAINS, ("on the attitude", "on the rate", "behind the sum"), strict=True))
 _HIGHEST_PADE = 10
 """Beyond, the coefficients of the approximation span more decades than a number has digits."""
 
@@ -87,7 +88,18 @@ class Feedback:
             engine = significant("gains.actuator_frequency", frequency, 4, "rad/s, damping ")
             engine = (*engine, *significant("gains.actuator_damping", damping, 3))
         delay = significant("gains.delay_ms", 1000.0 * np.asarray(self.delay), 4, "ms")
-        return [*rows, ("actuator", engine), ("delay", delay)]
+        rows += [("actuator", engine), ("delay", delay)]
+        orders = {name: [one.order for one in getattr(self, name)] for name in CHAINS}
+        chains = [
+            f"{len(held)} {_PLACES[name]} (order {sum(held)})"
+            for name, held in orders.items()
+            if held
+        ]
+        if chains:
+            rows.append(("filters", (", ".join(chains),)))
+        if self.sample_rate is not None:
+            rows.append(("samples", significant("gains.sample_rate", self.sample_rate, 5, "Hz")))
+        return rows
 
     @property
     def batch(self) -> tuple[int, ...]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
-from tvclin.base.errors import InputError, instance, nonnegative, number, one_of, single
+from tvclin.base.errors import InputError, each, instance, nonnegative, number, one_of, single
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.autopilot.feedback import CHAINS, GAINS
+from tvclin.control.autopilot.filter_tables import filter_chains
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
@@ -19,6 +20,7 @@ from tvclin.control.autopilot.gains import (
 )
 from tvclin.control.autopilot.optimal import lqr_gains
 from tvclin.linear.plant import MODELS, Plant
+from tvclin.vehicle.filters import Filter
 
 DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
 _BY_POLES: dict[str, Callable[..., Autopilot]] = {
@@ -30,7 +32,10 @@ _DAMPING = 0.7
 _RULE = {"natural_frequency": "natural frequency", "damping": "number"}
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
 AUTOPILOT_TABLE = Table(
-    "[autopilot]", {**_RULE, **GAINS, **_ACTUATOR, "delay": "delay"}, words=("design", "model")
+    "[autopilot]",
+    {**_RULE, **GAINS, **_ACTUATOR, "delay": "delay"},
+    words=("design", "model"),
+    lists=("filter",),
 )
 
 
@@ -55,6 +60,8 @@ class GainsAsked:
         Natural frequency [rad/s] and damping ratio of the actuator; no actuator at zero.
     delay : float
         Between sensors and actuator [s].
+    filters, attitude_filters, rate_filters : tuple of Filter
+        As of `Autopilot`.
     """
 
     model: str = "drift"
@@ -68,6 +75,9 @@ class GainsAsked:
     actuator_frequency: float = 25.1
     actuator_damping: float = 0.7
     delay: float = 0.0
+    filters: tuple[Filter, ...] = ()
+    attitude_filters: tuple[Filter, ...] = ()
+    rate_filters: tuple[Filter, ...] = ()
 
     def __post_init__(self) -> None:
         one_of("model of the autopilot", self.model, MODELS)
@@ -78,6 +88,22 @@ class GainsAsked:
         for name in (*_RULE, *GAINS, "actuator_damping"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name)))
+        for name in CHAINS:
+            chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
+            object.__setattr__(self, name, chain)
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> Self:
+        """Return what the table [autopilot] of a file asks for, with its [[autopilot.filter]].
+
+        Raises
+        ------
+        InputError
+            For what the table may not hold, and as `GainsAsked` itself.
+        """
+        found = AUTOPILOT_TABLE.read(table)
+        chains: dict[str, Any] = filter_chains(found.pop("filter", ()))
+        return cls(**found, **chains)
 
     def autopilot(self, plant: Plant) -> Autopilot:
         """Return the autopilot for a plant.
@@ -94,6 +120,7 @@ class GainsAsked:
             "actuator": self._actuator,
             "integral_gain": self.integral_gain,
             "delay": self.delay,
+            **{name: getattr(self, name) for name in CHAINS},
         }
         rule = self.design, self.natural_frequency, self.damping
         if all(gain is None for gain in (self.attitude_gain, self.rate_gain, self.alpha_gain)):

@@ -71,7 +71,7 @@ class Requirement:
     @property
     def shown(self) -> tuple[float, str]:
         """The limit in the unit that tables show, and that unit."""
-        unit = MARGINS[self.margin][1]
+        unit = "ms" if self.unit == "s" else self.unit
         return factor_to(unit) * self.limit, unit
 
     @property

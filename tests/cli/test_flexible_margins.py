@@ -1,0 +1,123 @@
+"""`tvclin margins` of a vehicle that bends and sloshes: the numbers of the library, by band."""
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+
+GAINS = ("--attitude-gain", "0.2", "--rate-gain", "0.2", "--delay-ms", "20")
+FREQUENCY = ("--actuator-frequency", "10")
+"""Of an actuator slow enough to keep the second and third mode small."""
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, list(arguments))
+
+
+def booster(model="drift-exact"):
+    name = "made-up-booster"
+    return tv.FlexiblePlant.from_vehicle(tv.load_vehicle(name), tv.load_structure(name), model)
+
+
+def autopilot(**changes):
+    gains = {"attitude_gain": 0.2, "rate_gain": 0.2, "delay": 0.02}
+    servo = tv.Actuator(natural_frequency=10.0, damping=0.7)
+    return tv.Autopilot(**{**gains, "actuator": servo, **changes})
+
+
+def margins(*more, file="made-up-booster"):
+    return run("margins", file, *GAINS, *FREQUENCY, *more)
+
+
+def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_band():
+    result = margins("--json")
+    document, expected = json.loads(result.output), autopilot().band_margins(booster())
+    assert document["flexible"]
+    assert document["model"] == "drift-exact"
+    for name in ("aero_margin_dB", "gain_increase", "phase_margin_deg", "disk_margin"):
+        found = document["margins"][name]
+        assert found == pytest.approx(getattr(expected.whole, name), rel=1e-12, nan_ok=True)
+    rigid = document["bands"]["rigid_body"]
+    assert rigid["phase_margin"] == pytest.approx(expected.rigid.phase_margin, rel=1e-12)
+    for mode in expected.modes:
+        found = document["bands"]["modes"][mode.name]
+        assert found["stabilised"] == mode.stabilised
+        assert found["distance"] == pytest.approx(mode.distance, rel=1e-12)
+        assert found["closed_pole"]["real"] == pytest.approx(mode.closed_pole.real, rel=1e-12)
+    shown = margins().output
+    assert shown.startswith("Flexible vehicle (--rigid: without): 3 bending modes, 2 tanks, engine")
+    for mode in expected.modes:
+        word = {"with the rigid body": "rigid"}.get(mode.stabilised, mode.stabilised)
+        assert re.search(rf"{mode.name} +{word} +{mode.frequency:.4g}", shown)
+
+
+def test_modes_are_judged_where_the_command_line_asks_it_of_them():
+    own = ("--gain-db", "3", "--phase-deg", "20")
+    assert margins(*own).exit_code == 0
+    document = json.loads(margins(*own, "--mode-gain-db", "6", "--json").output)
+    judged = {(one["band"], one["margin"]): one for one in document["criteria"]["requirements"]}
+    second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
+    found = judged["bending 2", "mode_gain_margin_dB"]
+    assert found["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
+    assert [key[0] for key, one in judged.items() if not one["met"]] == ["bending 2"]
+    failed = margins(*own, "--mode-gain-db", "6", "--mode-phase-deg", "30")
+    assert failed.exit_code == 1
+    assert re.search(rf"bending 2 .* 6 dB +{second - 6.0:.3g} NOT MET", failed.output)
+    assert re.search(r"bending 1 .* 30 deg .* met", failed.output)
+
+
+def test_an_unstable_flexible_vehicle_says_which_mode_is_lost():
+    result = margins("--actuator-frequency", "15")
+    assert result.exit_code == 1
+    assert "NO MARGINS: the closed loop is unstable: 2 closed-loop poles" in result.output
+    assert re.search(r"bending 2 +unstable", result.output)
+    assert not re.search(r"bending 1 +unstable", result.output)
+
+
+def test_rigid_leaves_the_structure_out():
+    document = json.loads(margins("--rigid", "--model", "drift-exact", "--json").output)
+    expected = autopilot().margins(booster().rigid)
+    assert not document["flexible"]
+    assert "bands" not in document
+    assert document["margins"]["gain_increase"] == pytest.approx(expected.gain_increase, rel=1e-12)
+    assert json.loads(margins("--rigid", "--json").output)["model"] == "drift"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("made-up-booster", "--model", "drift"), 'use "drift-exact"'),
+        (("made-up-booster", "--rigid", "--mode-gain-db", "6"), "are asked of modes: they need"),
+        (("configuration-i", "--mode-phase-deg", "6"), "are asked of modes: they need"),
+        (("made-up-booster", "--rigid", "--detuned"), "--detuned moves modes: it needs"),
+        (("made-up-booster", "--actuator-frequency", "0"), "actuator of second order"),
+        (("made-up-booster", "--mode-gain-db", "-6"), "--mode-gain-db must be zero or positive"),
+    ],
+)
+def test_what_does_not_go_together_is_one_sentence(arguments, message):
+    result = run("margins", *arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
+def test_detuned_modes_are_those_of_the_library():
+    asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
+    document = json.loads(margins(*asked, "--json").output)["detuned"]
+    criteria = tv.Criteria.own(aero_margin_dB=3, gain_increase_dB=3, phase_margin_deg=20)
+    expected = tv.detuned(autopilot(), booster(), criteria=criteria)
+    assert [row["change"] for row in document["rows"]] == list(expected.changes)
+    assert [row["first"] for row in document["rows"]] == list(expected.first)
+    assert "unstable" in expected.first
+    for row, phase in zip(document["rows"], expected.margins.phase_margin_deg, strict=True):
+        found = row["phase_margin_deg"]
+        assert (found is None) == (row["status"] != "ok")
+        assert found is None or found == pytest.approx(phase, rel=1e-9)
+    edge = expected.edges[1]
+    assert document["edges"][1]["lower"] == pytest.approx(edge.lower, rel=1e-9)
+    shown = margins(*asked).output
+    assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
+    assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)

@@ -1,0 +1,162 @@
+"""Filters of an autopilot as files and the command line name them."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.cli.app import app
+from tvclin.control.autopilot.rules import GainsAsked
+
+TABLES = """
+[autopilot]
+attitude_gain = 0.36
+rate_gain_s = 0.56
+
+[[autopilot.filter]]
+kind = "notch"
+frequency_Hz = 12
+zero_damping = 0.05
+pole_damping = 0.5
+
+[[autopilot.filter]]
+kind = "low-pass"
+frequency_rad_per_s = 60
+damping = 0.7
+on = "rate"
+
+[[autopilot.filter]]
+kind = "lead-lag"
+zero_rad_per_s = -8
+pole_Hz = 2
+on = "attitude"
+
+[[autopilot.filter]]
+kind = "rational"
+numerator = [1, 2]
+denominator = [1, 3, 9]
+"""
+STUDY = """
+[study]
+vehicle = "configuration-i"
+
+[wind]
+shape = "triangular"
+peak_deg = 5
+duration_s = 7.5
+"""
+
+
+def table(text=TABLES):
+    return tomllib.loads(text)["autopilot"]
+
+
+def test_a_file_names_the_filters_of_each_place():
+    asked = GainsAsked.from_table(table())
+    s = 1j * np.array([0.3, 5.0, 75.0])
+    w = 24.0 * np.pi
+    notch = (s**2 + 0.1 * w * s + w**2) / (s**2 + 1.0 * w * s + w**2)
+    wanted = {
+        "filters": [notch, (s + 2.0) / (s**2 + 3.0 * s + 9.0)],
+        "rate_filters": [3600.0 / (s**2 + 84.0 * s + 3600.0)],
+        "attitude_filters": [(1.0 - s / 8.0) / (1.0 + s / (4.0 * np.pi))],
+    }
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    for name, values in wanted.items():
+        chain = getattr(asked.autopilot(plant), name)
+        assert len(chain) == len(values)
+        for one, value in zip(chain, values, strict=True):
+            np.testing.assert_allclose(one(s), value, rtol=1e-13)
+
+
+def test_a_study_file_takes_them_and_a_rule_keeps_them():
+    plan = parse_study(tomllib.loads(STUDY + TABLES))
+    assert len(plan.gains.filters) == 2
+    rule = STUDY + TABLES.replace(
+        "attitude_gain = 0.36\nrate_gain_s = 0.56", 'design = "canonical"'
+    )
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    assert len(parse_study(tomllib.loads(rule)).gains.autopilot(plant).rate_filters) == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('kind = "notch"\n', "", "filter 1 of the autopilot: a key is missing in .*: kind"),
+        ('"notch"', '"comb"', "filter 1 of the autopilot: kind must be one of notch, low-pass"),
+        ("zero_damping = 0.05\n", "", "filter 1 .*: zero_damping"),
+        ('on = "rate"', 'on = "roll"', "filter 2 .*on must be one of sum, attitude, rate"),
+        ("damping = 0.7", "pole_damping = 0.7", "a low-pass filter takes frequency, damping; got"),
+        ("frequency_Hz", "frequency", "frequency has no known unit in .*autopilot.filter"),
+        ("[1, 2]", '[1, "two"]', r"numerator\[1\] must be a number"),
+        ("[1, 2]", "[1, 2, 3, 4]", "numerator must not be of higher degree"),
+    ],
+)
+def test_a_wrong_filter_is_named_in_one_sentence(old, new, message):
+    with pytest.raises(tv.InputError, match=message):
+        GainsAsked.from_table(table(TABLES.replace(old, new, 1)))
+
+
+def test_what_is_no_table_of_filters_is_refused():
+    with pytest.raises(tv.InputError, match="filter in .autopilot. must be a list"):
+        GainsAsked.from_table({"filter": "notch"})
+    with pytest.raises(tv.InputError, match=r"must be given as \[\[autopilot.filter\]\]"):
+        GainsAsked.from_table({"filter": [1]})
+
+
+def margins(*more):
+    gains = ("--attitude-gain", "0.36", "--rate-gain", "0.56", "--delay-ms", "20")
+    return CliRunner().invoke(app, ["margins", "made-up-booster", *gains, *more])
+
+
+FILTERS = ("--notch-hz", "5.1,0.06,0.6", "--low-pass-hz", "2.1,0.95")
+
+
+@pytest.mark.parametrize("rate", [None, 25.0])
+def test_the_command_line_has_filters_and_a_sample_rate(rate):
+    sampled = () if rate is None else ("--sample-rate", str(rate))
+    result = margins(*FILTERS, *sampled, "--json")
+    document = json.loads(result.output)
+    name = "made-up-booster"
+    plant = tv.FlexiblePlant.from_vehicle(
+        tv.load_vehicle(name), tv.load_structure(name), "drift-exact"
+    )
+    hertz = 2.0 * np.pi
+    expected = tv.Autopilot(
+        attitude_gain=0.36,
+        rate_gain=0.56,
+        delay=0.02,
+        actuator=tv.Actuator(),
+        filters=(tv.Filter.notch(5.1 * hertz, 0.06, 0.6), tv.Filter.low_pass(2.1 * hertz, 0.95)),
+        sample_rate=rate,
+    ).margins(plant)
+    assert document["stable"]
+    for margin in ("gain_increase_dB", "phase_margin_deg", "delay_margin"):
+        assert document["margins"][margin] == pytest.approx(getattr(expected, margin), rel=1e-9)
+    poles = document["closed_loop_poles" if rate is None else "closed_loop_poles_z"]
+    values = [complex(p["real"], p["imag"]) for p in poles]
+    assert max(abs(z) for z in values) < 1 if rate else max(s.real for s in values) < 0
+    shown = margins(*FILTERS, *sampled).output
+    assert "2 behind the sum (order 4)" in shown
+    assert ("25 Hz" in shown) == (rate is not None)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--notch-hz", "12,0.05"), "--notch-hz must be 3 numbers with commas between"),
+        (("--notch-hz", "12,a,1"), "--notch-hz must be 3 numbers with commas between"),
+        (("--low-pass-hz", "1,2,3"), "--low-pass-hz must be 1 or 2 numbers"),
+        (("--low-pass-hz", "-1"), "--low-pass-hz must be positive"),
+        (("--notch-hz", "12,0.05,-1"), "pole_damping must be"),
+        (("--sample-rate", "0"), "sample_rate must be"),
+    ],
+)
+def test_wrong_filters_on_the_command_line_are_one_sentence(arguments, message):
+    result = margins(*arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr

@@ -1,0 +1,78 @@
+"""What `tvclin margins --detuned` adds: margins with the modes off their places."""
+
+from math import isnan
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from tvclin.cli.margin_tables import MarginsFound
+    from tvclin.control.autopilot.detuning import Detuned
+
+IsDetuned = Annotated[
+    bool,
+    typer.Option(
+        "--detuned",
+        help="Also move each mode by up to 20 percent, halve its damping and turn its slopes.",
+    ),
+]
+_NUMBERS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "delay_margin")
+
+_SIDES = {"aero_margin_dB": "down", "gain_increase_dB": "up"}
+"""In the words of the headings."""
+
+
+def detuned_of(found: "MarginsFound") -> "Detuned":
+    """Return the loop with its modes off their places, for what is asked of the whole loop."""
+    from dataclasses import replace
+
+    from tvclin.base.errors import InputError
+    from tvclin.control.autopilot.detuning import detuned
+    from tvclin.control.margins.record import MARGINS
+    from tvclin.linear.flexible import FlexiblePlant
+
+    if not isinstance(found.plant, FlexiblePlant):
+        raise InputError(
+            "--detuned moves modes: it needs a vehicle file with [[bending]] or [[slosh]], and no"
+            " --rigid"
+        )
+    whole = tuple(one for one in found.asked.requirements if one.margin in MARGINS)
+    return detuned(found.autopilot, found.plant, criteria=replace(found.asked, requirements=whole))
+
+
+def print_detuned(found: "Detuned") -> None:
+    """Print a row for each change, what fails first in it, and where the loop is lost."""
+    from tvclin.cli.output import print_table
+    from tvclin.control.margins.record import MARGINS
+
+    def cell(name: str, k: int) -> str:
+        value = getattr(found.margins, name)[k]
+        return "-" if isnan(value) else f"{value:.2f}"
+
+    rows = []
+    for k, (change, first) in enumerate(zip(found.changes, found.first, strict=True)):
+        word = _SIDES.get(first) or (MARGINS[first][0] if first in MARGINS else first.upper())
+        short = change.replace(" at the sensors", "").replace("half its", "half")
+        rows.append([short, *(cell(name, k) for name in _NUMBERS[:3]), word])
+    headings = ["change", "down [dB]", "up [dB]", "phase [deg]", "fails first"]
+    print_table("Modes off their places", headings, rows)
+    for edge in found.edges:
+        sides = [f"{side:.3f}" for side in (edge.lower, edge.upper) if not isnan(side)]
+        if sides:
+            typer.echo(f"{edge.name}: unstable at {' and '.join(sides)} of its frequency")
+    if all(isnan(side) for edge in found.edges for side in (edge.lower, edge.upper)):
+        typer.echo("Between these frequencies the loop becomes unstable nowhere.")
+
+
+def detuned_document(found: "Detuned") -> dict[str, Any]:
+    """Return the same for JSON; what does not exist becomes null."""
+    rows = [
+        {
+            "change": change,
+            "status": str(found.margins.status[k]),
+            **{name: float(getattr(found.margins, name)[k]) for name in _NUMBERS},
+            "first": found.first[k],
+        }
+        for k, change in enumerate(found.changes)
+    ]
+    return {"rows": rows, "edges": [vars(edge) for edge in found.edges]}

@@ -1,0 +1,175 @@
+"""What `tvclin margins` prints: an autopilot, the margins of its loop, and the criteria."""
+
+import textwrap
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from tvclin.cli.gains import gains_document
+
+if TYPE_CHECKING:
+    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.margins.bands import BandMargins
+    from tvclin.control.margins.criteria import Criteria, Judgement
+    from tvclin.control.margins.record import Margins
+    from tvclin.linear.flexible import AnyPlant
+
+_DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
+"""Behind the point, of a margin in each unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class MarginsFound:
+    """The margins of an autopilot around a plant, and what is asked of them.
+
+    Attributes
+    ----------
+    autopilot, plant
+        The loop.
+    whole : Margins
+        Of the whole loop.
+    bands : BandMargins, optional
+        Of a flexible plant.
+    asked : Criteria
+        What is asked.
+    """
+
+    autopilot: "Autopilot"
+    plant: "AnyPlant"
+    whole: "Margins"
+    bands: "BandMargins | None"
+    asked: "Criteria"
+
+    @classmethod
+    def of(cls, autopilot: "Autopilot", plant: "AnyPlant", asked: "Criteria") -> "MarginsFound":
+        """Return the margins of a plant, by band too where it is flexible."""
+        from tvclin.linear.flexible import FlexiblePlant
+
+        if not isinstance(plant, FlexiblePlant):
+            return cls(autopilot, plant, autopilot.margins(plant), None, asked)
+        bands = autopilot.band_margins(plant)
+        return cls(autopilot, plant, bands.whole, bands, asked)
+
+    @property
+    def judged(self) -> "tuple[Judgement, ...]":
+        """What is asked, of the whole loop and of each mode, and whether it is met."""
+        return self.asked.judge(self.bands or self.whole)
+
+    @property
+    def met(self) -> bool:
+        """Whether all of it is met."""
+        return bool(self.asked.are_met(self.bands or self.whole))
+
+
+def print_margins(title: str, found: MarginsFound) -> None:
+    """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
+    from tvclin.cli.bands import judged_cells, parts_line, print_bands
+    from tvclin.cli.output import print_pairs, print_table, shown
+    from tvclin.linear.flexible import FlexiblePlant
+
+    pairs, whole = shown(found.autopilot.rows()), found.whole
+    if isinstance(found.plant, FlexiblePlant):
+        typer.echo(_lines(parts_line(found.plant.structure)))
+    elif found.autopilot.sample_rate is None:
+        pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
+    print_pairs(title, pairs, columns=1)
+    if whole.stable:
+        judged = {one.requirement.margin: one for one in found.judged if not one.band}
+        headings = ["margin", "value", "at [rad/s]", "asked", "by"]
+        rows = [[*row, *judged_cells(judged.get(name))] for name, row in _rows(whole)]
+        print_table("", headings, rows)
+    else:
+        typer.echo(_lines(f"NO MARGINS: {whole.reason}"))
+    if found.bands is not None:
+        print_bands(found.bands, found.asked)
+    if whole.stable:
+        for note in whole.notes:
+            typer.echo(_lines(f"Note: {note}"))
+        typer.echo(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
+        if not found.met:
+            typer.echo("Other gains: --natural-frequency and --damping, or gains of your own.")
+
+
+def poles(autopilot: "Autopilot", plant: Any) -> str:
+    """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
+    import numpy as np
+
+    from tvclin.control.margins.loop import beside_exact
+
+    every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
+    if autopilot.delay:
+        every = every[(every.real > 0.0) | beside_exact(every, autopilot.rational_loop(plant))]
+    shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
+    return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
+
+
+def _lines(text: str) -> str:
+    """Return a text in lines that fit a terminal."""
+    return textwrap.fill(text, width=80, subsequent_indent="  ", break_on_hyphens=False)
+
+
+def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
+    beside = {
+        "aero_margin_dB": f" ({found.aero_margin:.3g}x)",
+        "gain_increase_dB": f" ({found.gain_increase:.3g}x)",
+    }
+    rows = []
+    for name, label, value, unit, at in found.rows():
+        shown = f"{value:.{_DIGITS[unit]}f} {unit}".strip() + beside.get(name, "")
+        when = f"{at:.4g}" if at >= 0.0 else "-"
+        rows.append((name, [label, shown, when]))
+        if name == "disk_margin":
+            both = f"{found.disk_margin_dB:.2f} dB, {found.disk_phase_deg:.1f} deg"
+            rows.append(("", ["  gain and phase", both, when]))
+    return rows
+
+
+def margins_document(found: MarginsFound) -> dict[str, Any]:
+    """Return gains, poles, margins and criteria for JSON; what does not exist becomes null."""
+    from tvclin.cli.bands import bands_document
+
+    whole, autopilot = found.whole, found.autopilot
+    numbers = {
+        name: value for name, value in vars(whole).items() if name not in {"crossings", "status"}
+    }
+    properties = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin_dB")
+    bands = {} if found.bands is None else {"bands": bands_document(found.bands)}
+    return {
+        "flexible": found.bands is not None,
+        "autopilot": gains_document(autopilot),
+        **_poles_document(autopilot, found.plant),
+        "stable": whole.stable,
+        "status": whole.status,
+        "reason": whole.reason or None,
+        "margins": numbers | {name: getattr(whole, name) for name in properties},
+        **bands,
+        "criteria": {
+            "name": found.asked.name,
+            "met": found.met,
+            "requirements": [
+                {
+                    "margin": one.requirement.margin,
+                    "band": one.band or None,
+                    "limit": one.requirement.limit,
+                    "value": one.value,
+                    "surplus": one.surplus,
+                    "met": one.met,
+                    "source": one.requirement.source,
+                }
+                for one in found.judged
+            ],
+        },
+        "notes": list(whole.notes),
+    }
+
+
+def _poles_document(autopilot: "Autopilot", plant: "AnyPlant") -> dict[str, Any]:
+    """Return the closed-loop poles: s [1/s], or z of a sampled autopilot."""
+    from tvclin.control.margins.sampled_loop import SampledLoop
+
+    if autopilot.sample_rate is None:
+        return {"closed_loop_poles": autopilot.closed_loop_poles(plant).tolist()}
+    loop = autopilot.exact_loop(plant)
+    assert isinstance(loop, SampledLoop)
+    return {"closed_loop_poles_z": loop.closed_loop_poles.tolist()}
