@@ -8,8 +8,8 @@ import pytest
 
 import tvclin as tv
 from tvclin import plots
-from tvclin.control.autopilot.wiring import rational_loop
 from tvclin.plots.bode_and_nichols import box_sides
+from tvclin.plots.locus import LocusPoles
 
 mpl.use("Agg")
 
@@ -462,11 +462,12 @@ def test_winds_and_criteria_of_another_kind_are_refused():
 
 
 def test_the_pade_loop_of_the_locus_is_that_of_the_autopilot():
-    from tvclin.plots.loop_samples import sampled
-
     autopilot, plant = integrating()
-    system = sampled("test", autopilot, plant).system()
-    s = 0.3 + 1j * np.array([0.01, 0.5, 3.0, 40.0])
+    loop = autopilot.rational_loop(plant)
+    system, locus = autopilot.loop(plant), LocusPoles.of("test", loop, autopilot.pade_order)
+    factors = np.array([0.5, 2.0])
 
-    np.testing.assert_allclose(system(s), autopilot.loop(plant)(s), rtol=1e-9)
-    assert rational_loop(autopilot, plant).denominator.shape[-1] + 4 == system.den[0][0].size
+    for found, factor in zip(locus.closed(factors), factors, strict=True):
+        expected = np.sort_complex(control.feedback(factor * system, 1).poles())
+        np.testing.assert_allclose(np.sort_complex(found), expected, rtol=0, atol=1e-7 * 120.0)
+    assert loop.denominator.shape[-1] - 1 + autopilot.pade_order == locus.poles.size

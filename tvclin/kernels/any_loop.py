@@ -34,6 +34,9 @@ class AnyLoop(Protocol):
     def parts(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator, with the delay, and denominator at j omega, ``(k, m)``."""
 
+    def value(self, s: NDArray[Any]) -> NDArray[Any]:
+        """Return L at complex frequencies ``(k, m)`` [1/s], off the poles."""
+
     def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator and denominator of G at j omega, ``(k, m)``, for a few frequencies."""
 

@@ -53,6 +53,11 @@ class Rational:
             above = product(above, np.exp(-1j * omega * self.delay[..., np.newaxis]))
         return above, polynomials.on_axis(self.denominator, omega)
 
+    def value(self, s: NDArray[Any]) -> NDArray[Any]:
+        """Return L with its delay at complex frequencies ``(..., k)`` [1/s], off the poles."""
+        above, below = (polynomials.value(p, s) for p in (self.numerator, self.denominator))
+        return np.asarray(above / below * np.exp(-s * self.delay[..., np.newaxis]))
+
     def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
         s = 1j * omega

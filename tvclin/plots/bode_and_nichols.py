@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from tvclin.base.errors import instance
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
-from tvclin.linear.plant import Plant
+from tvclin.control.margins.loop import Loop
+from tvclin.linear.flexible import AnyPlant
+from tvclin.plots.loop_marks import margin_marks, mode_marks
 from tvclin.plots.loop_samples import (
     LoopSamples,
     corner_frequencies,
     decisive_frequencies,
-    margin_marks,
+    mode_frequency,
     sampled,
     title,
 )
@@ -36,20 +38,27 @@ _GRID_DECIBELS = np.array([-12.0, -6.0, -3.0, 0.0, 3.0, 6.0, 12.0])
 _CONTOURS = "|T| = " + ", ".join(f"{size:g}" for size in _GRID_DECIBELS[::-1]) + " dB"
 _LOUDEST = 60.0
 """Magnitudes above this many dB leave the Bode diagram: poles on the imaginary axis have no end."""
+_QUIET, _ROOM = 40.0, 15.0
+"""With modes, so many dB below the least peak and above the highest are shown."""
 _SIDES = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg")
 
 
 def nichols_chart(
-    autopilot: Autopilot, plant: Plant, criteria: Criteria = CRITERIA["classic"]
+    autopilot: Autopilot | Loop,
+    plant: AnyPlant | None = None,
+    criteria: Criteria = CRITERIA["classic"],
 ) -> "ControlPlot":
     """Draw the Nichols chart of the loop, with its exact delay, and the box of the criteria.
 
+    Each mode of a flexible vehicle is marked at its peak by its name, with its gain or phase
+    margin. A sampled loop is drawn up to half its rate.
+
     Parameters
     ----------
-    autopilot : Autopilot
-        One autopilot.
-    plant : Plant
-        One plant of any model.
+    autopilot : Autopilot or Loop
+        One autopilot, or one loop, whose modes have no names.
+    plant : Plant or FlexiblePlant, optional
+        One plant of any model; left out beside a loop.
     criteria : Criteria
         Their aero and gain-increase margins are the half heights of the box around -1, up and
         down, and their phase margin is its half width. Other requirements are not drawn.
@@ -57,7 +66,7 @@ def nichols_chart(
     Raises
     ------
     InputError
-        For a batch.
+        For a batch, a loop with a plant beside it, and what `Autopilot.exact_loop` refuses.
 
     Notes
     -----
@@ -67,13 +76,13 @@ def nichols_chart(
     samples = sampled("nichols_chart", autopilot, plant)
     axes = new_axes()
     lines = axes.plot(samples.phase, samples.decibels, label="loop", **_CURVE)
-    marks = margin_marks(samples, samples.at)
+    marks = [*margin_marks(samples, samples.at), *mode_marks(samples, samples.at)]
     box = box_sides(criteria)
     _frame_nichols(axes, samples, marks, box)
     _draw_box(axes, box, criteria.name)
     more = ""
     if samples.margins.stable and any(box):
-        met = "met" if criteria.are_met(samples.margins) else "not met"
+        met = "met" if criteria.are_met(samples.judged) else "not met"
         more = f", criteria {criteria.name} {met}"
     axes.set(
         title=title("Nichols chart of the loop", samples, more),
@@ -158,10 +167,11 @@ def _draw_contours(axes: "Axes") -> None:
             lines[0].set_label(_CONTOURS)
 
 
-def bode_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
+def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "ControlPlot":
     """Draw magnitude and phase of the loop, with its exact delay, against frequency.
 
-    A margin at zero frequency is marked on the left edge.
+    A margin at zero frequency is marked on the left edge, and half the rate of a sampled loop by a
+    dotted line.
 
     Parameters
     ----------
@@ -189,13 +199,15 @@ def bode_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     upper = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[1]))
     lower = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[0]))
     _hold_bode(axes, upper, lower)
+    upper += mode_marks(samples, lambda w: (w, samples.at(w)[1]))
+    lower += mode_marks(samples, lambda w: (w, samples.at(w)[0]))
     axes[0].figure.suptitle(title("Bode diagram of the loop", samples))
     lines += draw_marks(axes[0], upper)
     handles, labels = axes[0].get_legend_handles_labels()
     axes[0].figure.legend(handles, labels, loc="outside lower center", ncols=2)
     lines += draw_marks(axes[1], lower)
-    gains = [numbered(mark, mark in upper[:2]) for mark in upper]
-    phases = [numbered(mark, mark in lower[2:]) for mark in lower]
+    gains = [numbered(mark, mark not in upper[2:3]) for mark in upper]
+    phases = [numbered(mark, mark in lower[2:3]) for mark in lower]
     write_numbers((axes[0], gains), (axes[1], phases))
     return control_plot(lines, axes[:, np.newaxis], samples.curves("bode"))
 
@@ -203,18 +215,28 @@ def bode_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
 def _frame_bode(axes: Any, samples: LoopSamples) -> float:
     """Show a decade on both sides of what matters; return the left edge."""
     decisive = decisive_frequencies(samples.margins)
-    known = np.concatenate([decisive[decisive > 0.0], corner_frequencies(samples.loop)])
+    modes = [mode_frequency(mode) for mode in samples.modes]
+    known = np.concatenate([decisive[decisive > 0.0], corner_frequencies(samples.loop), modes])
     known = known if known.size else samples.omega
     left, right = 0.1 * known.min(), 10.0 * known.max()
     loud = samples.omega[samples.decibels > -40.0]
     if loud.size:
-        right = min(right, max(float(loud.max()), 2.0 * float(decisive.max(initial=0.0))))
+        marked = np.max([*decisive, *(w for w in modes if np.isfinite(w))], initial=0.0)
+        right = min(right, max(float(loud.max()), 2.0 * float(marked)))
+    highest = float(samples.loop.highest()[0, 0])
+    right = min(right, 1.1 * highest)
     axes[0].set_xlim(left, right)
+    for panel in axes:
+        if right > highest:
+            panel.axvline(highest, color="0.35", lw=1.2, ls=":", zorder=1.5)
     seen = (samples.omega >= left) & (samples.omega <= right)
     for panel, values, step in ((axes[0], samples.decibels, 5.0), (axes[1], samples.phase, 15.0)):
         low, high = np.min(values[seen]), np.max(values[seen])
         panel.set_ylim(step * np.floor(low / step - 0.3), step * np.ceil(high / step + 0.3))
     low, high = axes[0].get_ylim()
+    if modes:  # room for their names; notches and the fall beyond the last mode have no end
+        quiet = float(np.nanmin([0.0, *(samples.at(w)[1] for w in modes if np.isfinite(w))]))
+        low, high = max(low, quiet - _QUIET), high + _ROOM
     axes[0].set_ylim(min(low, -10.0), np.clip(high, 10.0, _LOUDEST))
     return float(left)
 
@@ -229,7 +251,7 @@ def _hold_bode(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
     for panel, level in ((axes[0], 0.0), (axes[1], -180.0)):
         fine_grid(panel)
         panel.axhline(level, **_LINE)
-    for panel, marks in ((axes[0], upper[:2]), (axes[1], lower[2:])):
+    for panel, marks in ((axes[0], upper[:2]), (axes[1], lower[2:3])):
         for mark in marks:
             half_turns = round((mark.y + 180.0) / 360.0) if np.isfinite(mark.y) else 0
             level = 0.0 if panel is axes[0] else 360.0 * half_turns - 180.0

@@ -1,7 +1,7 @@
 """What the figures of a loop are drawn from: its samples, its phase, and its verdict in words."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,20 +10,21 @@ from numpy.typing import NDArray
 from tvclin.base.errors import InputError, instance
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
-from tvclin.kernels import polynomials
 from tvclin.kernels.loop_grid import frequencies
 from tvclin.kernels.stability import stability
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
+from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.marks import Mark
-from tvclin.plots.style import COLOURS, WARM
 
 if TYPE_CHECKING:
     import control
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[Any]
 
 ON_AXIS = 1e-9
 """Poles nearer to the imaginary axis than this part of the largest one are on it."""
@@ -33,8 +34,13 @@ VERDICTS = {
     "unstable": "unstable closed loop",
     "marginal": "closed loop with a pole on the imaginary axis",
 }
-AERO, GAIN, PHASE = ("s", COLOURS[0]), ("^", WARM), ("o", COLOURS[4])
-"""Marker and colour of the three margins."""
+_LIGHT, _TURN = 0.2, np.tan(np.radians(np.arange(-88.0, 89.0, 2.0)))
+"""Around roots of less damping than the first, frequencies in half-widths between which the term of
+the root turns by equal angles, 4 degrees."""
+_WIDE = 90
+"""Letters in a line of a title."""
+_ORDER = 4
+"""Of the approximation of the delay of a loop that no autopilot comes with."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,21 +53,27 @@ class LoopSamples:
         The loop.
     margins : Margins
         Its margins.
+    bands : BandMargins or None
+        Those of each mode of structure and liquid, where there are any.
+    airframe : ndarray
+        Poles of the rigid vehicle [1/s], as far as they are known.
     omega : ndarray
         Frequencies [rad/s], rising, above zero, ``(n,)``; those of the margins are among them.
     response : ndarray
-        L(j omega), ``(n,)``.
+        L at these, ``(n,)``.
     phase : ndarray
         Its phase [deg] without jumps, ``(n,)``; where L is nearest to -1 it is within half a
         turn of -180 deg.
     words : str
         What the loop is made of, in one line.
     pade_order : int
-        Order of the approximation that stands for the delay in `system`.
+        Order of the approximation that stands for the delay in a root locus.
     """
 
     loop: Loop
     margins: Margins
+    bands: BandMargins | None
+    airframe: ComplexArray
     omega: FloatArray
     response: NDArray[np.complex128]
     phase: FloatArray
@@ -72,6 +84,16 @@ class LoopSamples:
     def decibels(self) -> FloatArray:
         """Magnitude [dB], ``(n,)``."""
         return 20.0 * np.log10(np.abs(self.response))
+
+    @property
+    def judged(self) -> Margins | BandMargins:
+        """What criteria are asked of: with the margins of the modes, where there are any."""
+        return self.margins if self.bands is None else self.bands
+
+    @property
+    def modes(self) -> tuple[ModeBand, ...]:
+        """Those of each mode of structure and liquid; empty where none is known."""
+        return () if self.bands is None else self.bands.modes
 
     @property
     def verdict(self) -> str:
@@ -97,17 +119,6 @@ class LoopSamples:
             outputs=["returned_command"],
         )
 
-    def system(self) -> "control.TransferFunction":
-        """Return the loop with the Pade approximation of its delay, as `Autopilot.loop` has it."""
-        import control
-
-        above, below = self.loop.numerator, self.loop.denominator
-        if self.loop.delay > 0.0:
-            powers = self.loop.delay ** np.arange(self.pade_order, -1, -1)
-            top, bottom = (powers * p / p[-1] for p in control.pade(1.0, self.pade_order))
-            above, below = polynomials.multiply(above, top), polynomials.multiply(below, bottom)
-        return control.TransferFunction(np.trim_zeros(above, "f"), below, 0, name="loop")
-
     def curves(self, name: str) -> Curves:
         """Return magnitude and phase against frequency."""
         columns = (
@@ -118,7 +129,7 @@ class LoopSamples:
         return Curves(name, words, "frequency [rad/s]", self.omega, columns)
 
 
-def sampled(what: str, autopilot: Autopilot, plant: Plant) -> LoopSamples:
+def sampled(what: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
     """Return the samples of one loop.
 
     Parameters
@@ -128,25 +139,54 @@ def sampled(what: str, autopilot: Autopilot, plant: Plant) -> LoopSamples:
     autopilot, plant
         As of `nichols_chart`.
     """
-    require_one(what, autopilot, plant)
-    loop = autopilot.rational_loop(plant)
-    margins = loop_margins(loop)
-    omega = _frequencies(loop, margins)
+    if isinstance(autopilot, Loop):
+        if plant is not None:
+            raise InputError(f"plant must be left out: {what} was given a Loop, which has its own")
+        if autopilot.batch:
+            raise InputError(
+                f"{what} draws one loop; got a batch of shape {autopilot.batch} (see Loop.take)"
+            )
+        words = _own_words(autopilot)
+        return _samples(autopilot, loop_margins(autopilot), None, np.zeros(0), words, _ORDER)
+    instance("autopilot", autopilot, Autopilot, "see design_gains, or a Loop")
+    check_plant(plant)
+    assert plant is not None
+    _require_single(what, autopilot, plant)
+    loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
+    bands, rigid, order = None, plant, autopilot.pade_order
+    if isinstance(plant, FlexiblePlant):
+        bands, rigid = band_margins(loop, *named_modes(plant)), plant.rigid
+    margins = loop_margins(loop) if bands is None else bands.whole
+    return _samples(loop, margins, bands, np.asarray(rigid.poles), words, order)
+
+
+def _samples(
+    loop: Loop,
+    margins: Margins,
+    bands: BandMargins | None,
+    airframe: ComplexArray,
+    words: str,
+    order: int,
+) -> LoopSamples:
+    modes = () if bands is None else bands.modes
+    omega = _frequencies(loop, margins, modes)
     response = loop.response(omega)
     seen = np.isfinite(response) & (response != 0.0)
     omega, response = omega[seen], response[seen]
     phase = np.degrees(np.unwrap(np.angle(response)))
     nearest = phase[np.argmin(np.abs(1.0 + response))]
     phase = phase - 360.0 * np.round((nearest + 180.0) / 360.0)
-    return LoopSamples(
-        loop, margins, omega, response, phase, loop_words(autopilot, plant), autopilot.pade_order
-    )
+    return LoopSamples(loop, margins, bands, airframe, omega, response, phase, words, order)
 
 
 def require_one(what: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` unless there is one autopilot, one plant, and one of all others."""
+    """Raise `InputError` unless there is one autopilot, one rigid plant, and one of all others."""
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     instance("plant", plant, Plant, "see Plant.from_vehicle")
+    _require_single(what, autopilot, plant, **others)
+
+
+def _require_single(what: str, autopilot: Any, plant: Any, **others: Any) -> None:
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
     shapes |= {name: other.batch for name, other in others.items()}
     if any(shapes.values()):
@@ -157,7 +197,7 @@ def require_one(what: str, autopilot: Any, plant: Any, **others: Any) -> None:
         )
 
 
-def loop_words(autopilot: Autopilot, plant: Plant) -> str:
+def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
     """Return what a loop is made of, in one line."""
     parts = [f"a0 = {autopilot.attitude_gain:.4g}", f"a1 = {autopilot.rate_gain:.4g} s"]
     if autopilot.alpha_gain:
@@ -171,12 +211,20 @@ def loop_words(autopilot: Autopilot, plant: Plant) -> str:
         parts.append(f"actuator {autopilot.actuator.natural_frequency:.4g} rad/s")
     if autopilot.delay:
         parts.append(f"delay {autopilot.delay:.4g} s")
+    if autopilot.sample_rate is not None:
+        parts.append(f"sampled at {autopilot.sample_rate:.4g} Hz")
     return f"model {plant.model}, {', '.join(parts)}"
+
+
+def _own_words(loop: Loop) -> str:
+    late = f", delay {float(loop.delay):.4g} s" if loop.delay > 0.0 else ""
+    return f"loop of order {loop.poles.shape[-1]}{late}"
 
 
 def title(what: str, samples: LoopSamples, more: str = "") -> str:
     """Return the title of a figure: what it is, the verdict, and what the loop is made of."""
-    return f"{what}: {samples.verdict}{more}\n{samples.words}"
+    words = samples.words.replace(" ", "\u00a0").replace(",\u00a0", ", ")  # broken at commas alone
+    return f"{what}: {samples.verdict}{more}\n{fill(words, _WIDE)}"
 
 
 def decisive_frequencies(margins: Margins) -> FloatArray:
@@ -185,54 +233,48 @@ def decisive_frequencies(margins: Margins) -> FloatArray:
     return np.array([frequency for frequency in found if np.isfinite(frequency)])
 
 
-def margin_marks(
-    samples: LoopSamples, places: Callable[[float], tuple[float, float]]
-) -> list[Mark]:
-    """Return the marks of the three margins; none for a loop that is not stable.
-
-    Parameters
-    ----------
-    samples : LoopSamples
-        The loop.
-    places : callable
-        From a frequency [rad/s] to the coordinates of its point in the figure.
-    """
-    m = samples.margins
-    rows = [
-        (AERO, m.aero_frequency, "aero margin", f"{m.aero_margin_dB:.1f} dB"),
-        (GAIN, m.gain_increase_frequency, "gain-increase margin", f"{m.gain_increase_dB:.1f} dB"),
-        (PHASE, m.crossover_frequency, "phase margin", f"{m.phase_margin_deg:.1f} deg"),
-    ]
-    marks = []
-    for (shape, colour), frequency, name, value in rows:
-        if not m.stable:
-            break
-        if np.isfinite(frequency):
-            x, y = places(frequency)
-            entry = f"{name} {value} at {frequency:.3g} rad/s"
-            marks.append(Mark(x, y, value, shape, entry, colour))
-        else:
-            marks.append(Mark(np.nan, np.nan, "", shape, f"{name} inf", colour))
-    return marks
+def mode_frequency(mode: ModeBand) -> float:
+    """Return where a mode is seen [rad/s]: at its peak, or at its pole if it has none."""
+    known = (mode.peak_frequency, mode.alias, abs(np.imag(mode.pole)))
+    return float(next((frequency for frequency in known if np.isfinite(frequency)), np.nan))
 
 
 def corner_frequencies(loop: Loop) -> FloatArray:
-    """Return the sizes [rad/s] of the poles of the loop, rising, those at the origin left out."""
-    size = np.abs(polynomials.roots(loop.denominator))
-    return np.sort(size[size > 1e-9 * size.max()])
+    """Return the sizes [rad/s] of the poles of the loop, rising, those at the origin left out.
+
+    Of a sampled loop those up to half its rate.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.abs(loop.from_plane(loop.form.open_poles().astype(complex))[0])
+    size = size[np.isfinite(size)]
+    kept = (size > 1e-9 * size.max(initial=0.0)) & (size <= loop.highest()[0, 0])
+    return np.sort(size[kept])
 
 
 def unstable_poles(loop: Loop) -> int:
     """Return how many poles of the loop lie in the right half plane, those on the axis not."""
-    poles = polynomials.roots(loop.denominator)
+    poles = loop.form.open_poles()[0]
     return int(np.sum(np.real(poles) > ON_AXIS * np.abs(poles).max()))
 
 
-def _frequencies(loop: Loop, margins: Margins) -> FloatArray:
+def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> FloatArray:
+    """Frequencies [rad/s] that miss no crossing and no mode, and the marked ones."""
     one = loop.form
     found = frequencies(one, stability(one))[0]
-    found = found[np.isfinite(found)]
+    found = np.concatenate([found, _around_light_roots(loop)])
+    found = np.imag(loop.from_plane(1j * found[np.newaxis]))[0]
+    found = np.sort(found[np.isfinite(found) & (found > 0.0) & (found < loop.highest()[0, 0])])
     decades = np.log10(found[-1] / found[0])
     even = np.geomspace(found[0], found[-1], int(np.ceil(_PER_DECADE * decades)))
-    marked = decisive_frequencies(margins)
-    return np.unique(np.concatenate([found, even, marked[marked > 0.0]]))
+    marked = np.array([*decisive_frequencies(margins), *map(mode_frequency, modes)])
+    every = np.concatenate([found, even, marked[marked > 0.0]])
+    return np.unique(np.minimum(every, loop.highest()[0, 0]))
+
+
+def _around_light_roots(loop: Loop) -> FloatArray:
+    """Frequencies in the variable of the loop around its lightly damped poles and zeros."""
+    poles = (loop.form.open_poles(), loop.form.closed_poles(), loop.form.zeros())
+    roots = np.concatenate([part[0].astype(complex) for part in poles])
+    with np.errstate(invalid="ignore"):
+        light = roots[(roots.imag > 0.0) & (np.abs(roots.real) < _LIGHT * roots.imag)]
+    return np.ravel(light.imag[:, np.newaxis] + np.abs(light.real)[:, np.newaxis] * _TURN)

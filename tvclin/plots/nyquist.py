@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.kernels import polynomials
-from tvclin.linear.plant import Plant
+from tvclin.control.margins.loop import Loop
+from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.loop_samples import ON_AXIS, LoopSamples, margin_marks, sampled, unstable_poles
+from tvclin.plots.loop_marks import margin_marks, mode_marks
+from tvclin.plots.loop_samples import ON_AXIS, LoopSamples, sampled, unstable_poles
 from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
 from tvclin.plots.style import INK, WARM, control_plot, fine_grid
 
@@ -23,7 +24,7 @@ _ARC = 181
 """Points of the contour on the way round a pole."""
 
 
-def nyquist_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
+def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "ControlPlot":
     """Draw the Nyquist curve of the loop, the whole of it and the surroundings of -1.
 
     The delay is exact. Around poles of the loop on the imaginary axis the contour is indented to
@@ -40,7 +41,12 @@ def nyquist_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     samples = sampled("nyquist_chart", autopilot, plant)
     found = _nyquist(samples)
     figure, panels = plt.subplots(1, 2, figsize=(12.0, 6.6), layout="constrained")
-    marks = margin_marks(samples, lambda w: _plane(complex(samples.loop.response(w))))
+
+    def place(omega: float) -> tuple[float, float]:
+        value = complex(samples.loop.response(omega))
+        return value.real, value.imag
+
+    marks = [*margin_marks(samples, place), *mode_marks(samples, place)]
     reach = _reach(samples)
     lines: list[Any] = []
     for axes in panels:
@@ -75,23 +81,29 @@ def nyquist_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
 
 
 def _nyquist(samples: LoopSamples) -> "control.NyquistResponseData":
-    """The response along the contour, indented to the right of the poles on the axis."""
+    """The response along the contour, indented to the right of the poles on the axis.
+
+    Of a sampled loop the contour is that of its variable w, told at frequencies of the s plane.
+    """
     import control
 
     loop = samples.loop
-    poles = polynomials.roots(loop.denominator).astype(complex)
+    axis = np.imag(loop.in_plane(1j * samples.omega[np.newaxis]))[0]
+    poles = loop.form.open_poles()[0].astype(complex)
     slack = ON_AXIS * np.abs(poles).max()
     corners = np.unique(np.abs(poles[(np.abs(poles.real) <= slack) & (poles.imag >= 0.0)].imag))
-    radius = 1e-2 * float(samples.omega[0])
+    radius = 1e-2 * float(axis[0])
     arc = radius * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _ARC))
     near = (corners[:, np.newaxis] + arc).ravel()
-    omega = np.unique(np.concatenate([[0.0], near[near > 0.0], samples.omega]))
-    apart = np.abs(omega[:, np.newaxis] - corners).min(axis=-1, initial=np.inf)
-    contour = np.sqrt(np.maximum(radius**2 - apart**2, 0.0)) + 1j * omega
-    top, bottom = (polynomials.value(p, contour) for p in (loop.numerator, loop.denominator))
-    values = top / bottom * np.exp(-contour * loop.delay)
+    nu = np.unique(np.concatenate([[0.0], near[near > 0.0], axis]))
+    apart = np.abs(nu[:, np.newaxis] - corners).min(axis=-1, initial=np.inf)
+    contour = np.sqrt(np.maximum(radius**2 - apart**2, 0.0)) + 1j * nu
+    values = loop.form.value(contour[np.newaxis])[0]
+    omega = np.imag(loop.from_plane(1j * nu[np.newaxis]))[0]
     clockwise = -np.sum(np.diff(np.unwrap(np.angle(1.0 + values)))) / np.pi
-    return control.NyquistResponseData(round(clockwise), contour, values, 0, sysname="loop")
+    return control.NyquistResponseData(
+        round(clockwise), contour.real + 1j * omega, values, 0, sysname="loop"
+    )
 
 
 def _counted(found: Any, samples: LoopSamples) -> str:
@@ -108,7 +120,8 @@ def _reach(samples: LoopSamples) -> float:
     sizes = np.abs(samples.response)
     crossings = samples.margins.crossings
     factors = crossings.gain_factors[np.isfinite(crossings.gain_factors)]
-    far = float(np.max(1.0 / factors[factors > 0.0], initial=2.0))
+    peaks = [mode.peak for mode in samples.modes if np.isfinite(mode.peak)]
+    far = float(np.max([*(1.0 / factors[factors > 0.0]), *peaks], initial=2.0))
     largest = float(sizes.max())
     return 1.25 * largest if largest < 4.0 * far else 2.0 * far
 
@@ -136,10 +149,6 @@ def _warm() -> tuple[float, float, float]:
     from matplotlib.colors import to_rgb
 
     return to_rgb(WARM)
-
-
-def _plane(value: complex) -> tuple[float, float]:
-    return value.real, value.imag
 
 
 def _nyquist_curves(found: Any, samples: LoopSamples) -> Curves:

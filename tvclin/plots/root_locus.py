@@ -10,39 +10,41 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, nonnegative
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.kernels import polynomials
-from tvclin.linear.plant import Plant
+from tvclin.control.margins.loop import Loop
+from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.loop_samples import (
-    LoopSamples,
-    corner_frequencies,
-    margin_marks,
-    sampled,
-    title,
-)
+from tvclin.plots.locus import LocusPoles
+from tvclin.plots.loop_marks import MODE, margin_marks
+from tvclin.plots.loop_samples import LoopSamples, corner_frequencies, sampled, title
 from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
 from tvclin.plots.style import COLOURS, INK, WARM, control_plot, fine_grid
 
 if TYPE_CHECKING:
-    import control
     from control import ControlPlot
     from matplotlib.axes import Axes
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[Any]
 
-_STEP, _ROUNDS, _PARTS = 0.015, 4, 4
-"""The largest step of a pole as a part of its size; how often, and into what, it is divided."""
+_END: dict[str, Any] = {"ls": "", "color": INK, "zorder": 4}
+_TALL = 1.15
+"""The frame of the modes is so many times as high as the fastest of them is fast."""
 
 
 def root_locus_chart(
-    autopilot: Autopilot, plant: Plant, gains: ArrayLike | None = None
+    autopilot: Autopilot | Loop,
+    plant: AnyPlant | None = None,
+    gains: ArrayLike | None = None,
 ) -> ControlPlot:
     """Draw where the closed-loop poles go when a factor multiplies the loop gain.
+
+    Each pole is one line from a pole of the loop towards a zero, or far out. Around a flexible
+    vehicle a panel of its own shows the modes, by their names, with a stretched real axis.
 
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`.
+        As of `nichols_chart`, but without a sample rate.
     gains : array_like, optional
         Factors on the loop gain, zero or positive, ``(n,)``; from zero to beyond the
         gain-increase margin where not given. The factor 1 is the loop as it is.
@@ -50,38 +52,47 @@ def root_locus_chart(
     Raises
     ------
     InputError
-        As `nichols_chart`, and for factors that are no row of numbers above or at zero.
+        As `nichols_chart`, for a sampled loop, and for factors that are no row of numbers above or
+        at zero.
 
     Notes
     -----
     A delay is its Pade approximation, whose own poles lie far out and are left out of the frame.
     """
-    import control
     import matplotlib.pyplot as plt
 
     samples = sampled("root_locus_chart", autopilot, plant)
-    loop = samples.system()
-    poles = loop.feedback().poles()
-    radii = _radii(samples, plant, poles)
-    factors = _default_factors(loop, samples, radii) if gains is None else _given(gains)
-    found = control.root_locus_map(loop, factors)
-    size = (12.0, 6.8) if len(radii) > 1 else (8.6, 7.4)
-    figure, panels = plt.subplots(1, len(radii), figsize=size, layout="constrained", squeeze=False)
+    locus = LocusPoles.of("root_locus_chart", samples.loop, samples.pade_order)
+    poles = locus.closed(np.ones(1))[0]
+    radii = _radii(samples, poles)
+    factors = _default_factors(locus, samples, radii) if gains is None else _given(gains)
+    branches = locus.branches(factors)
+    count = len(radii) + bool(samples.modes)
+    size = (12.0 + 4.0 * (count > 2), 6.8) if count > 1 else (8.6, 7.4)
+    figure, panels = plt.subplots(1, count, figsize=size, layout="constrained", squeeze=False)
     marks = [*_pole_marks(poles), *_axis_marks(samples)]
     lines: list[Any] = []
-    for axes, radius in zip(panels[0], radii, strict=True):
-        lines += _draw_locus(axes, found, radius)
-        lines += draw_marks(axes, marks)
+    for axes in panels[0]:
+        lines += _draw_locus(axes, locus, branches)
+    for axes, radius in zip(panels[0], radii, strict=False):
+        _frame_round(axes, radius, locus.poles)
     if len(radii) > 1:
         panels[0, 0].set_title("the whole locus", fontsize="medium")
         panels[0, 1].set_title("near the origin", fontsize="medium")
+    nearest = panels[0, len(radii) - 1]
+    shown = [[numbered(mark, not mark.inside(nearest)) for mark in marks], marks][-len(radii) :]
+    if samples.modes:
+        _frame_modes(panels[0, -1], samples)
+        plain = [numbered(mark, False) for mark in marks]
+        shown[0] = plain if len(radii) > 1 else marks
+        shown.append([*plain, *_mode_marks(samples)])
+    for axes, drawn in zip(panels[0], shown, strict=True):
+        lines += draw_marks(axes, drawn)
     figure.suptitle(title("Root locus of the loop gain", samples))
-    handles, labels = panels[0, 0].get_legend_handles_labels()
+    handles, labels = panels[0, -1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    far = [numbered(mark, not mark.inside(panels[0, -1])) for mark in marks]
-    shown = [far, marks][-len(radii) :]
     write_numbers(*zip(panels[0], shown, strict=True))
-    return control_plot(lines, panels, _locus_curves(found, samples))
+    return control_plot(lines, panels, _locus_curves(factors, branches, samples))
 
 
 def _given(gains: ArrayLike) -> FloatArray:
@@ -94,9 +105,7 @@ def _given(gains: ArrayLike) -> FloatArray:
     return np.unique(factors)
 
 
-def _default_factors(
-    loop: control.TransferFunction, samples: LoopSamples, radii: list[float]
-) -> FloatArray:
+def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]) -> FloatArray:
     """Factors from zero to beyond where the loop becomes unstable; if it is so, stable and back."""
     known = samples.margins.crossings.gain_factors
     known = np.sort(known[np.isfinite(known) & (known > 0.0)])
@@ -104,33 +113,20 @@ def _default_factors(
     top = float(np.clip(2.0 * above.max(initial=5.0), 3.0, 1e4))
     steps = np.concatenate([np.geomspace(1e-6 * top, top, 400), np.linspace(0.0, top, 200)])
     steps = np.unique(np.concatenate([steps, [1.0], known[known < top]]))
-    return _refined(loop, steps, radii)
+    return locus.refined(steps, radii[-1], radii[0])
 
 
-def _refined(loop: control.TransferFunction, factors: FloatArray, radii: list[float]) -> FloatArray:
-    """Put factors between those from which a pole would go too far in one step."""
-    above, below = loop.num[0][0], loop.den[0][0]
-    above = np.pad(above, (below.size - above.size, 0))
-    for _ in range(_ROUNDS):
-        poles = polynomials.roots(below + factors[:, np.newaxis] * above)
-        steps = np.abs(poles[1:, :, np.newaxis] - poles[:-1, np.newaxis, :]).min(axis=-1)
-        sizes = np.abs(poles[1:])
-        coarse = (steps > _STEP * np.maximum(sizes, radii[-1])) & (sizes < 2.0 * radii[0])
-        places = np.flatnonzero(np.any(coarse, axis=-1))
-        between = np.linspace(factors[places], factors[places + 1], _PARTS + 1)
-        factors = np.unique(np.concatenate([factors, between.ravel()]))
-    return factors
-
-
-def _radii(samples: LoopSamples, plant: Plant, poles: NDArray[Any]) -> list[float]:
+def _radii(samples: LoopSamples, poles: ComplexArray) -> list[float]:
     """How far the panels go: all poles but those of the delay, and those close to the origin."""
-    order = samples.loop.denominator.shape[-1] - 1
+    order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
-    highest = samples.margins.gain_increase_frequency
+    highest = np.array([samples.margins.gain_increase_frequency])
     known = [*corner_frequencies(samples.loop), *sizes]
-    whole = 1.2 * float(np.nanmax([*known, highest]))
-    slow = [*np.abs(polynomials.roots(plant.denominator)), *sizes[sizes < 0.25 * whole]]
-    near = 1.5 * float(max(slow))
+    whole = 1.2 * float(np.nanmax([*known, *highest]))
+    slow = [*np.abs(samples.airframe), *sizes[sizes < 0.25 * whole]]
+    if samples.modes:  # these have their own panel
+        slow = [*np.abs(samples.airframe), *highest[np.isfinite(highest)]]
+    near = 1.5 * float(max(slow, default=whole))
     return [whole, near] if near < 0.35 * whole else [whole]
 
 
@@ -158,37 +154,61 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
     return found
 
 
-def _draw_locus(axes: Axes, found: Any, radius: float) -> list[Any]:
-    rightmost = np.max(found.poles.real[np.abs(found.poles) < radius], initial=0.0)
-    frame = (-1.2 * radius, max(0.6 * radius, 1.2 * float(rightmost)))
-    drawn = found.plot(ax=axes, interactive=False, show_legend=False, color=INK)
+def _mode_marks(samples: LoopSamples) -> list[Mark]:
+    """The poles of the modes in the vehicle, from which they set out, by name."""
+    shape, colour = MODE
+    marks, name = [], "modes in the vehicle (factor 0)"
+    for mode in samples.modes:
+        pole = complex(mode.pole)
+        marks.append(Mark(pole.real, pole.imag, mode.name, shape, name, colour))
+        name = ""
+    return marks
+
+
+def _draw_locus(axes: Axes, locus: LocusPoles, branches: ComplexArray) -> list[Any]:
     axes.axhline(0.0, color="0.6", lw=0.8, zorder=0.5)
     axes.axvline(0.0, color="0.4", lw=1.0, zorder=0.5)
-    axes.axvspan(0.0, frame[1], color=WARM, alpha=0.07, zorder=0.5)
-    axes.set(
-        xlim=frame,
-        ylim=(-radius, radius),
-        xlabel="real part of s  [1/s]",
-        ylabel="imaginary part of s  [rad/s]",
+    lines = axes.plot(locus.poles.real, locus.poles.imag, "x", label="poles of the loop", **_END)
+    lines += axes.plot(
+        locus.zeros.real, locus.zeros.imag, "o", mfc="none", label="zeros of the loop", **_END
     )
+    for branch in branches.T:
+        lines += axes.plot(branch.real, branch.imag, color=INK, lw=1.6, zorder=3, label="_locus")
+    return lines
+
+
+def _frame_round(axes: Axes, radius: float, poles: ComplexArray) -> None:
+    rightmost = np.max(poles.real[np.abs(poles) < radius], initial=0.0)
+    _frame(axes, (-1.2 * radius, max(0.6 * radius, 1.2 * float(rightmost))), (-radius, radius))
     axes.set_aspect("equal", adjustable="box")
+
+
+def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
+    """Show the upper half plane to above the fastest mode, as wide as the modes go at factor 1."""
+    poles = np.array([mode.pole for mode in samples.modes])
+    ends = np.array([mode.closed_pole for mode in samples.modes])
+    known = np.concatenate([poles, ends])
+    wide = 2.0 * float(np.nanmax(np.abs(known.real)))
+    _frame(axes, (-wide, 0.6 * wide), (0.0, _TALL * float(np.nanmax(known.imag))))
+    axes.set_title("modes, real axis stretched", fontsize="medium")
+
+
+def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:
+    axes.axvspan(0.0, xlim[1], color=WARM, alpha=0.07, zorder=0.5)
+    axes.set(xlim=xlim, ylim=ylim)
+    axes.set(xlabel="real part of s  [1/s]", ylabel="imaginary part of s  [rad/s]")
     fine_grid(axes)
-    poles, zeros, loci = (drawn.lines[0, k] for k in range(3))
-    for group, label in ((poles, "poles of the loop"), (zeros, "zeros of the loop")):
-        for line in group:
-            line.set(label=label, zorder=4)
-    for line in loci:
-        line.set(label="_locus", lw=1.6, zorder=3)
-    return [*poles, *zeros, *loci]
 
 
-def _locus_curves(found: Any, samples: LoopSamples) -> Curves:
+def _locus_curves(factors: FloatArray, branches: ComplexArray, samples: LoopSamples) -> Curves:
+    """The branches; those that set out from a mode, in a row of factors from zero, by its name."""
+    names = [f"pole {number}" for number in range(1, branches.shape[-1] + 1)]
+    for mode in samples.modes:
+        if factors[0] == 0.0 and np.isfinite(mode.pole):
+            names[int(np.argmin(np.abs(branches[0] - mode.pole)))] = mode.name
     columns = []
-    for number, branch in enumerate(np.transpose(found.loci), 1):
-        columns.append(Column(f"pole {number} real part", np.asarray(branch.real), "1/s"))
-        columns.append(Column(f"pole {number} imaginary part", np.asarray(branch.imag), "rad/s"))
-    factors = np.asarray(found.gains, dtype=float)
-    abscissa = "factor on the loop gain [-]"
-    return Curves(
-        "root-locus", f"{samples.words}; {samples.verdict}", abscissa, factors, tuple(columns)
-    )
+    for name, branch in zip(names, branches.T, strict=True):
+        columns.append(Column(f"{name} real part", branch.real, "1/s"))
+        columns.append(Column(f"{name} imaginary part", branch.imag, "rad/s"))
+    words = f"{samples.words}; {samples.verdict}"
+    return Curves("root-locus", words, "factor on the loop gain [-]", factors, tuple(columns))

@@ -1,0 +1,156 @@
+"""Where the closed-loop poles go with the loop gain: each followed from gain to gain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import InputError
+from tvclin.control.autopilot.actuator import pade_delay
+from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.sampled_loop import SampledLoop
+from tvclin.kernels import polynomials
+from tvclin.kernels.rational import Rational
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[Any]
+
+_STEP, _APART, _ROUNDS, _PARTS = 0.015, 0.5, 5, 4
+"""The largest step of a pole, over its size and over its distance from the next one; how often,
+and into how many parts, a step is divided."""
+_HALVINGS = 60
+_BESIDE = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
+"""Where poles meet they move with the root of the gain: parts of the step to the next gain."""
+
+
+@dataclass(frozen=True, eq=False)
+class LocusPoles:
+    """The poles of one loop, whose gain is multiplied by a factor.
+
+    Attributes
+    ----------
+    poles, zeros : ndarray
+        Of the loop, with the approximation of its delay [1/s], ``(n,)`` and ``(m,)``.
+    closed : callable
+        From factors ``(k,)`` to closed-loop poles [1/s], ``(k, n)``, in any order.
+    """
+
+    poles: ComplexArray
+    zeros: ComplexArray
+    closed: Callable[[FloatArray], ComplexArray]
+
+    @classmethod
+    def of(cls, what: str, loop: Loop, order: int) -> LocusPoles:
+        """Return those of one loop in continuous time, its delay approximated in this order."""
+        if isinstance(loop, SampledLoop):
+            raise InputError(
+                f"{what} draws loops in continuous time; this one is sampled (replace its"
+                " sample_rate by None)"
+            )
+        if isinstance(loop.form, Rational):
+            return cls._of_polynomials(loop, order)
+        return cls._of_matrices(loop, order)
+
+    @classmethod
+    def _of_polynomials(cls, loop: Loop, order: int) -> LocusPoles:
+        above, below = np.trim_zeros(loop.numerator, "f"), loop.denominator
+        delay = float(loop.delay)
+        if delay > 0.0:
+            import control
+
+            powers = delay ** np.arange(order, -1.0, -1.0)
+            top, bottom = (powers * p / p[-1] for p in control.pade(1.0, order))
+            above, below = polynomials.multiply(above, top), polynomials.multiply(below, bottom)
+        padded = np.pad(above, (below.size - above.size, 0))
+
+        def closed(factors: FloatArray) -> ComplexArray:
+            return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
+
+        return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
+
+    @classmethod
+    def _of_matrices(cls, loop: Loop, order: int) -> LocusPoles:
+        # x' = A x + B u, y = C x, the delay behind it: z' = A1 z + B1 y, w = C1 z + D1 y.
+        form: Any = loop.form
+        A, B, C = form.A[form.case[0]], form.B[form.case[0], :, None], form.C[form.case[0], None]
+        A1, B1, C1, D1 = pade_delay(float(loop.delay), order)
+        none = np.zeros((len(A), len(A1)))
+        whole = np.block([[A, none], [B1 @ C, A1]])
+        enters = np.concatenate([B, np.zeros((len(A1), 1))])
+        leaves = np.concatenate([D1 @ C, C1], axis=-1)
+
+        def closed(factors: FloatArray) -> ComplexArray:
+            matrices = whole - factors[:, np.newaxis, np.newaxis] * (enters @ leaves)
+            return np.linalg.eigvals(matrices).astype(complex)
+
+        zeros = form.zeros()[0].astype(complex)
+        mirrored = -np.linalg.eigvals(A1).astype(complex)  # zeros of the approximation
+        zeros = np.concatenate([zeros[~np.isnan(zeros)], mirrored])
+        return cls(closed(np.zeros(1))[0], zeros, closed)
+
+    def refined(self, factors: FloatArray, near: float, far: float) -> FloatArray:
+        """Return factors, rising, between which no pole nearer to zero than `far` goes far.
+
+        Those at which two poles meet on the real axis are among them.
+
+        Parameters
+        ----------
+        factors : ndarray
+            To begin with, rising.
+        near, far : float
+            Sizes [1/s]: of a pole below the first its step is measured by that.
+        """
+        for _ in range(_ROUNDS):
+            poles = self.closed(factors)
+            steps = np.abs(poles[1:, :, np.newaxis] - poles[:-1, np.newaxis, :]).min(axis=-1)
+            sizes = np.abs(poles[1:])
+            least = np.minimum(_STEP * np.maximum(sizes, near), _APART * _apart(poles[1:]))
+            coarse = (steps > np.maximum(least, 0.02 * _STEP * near)) & (sizes < 2.0 * far)
+            places = np.flatnonzero(np.any(coarse, axis=-1))
+            between = np.linspace(factors[places], factors[places + 1], _PARTS + 1)
+            factors = np.unique(np.concatenate([factors, between.ravel()]))
+        for _ in range(2):
+            factors = self._with_meetings(factors)
+        return factors
+
+    def _with_meetings(self, factors: FloatArray) -> FloatArray:
+        """The factors, and those at which the number of real poles changes, by bisection."""
+        count = self._real(factors)
+        places = np.flatnonzero(count[1:] != count[:-1])
+        low, high, before = factors[places], factors[places + 1], count[places]
+        ends = low, high
+        if not places.size:
+            return factors
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            same = self._real(middle) == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        beside = [low[:, np.newaxis] + (end - low)[:, np.newaxis] * _BESIDE for end in ends]
+        return np.unique(np.concatenate([factors, low, *(part.ravel() for part in beside)]))
+
+    def _real(self, factors: FloatArray) -> NDArray[np.intp]:
+        return np.sum(np.imag(self.closed(factors)) == 0.0, axis=-1)
+
+    def branches(self, factors: FloatArray) -> ComplexArray:
+        """Return the poles ``(k, n)`` at rising factors, each column one pole on its way.
+
+        The poles at one factor are given to those at the one before so that they go least far,
+        squared and in sum.
+        """
+        from scipy.optimize import linear_sum_assignment  # late: it takes 0.2 s to import
+
+        poles = self.closed(factors)
+        for k in range(1, len(poles)):
+            apart = np.abs(poles[k - 1][:, np.newaxis] - poles[k])
+            poles[k] = poles[k][linear_sum_assignment(apart**2)[1]]
+        return poles
+
+
+def _apart(poles: ComplexArray) -> FloatArray:
+    """The distance of each pole from the next one."""
+    apart = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
+    return np.min(apart + np.where(np.eye(poles.shape[-1]) > 0.0, np.inf, 0.0), axis=-1)
