@@ -377,3 +377,17 @@ def test_figures_show_the_margins_and_the_map():
     assert "boundaries, of full trim" in chart._repr_html_()
     with pytest.raises(tv.InputError, match="two or more gains"):
         tv.plots.boundary_map(replace(chart, limit=chart.limit[:1]))
+
+
+def test_an_integral_leaves_no_edge_where_the_loop_stands_still():
+    """At z = 1 the loop is infinite, and its real part there is rounding; gain and nozzle agree."""
+    gains = tv.Autopilot(
+        attitude_gain=1.5565827369878802, rate_gain=1.8483319840166301, integral_gain=0.02
+    )
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    wind = tv.TriangularWind(peak=0.05, duration=6.0)
+    one = one_flight(plant, tv.SaturatedLaw(gains), wind, 0.05, np.inf, tv.Actuator(), 0.01, 0.0)
+    pace = float(plant.poles[0])
+    gain, effectiveness = (factors_at_growth(one, name, pace) for name in ("gain", "effectiveness"))
+    # Both are roots of the same loop; the integrator takes four digits of sixteen.
+    np.testing.assert_allclose(effectiveness, gain, rtol=1e-9)

@@ -35,6 +35,8 @@ _LOWEST = 1e-4
 """Of the frequencies, over the fastest pole of the plant."""
 _ZERO = 1e-12
 """An angle for zero, where an integrator is not yet infinite."""
+_REAL = 1e-3
+"""What is imaginary in a number that is real, over that; beside an integrator it is 1e12."""
 _EXACT = 4.0 * np.finfo(float).eps
 
 
@@ -55,7 +57,9 @@ def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, floa
     loop = _response(replace(batch, delay=np.asarray(max(rest, 0.0))), name, samples)
     angles = _angles(batch, pace, samples)
     real = [_ZERO, *_roots(lambda a: loop(a).imag, angles), np.pi]
-    factors = 1.0 / loop(np.array(real)).real
+    found = loop(np.array(real))
+    found = found[np.abs(found.imag) < _REAL * np.abs(found.real)]  # beside an integrator it is not
+    factors = 1.0 / found.real
     fall = factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)
     rise = factors[factors > 1.0].min(initial=np.inf)
     return float(1.0 / fall) if fall > _ZERO else np.inf, float(rise)
