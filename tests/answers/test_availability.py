@@ -87,6 +87,35 @@ def test_each_sounding_needs_what_size_says(flight, archive) -> None:
         assert found.need[i] == pytest.approx(size_says(flight, archive[i]), rel=CLOSE)
 
 
+def test_in_rough_winds_these_fly_of_which_size_says_so(flight) -> None:
+    """Where winds come back the trim law takes more than (4b): some then fly that must not."""
+    height = np.arange(0.0, 34e3, 1000.0)
+    shape = np.exp(-(((height - 11e3) / 5e3) ** 2))
+    winds = []
+    for seed in (0, 3, 8, 17, 23):
+        noise = np.random.default_rng(seed).normal(0, 20, height.size) * np.sqrt(shape)
+        winds.append(tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height))
+    rough = tv.Soundings.from_profiles(winds, days("2023-02-01T00", 5))
+    needed = np.array([size_says(flight, wind) for wind in winds])
+    alone = tv.availability(flight, rough, limit=1e-4, looks=0, **PITCH)
+    assert not np.any(alone.flown)
+    for i in (2, 3, 4):
+        limit = 0.5 * (alone.least[i] + needed[i])
+        assert limit > 1.002 * alone.least[i]  # (4b) lets it fly
+        found = tv.availability(flight, rough, limit=limit, **PITCH)
+        assert np.array_equal(found.flies, needed <= limit)
+        assert found.flown[i]
+        assert found.need[i] == pytest.approx(needed[i], rel=CLOSE)
+        assert any("judged again" in note for note in found.notes)
+        assert found.today(winds[i]).go is False
+    # not looked at again, and not known to fly
+    limit = 0.5 * (alone.least[3] + needed[3])
+    found = alone.with_limit(limit)
+    assert np.isnan(found.flies[3])
+    assert 1.014 * found.placard([1.0])[0] >= needed.max()  # as the page says of those not flown
+    assert tv.availability(flight, rough, limit=limit, looks=0, **PITCH).part().unknown >= 1
+
+
 def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None:
     coarse = tv.load_schedule("configuration-i", step=15.0)
     found = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)

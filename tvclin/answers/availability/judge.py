@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.availability.flown import flown_need
 from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, KnownWinds, on_lines
-from tvclin.answers.availability.needs import needs_of_winds
+from tvclin.answers.availability.needs import most_returning, needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
@@ -39,6 +40,11 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
 )
 _AT_ONCE = 40_000
 """Levels of soundings that are looked at together."""
+SPARE = 0.02
+"""All that leave less than this part of their need below the limit are looked at again."""
+_SMOOTH, _RETURNS = 1.003, 1.25
+"""Winds that return, by `most_returning`, with no more than the first ask for (4b), and others for
+at most the second times what that says; docs/availability.md has how far that was measured."""
 _GUST_PARTS = 64
 _HEIGHTS = 40
 """Of a flight, at which the strength of winds in an archive is looked at."""
@@ -52,13 +58,17 @@ class Needs:
     ----------
     least, most : ndarray
         With calm, and with a strong wind, where it is not known [rad], ``(a, n)`` for
-        azimuths and soundings; NaN where nothing can be said.
+        azimuths and soundings; NaN where nothing can be said. If trim is not flown, `most` holds
+        what flights may take more.
+    alone : ndarray
+        As `most`, without what flights may take more.
     why : list of str
         Why it cannot, ``(n,)``; empty where it can.
     """
 
     least: FloatArray
     most: FloatArray
+    alone: FloatArray
     why: list[str]
 
 
@@ -74,6 +84,8 @@ class Judge:
         The same over height.
     tables : dict of str to FlightTables
         By planes.
+    model : str
+        As of `Plant`.
     azimuths : ndarray
         Directions of flight [rad], ``(a,)``.
     stop : {"round", "square"}
@@ -89,6 +101,7 @@ class Judge:
     flight: FlightSchedule
     path: FlownPath
     tables: dict[str, FlightTables]
+    model: str
     azimuths: FloatArray
     stop: str
     growth: WindGrowth | None
@@ -102,7 +115,7 @@ class Judge:
         planes = PLANES if plane == BOTH else (plane,)
         path = FlownPath.of(flight)
         tables = {one: _tables(flight, model, one) for one in planes}
-        return cls(flight, path, tables, **asked)
+        return cls(flight, path, tables, model, **asked)
 
     def used_to(self, soundings: Soundings) -> Judge:
         """Return the same that takes what is not known to be as strong as in an archive."""
@@ -117,10 +130,13 @@ class Judge:
         return replace(self, strength=found)
 
     def needs(
-        self, soundings: Soundings, progress: Callable[[int, int], None] | None = None
+        self,
+        soundings: Soundings,
+        progress: Callable[[int, int], None] | None = None,
+        flown: bool = False,
     ) -> Needs:
-        """Return what soundings ask for, and tell how many are done."""
-        least, most = np.full((2, self.azimuths.size, len(soundings)), np.nan)
+        """Return what soundings ask for, trim flown or not, and tell how many are done."""
+        least, most, alone = np.full((3, self.azimuths.size, len(soundings)), np.nan)
         why = [one and f"{UNUSABLE}: {one}" for one in soundings.why]
         index = np.flatnonzero(soundings.usable)
         for reason, holds in self._left_out(soundings):
@@ -134,20 +150,22 @@ class Judge:
         for part in np.split(np.arange(index.size), np.searchsorted(ends, _cuts(ends))):
             if part.size:
                 winds, those = known.some(part), index[part]
-                least[:, those] = low = self._needs(winds, held=False)
-                most[:, those] = low
+                low, high = self._needs(winds, held=False, flown=flown)
+                least[:, those], most[:, those], alone[:, those] = low, high, low
                 open_ = winds.incomplete(self.path)
                 if np.any(open_):
-                    held = self._needs(winds.some(np.flatnonzero(open_)), held=True)
+                    some = winds.some(np.flatnonzero(open_))
+                    held, higher = self._needs(some, held=True, flown=flown)
                     least[:, those[open_]] = np.minimum(low[:, open_], held)
-                    most[:, those[open_]] = np.maximum(low[:, open_], held)
+                    alone[:, those[open_]] = np.maximum(low[:, open_], held)
+                    most[:, those[open_]] = np.maximum(high[:, open_], higher)
                 last += part.size
             if progress is not None:
                 progress(last, len(soundings))
         fast = np.isnan(least + most).any(axis=0)
-        least[:, fast] = most[:, fast] = np.nan
+        least[:, fast] = most[:, fast] = alone[:, fast] = np.nan
         why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
-        return Needs(least, most, why)
+        return Needs(least, most, alone, why)
 
     def _left_out(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
         """Of which soundings nothing can be said, and why."""
@@ -162,13 +180,13 @@ class Judge:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
 
-    def _needs(self, known: KnownWinds, held: bool) -> FloatArray:
-        """The needs in all azimuths, ``(a, n)``, of both planes together."""
+    def _needs(self, known: KnownWinds, held: bool, flown: bool) -> FloatArray:
+        """The needs in all azimuths, and the most with flights, ``(2, a, n)``, of both planes."""
         height = known.knots(self.path, held)
         times = np.interp(height, self.path.height, self.path.time)
         fine = self.path.finer(times)
         hidden = known.unknown(height) if held else None
-        found = np.zeros((len(self.tables), self.azimuths.size, height.shape[0]))
+        found = np.zeros((len(self.tables), 2, self.azimuths.size, height.shape[0]))
         for p, (plane, tables) in enumerate(self.tables.items()):
             rows = tables.at(fine)
             for a, azimuth in enumerate(self.azimuths.tolist()):
@@ -179,21 +197,24 @@ class Judge:
                     strong = np.maximum(strong, most)
                 for side in (1.0, -1.0):
                     blows = side * wind if hidden is None else np.where(hidden, strong, side * wind)
-                    met = self._side(plane, tables, height, times, blows, fine, rows)
-                    found[p, a] = np.maximum(found[p, a], met)
+                    met = self._side(plane, height, times, blows, fine, rows, flown)
+                    found[p, :, a] = np.maximum(found[p, :, a], met)
         return np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
 
     def _side(
         self,
         plane: str,
-        tables: FlightTables,
         height: FloatArray,
         times: FloatArray,
         wind: FloatArray,
         fine: FloatArray,
         rows: TableRows,
+        flown: bool,
     ) -> FloatArray:
-        """What winds [m/s] at heights and times ask for to one side; NaN where too fast."""
+        """What winds [m/s] at heights and times ask for to one side, and the most with flights.
+
+        ``(2, n)``; NaN where too fast.
+        """
         if self.growth is not None:
             wind = wind + self.growth.at(height)
         angle = self.path.angle(wind, times, plane)
@@ -201,16 +222,35 @@ class Judge:
         angle = np.where(lost[:, np.newaxis], 0.0, angle)
         if fine is not times:
             angle = on_lines(times, angle, fine)
-        need, leaves = needs_of_winds(tables, fine, angle, rows)
+        need, leaves = self._on_lines(plane, fine, angle, rows, flown and self.gust is None)
         if self.gust is not None:
             top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
             blows = np.max(angle, axis=1) > 0.0
             gusty = [
-                needs_of_winds(tables, *_with_gust(self.gust, fine, angle, at))[0]
+                self._on_lines(plane, *_with_gust(self.gust, fine, angle, at), None, flown)[0]
                 for at in (top, leaves)
             ]
             need = np.where(blows, np.maximum(*gusty), need)
         return np.where(lost, np.nan, need)
+
+    def _on_lines(
+        self,
+        plane: str,
+        times: FloatArray,
+        angle: FloatArray,
+        rows: TableRows | None,
+        flown: bool,
+    ) -> tuple[FloatArray, FloatArray]:
+        """The same of wind angles [rad], ``(2, n)``, and when trim takes what (4b) asks for."""
+        tables = self.tables[plane]
+        need, leaves = needs_of_winds(tables, times, angle, rows)
+        if flown:
+            lines = zip(times, angle, need.tolist(), strict=True)
+            both = [flown_need(self.flight, self.model, plane, *line) for line in lines]
+            return np.array([both, both]), leaves
+        more = most_returning(tables, times, angle, rows)
+        more = np.where(more > _SMOOTH, _RETURNS * more, 1.0)
+        return np.stack([need, more * need]), leaves
 
 
 @lru_cache(maxsize=8)

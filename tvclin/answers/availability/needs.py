@@ -22,6 +22,9 @@ _SLACK = 1e-9
 _HALVINGS = 30
 """Of a line between two knots, half a second or so, in which the limit is reached."""
 
+_TILTS = (-1.6, -0.8, 0.0, 0.8, 1.6)
+"""Of the logarithm of what winds weigh, from one end of a flight to the other."""
+
 
 def needs_of_winds(
     tables: FlightTables, times: FloatArray, wind: FloatArray, rows: TableRows | None = None
@@ -57,6 +60,46 @@ def needs_of_winds(
     if solved.size:
         need[solved], leaves[solved] = winds.solved(solved, then[solved] - 1, floor[solved])
     return need, leaves
+
+
+def most_returning(
+    tables: FlightTables, times: FloatArray, wind: FloatArray, rows: TableRows | None = None
+) -> FloatArray:
+    """Return what winds that come back may take of a trim law flown, over (4b), ``(r,)``.
+
+    The limit that (4b) asks for is that of the first time at which trim takes so much. A law that
+    has let go meets all that comes later anew: it survives where at no time both trim and demand
+    are above the limit. A frozen vehicle weighs early and late winds otherwise than one whose
+    parameters vary: B is taken out, and what is left tilts by `_TILTS`.
+
+    Parameters
+    ----------
+    tables, times, wind, rows
+        As of `needs_of_winds`.
+    """
+    winds = _Winds.of(tables, times, wind, tables.at(times) if rows is None else rows)
+    demand = winds.rows.demand(winds.to_come, winds.path)
+    trim = winds.rows.trim(np.maximum(wind, 0.0), winds.path)
+    part = (times - tables.start) / (tables.step * (tables.rows.shape[0] - 1))
+    everyone, end = np.arange(times.shape[0]), times.shape[-1] - 1
+    places, most = np.arange(times.shape[1]), np.ones(times.shape[0])
+    for tilt in _TILTS:
+        weight = np.exp(tilt * part) / winds.rows.rows[..., 3]
+        d, own = weight * demand, weight * trim
+        last, then, floor = _last_short(own, d)
+        at = np.minimum(then, end)
+        both = np.minimum(own, d)
+        least = np.minimum(d[everyone, np.maximum(at - 1, 0)], d[everyone, at])
+        least = np.where(last < 0, d[everyone, at], np.maximum(least, floor))
+        # as long as trim stays above the demand it is the same time of no return
+        after = places >= at[:, np.newaxis]
+        held = after & ~np.logical_or.accumulate(after & (own < d), axis=-1)
+        least = np.maximum(least, np.max(np.where(held, both, 0.0), axis=-1))
+        least = np.where(then > end, own.max(axis=-1), least)
+        returns = both.max(axis=-1)
+        more = np.divide(returns, least, out=np.ones_like(least), where=least > 0.0)
+        most = np.maximum(most, more)
+    return most
 
 
 def _last_short(

@@ -79,7 +79,11 @@ class Availability:
         As they were asked for.
     least, most : ndarray
         What each sounding asks for [rad], with what persistence adds, ``(n,)``: with calm, and with
-        a strong wind, where it did not see it. NaN where nothing can be said.
+        a strong wind, where it did not see it. NaN where nothing can be said. Where trim is not
+        flown `least` is that of (4b), and `most` holds what a flight may take more in a wind that
+        comes back.
+    flown : ndarray of bool
+        Of which soundings trim was flown, ``(n,)``: both then hold what that takes.
     persistence : ndarray
         The angle [rad] that is in them, for each azimuth ``(a,)``.
     confidence : float
@@ -99,6 +103,7 @@ class Availability:
     model: str
     least: FloatArray
     most: FloatArray
+    flown: NDArray[np.bool_]
     persistence: FloatArray
     confidence: float
     notes: tuple[str, ...]
@@ -170,7 +175,7 @@ class Availability:
         """
         instance("profile", profile, WindProfile, "see read_sounding")
         one = Soundings.from_profiles([profile], ["2000-01-01"])
-        needs = self.judge.needs(one)
+        needs = self.judge.needs(one, flown=True)
         found = []
         for a, most in enumerate(np.atleast_2d(self.most)):
             least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))

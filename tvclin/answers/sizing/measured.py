@@ -78,7 +78,7 @@ class MeasuredWind:
             raise InputError("vehicle must have a time [s], at which it meets the wind")
         time = float(np.asarray(vehicle.time))
         half = np.inf if self.window is None else 0.5 * self.window
-        times, angles = _cut(self.wind, time - half, time + half)
+        times, angles = cut_samples(self.wind, time - half, time + half)
         if times.size < 2 or not np.any(angles):
             return self.wind * 0.0
         side = float(np.sign(angles[np.argmax(np.abs(angles))]))
@@ -135,7 +135,7 @@ def fly_through(
     return MeasuredWind(wind, window, gust)
 
 
-def _cut(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
+def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
     """Samples from one time to another, with the ends and every change of sign among them.
 
     A change of sign within rounding of a sample is at the sample.
