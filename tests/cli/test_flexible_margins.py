@@ -121,3 +121,13 @@ def test_detuned_modes_are_those_of_the_library():
     shown = margins(*asked).output
     assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
+
+
+@pytest.mark.parametrize("command", ["study", "poles", "autopilot", "optimum", "boundary"])
+def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
+    moved = booster().shift()
+    result = run(command, "made-up-booster")
+    assert "are of the rigid vehicle, without the structure in its file" in result.stderr
+    assert f"fast pole by {moved.fast_pole:+.2f} percent" in result.stderr
+    assert f"asks for by {moved.trim_price:+.2f} percent" in result.stderr
+    assert "rigid" not in run(command, "configuration-i").stderr
