@@ -2,12 +2,14 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.vehicle.file import vehicle_text
 
 GAINS = ("--attitude-gain", "0.2", "--rate-gain", "0.2", "--delay-ms", "20")
 FREQUENCY = ("--actuator-frequency", "10")
@@ -121,3 +123,29 @@ def test_detuned_modes_are_those_of_the_library():
     shown = margins(*asked).output
     assert f"bending 2: unstable at {edge.lower:.3f} of its frequency" in shown
     assert re.search(r"bending 2 x 0.8 +- +- +- +UNSTABLE", shown)
+
+
+@pytest.mark.parametrize("command", ["study", "poles", "autopilot", "optimum", "boundary"])
+def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
+    moved = booster().shift()
+    result = run(command, "made-up-booster")
+    assert "are of the rigid vehicle, without the structure in its file" in result.stderr
+    assert f"fast pole by {moved.fast_pole:+.2f} percent" in result.stderr
+    assert f"asks for by {moved.trim_price:+.2f} percent" in result.stderr
+    assert "rigid" not in run(command, "configuration-i").stderr
+
+
+def test_the_page_shows_what_the_commands_print(tmp_path):
+    """Each line below a command of the page is a line of its output, but for spaces."""
+    page = (Path(__file__).parents[2] / "docs" / "flexible.md").read_text()
+    (tables,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    file = tmp_path / "my.toml"
+    file.write_text(vehicle_text("configuration-i")[0] + "\n" + tables)
+    sessions = re.findall(r"```console\n\$ tvclin (.*?)\n(.*?)```", page, re.DOTALL)
+    assert len(sessions) == 2
+    for (command, shown), code in zip(sessions, (1, 0), strict=True):
+        result = run(*command.replace("my.toml", str(file)).split())
+        printed = [" ".join(line.split()) for line in result.output.splitlines()]
+        assert result.exit_code == code
+        for line in shown.splitlines():
+            assert line in printed

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.gains import GainOptions, gains_document, takes_gains
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import load_rigid, peak_angle
 from tvclin.cli.margin_tables import poles
 from tvclin.cli.margins import CriteriaName, wanted_criteria
 from tvclin.cli.options import (
@@ -57,10 +57,9 @@ def autopilot(
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
     from tvclin.linear.plant import Plant
-    from tvclin.vehicle.file import load_vehicle
     from tvclin.winds.shaped import PULSES
 
-    loaded = load_vehicle(vehicle)
+    loaded = load_rigid(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))

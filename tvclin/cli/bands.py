@@ -67,12 +67,13 @@ def _mode(mode: "ModeBand") -> list[str]:
     margin = {
         "gain": _shown(mode.gain_margin_dB, ".2f", "dB"),
         "phase": _shown(mode.phase_margin_deg, ".2f", "deg"),
+        "with the rigid body": f"{mode.distance:.2f} from -1",
     }
     return [
         mode.name,
         _WORDS.get(mode.stabilised, mode.stabilised),
         _shown(mode.frequency, ".4g"),
-        margin.get(mode.stabilised, f"{mode.distance:.2f} from -1"),
+        margin.get(mode.stabilised, "none"),
     ]
 
 

@@ -4,6 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
+from tvclin.cli.inputs import load_rigid
 from tvclin.cli.options import VEHICLE_HELP, AsJson, Plot, Wind
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
@@ -90,7 +91,6 @@ def _limits(
     from tvclin.boundary.limit import boundary_limit
     from tvclin.linear.plant import MODELS, Plant
     from tvclin.vehicle.coefficients import Coefficients
-    from tvclin.vehicle.file import load_vehicle
     from tvclin.winds.shaped import PULSES
 
     shape: Any = PULSES[one_of("--wind", wind, PULSES)]
@@ -99,7 +99,7 @@ def _limits(
         fixed = Coefficients.from_beta(beta=1.0, B=1.0)
         history = shape(peak=1.0, duration=x[:, None])
         return "", boundary_limit(Plant(fixed), history, K), None
-    vehicle = load_vehicle(source)
+    vehicle = load_rigid(source, plane)
     coefficients = Coefficients.from_vehicle(vehicle, plane)
     history = shape(peak=1.0, duration=x[:, None] / coefficients.beta)
     limits = boundary_limit(Plant(coefficients, model), history, K)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.flight_cases import FlightCase, flight_case, flight_wind
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import load_rigid, peak_angle
 from tvclin.cli.options import (
     AsJson,
     Duration,
@@ -76,9 +76,8 @@ def fly(
     from tvclin.cli.output import print_json
     from tvclin.flights.condition import load_flight_condition
     from tvclin.flights.flown_boundary import ENGINES
-    from tvclin.vehicle.file import load_vehicle
 
-    loaded = load_vehicle(vehicle)
+    loaded = load_rigid(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     positive("--duration", duration, "s")
     within("--until", until, 1e-3, _LONGEST)

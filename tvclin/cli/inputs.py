@@ -31,6 +31,48 @@ def load_plant(
     return loaded, bends, bends.rigid
 
 
+def load_rigid(source: str, plane: str) -> "Vehicle":
+    """Return a vehicle for a command that knows it as rigid, and say so if its file knows more."""
+    from tvclin.vehicle.file import load_vehicle
+
+    loaded = load_vehicle(source)
+    note_structure(source, loaded, plane)
+    return loaded
+
+
+def note_structure(
+    source: str, vehicle: "Vehicle", plane: str, which: str = "these numbers"
+) -> None:
+    """Say of a file with structure that the numbers are those of the rigid vehicle, on stderr.
+
+    The sentence says by how much the structure moves what they rest on, see `FlexiblePlant.shift`.
+    """
+    import typer
+
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import tables_of
+    from tvclin.vehicle.file import vehicle_text
+    from tvclin.vehicle.structure_file import load_structure
+
+    if "vehicle" not in tables_of(*vehicle_text(source)):
+        return  # a study file
+    structure = load_structure(source)
+    if structure.is_rigid:
+        return
+    from tvclin.linear.flexible import FlexiblePlant
+
+    said = f"Note: {which} are of the rigid vehicle, without the structure in its file"
+    try:
+        moved = FlexiblePlant.from_vehicle(vehicle, structure, "drift-exact", plane).shift()
+        said += (
+            f", which would move its fast pole by {moved.fast_pole:+.2f} percent and the deflection"
+            f" that a wind asks for by {moved.trim_price:+.2f} percent"
+        )
+    except InputError:
+        pass  # nothing grows that could be moved
+    typer.echo(f"{said} (tvclin margins has it).", err=True)
+
+
 def peak_angle(
     vehicle: "Vehicle", plane: str, peak_deg: float | None, peak_speed: float | None
 ) -> float:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import load_rigid, peak_angle
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -55,9 +55,8 @@ def laws(
     from tvclin.base.errors import one_of, positive, within
     from tvclin.cli.output import print_json
     from tvclin.linear.plant import Plant
-    from tvclin.vehicle.file import load_vehicle
 
-    loaded = load_vehicle(vehicle)
+    loaded = load_rigid(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     positive("--duration", duration, "s")
     within("--cuts", cuts, 0, 1000)

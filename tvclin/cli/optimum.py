@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import load_rigid, peak_angle
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -57,10 +57,9 @@ def optimum(
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
     from tvclin.linear.plant import Plant
-    from tvclin.vehicle.file import load_vehicle
     from tvclin.winds.shaped import pulse
 
-    loaded = load_vehicle(vehicle)
+    loaded = load_rigid(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     history = pulse("--wind", wind, peak, duration)
     plant = Plant.from_vehicle(loaded, model, plane)

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.inputs import load_rigid
 from tvclin.cli.options import AsJson, Plane, Plot, Vehicle
 
 if TYPE_CHECKING:
@@ -25,10 +26,9 @@ def poles(
     from tvclin.cli.output import print_json, print_table
     from tvclin.linear.plant import MODELS, available_models
     from tvclin.vehicle.coefficients import Coefficients
-    from tvclin.vehicle.file import load_vehicle
 
     one_of("model", model, [*MODELS, "all"])
-    loaded = load_vehicle(vehicle)
+    loaded = load_rigid(vehicle, plane)
     coefficients = Coefficients.from_vehicle(loaded, plane)
     models = available_models(coefficients) if model == "all" else [model]
     found = {name: _poles(coefficients, name) for name in models}

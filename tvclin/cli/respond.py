@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.cases import Case, make_case
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import load_rigid, peak_angle
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -68,9 +68,8 @@ def respond(
     from tvclin.linear.extremes import extremes, shown_until
     from tvclin.linear.loads import wind_loads
     from tvclin.linear.verdict import judge
-    from tvclin.vehicle.file import load_vehicle
 
-    loaded = load_vehicle(vehicle)
+    loaded = load_rigid(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     within("--until", until, 1e-3, _LONGEST)
     length = until * float(positive("--duration", duration, "s"))

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import changed_plan, gust_of
+from tvclin.cli.inputs import changed_plan, gust_of, note_structure
 from tvclin.cli.options import (
     MODELS_HELP,
     VEHICLE_HELP,
@@ -95,6 +95,7 @@ def study(
     plan = changed_plan(
         load_study(source), wind, duration, (peak_deg, peak_speed), limit_deg, given
     )
+    note_structure(source, plan.vehicle, plan.plane)
     if gust_at is not None and gust is None:
         raise InputError("--gust-at needs --gust")
     if gust is not None:
