@@ -122,6 +122,35 @@ def of_the_package() -> list[Figure]:
             lambda: plots.root_locus_chart(autopilot, exact),
             "tvclin margins --chart root-locus --plot",
         ),
+        *_of_a_flexible_vehicle(),
+    ]
+
+
+def _of_a_flexible_vehicle() -> list[Figure]:
+    structure, plots = tv.load_structure("made-up-booster"), tv.plots
+    vehicle = tv.load_vehicle("made-up-booster")
+    plant = tv.FlexiblePlant.from_vehicle(vehicle, structure, model="drift-exact")
+    autopilot = tv.Autopilot(
+        attitude_gain=0.36,
+        rate_gain=0.56,
+        delay=0.02,
+        actuator=tv.Actuator(natural_frequency=22.0, damping=0.8),
+        filters=(tv.Filter.low_pass(13.0, 0.95), tv.Filter.notch(32.0, 0.06, 0.6)),
+    )
+    return [
+        Figure(
+            "bode-flexible",
+            "The loop of a vehicle that bends and sloshes, sampled at 25 Hz, with each mode and its"
+            " margin.",
+            lambda: plots.bode_chart(replace(autopilot, sample_rate=25.0), plant),
+            "tv.plots.bode_chart(autopilot, flexible_plant)",
+        ),
+        Figure(
+            "root-locus-flexible",
+            "Where its modes go with the loop gain.",
+            lambda: plots.root_locus_chart(autopilot, plant),
+            "tv.plots.root_locus_chart(autopilot, flexible_plant)",
+        ),
     ]
 
 
