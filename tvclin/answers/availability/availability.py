@@ -93,7 +93,7 @@ def availability(
         Of intervals, in (0, 1).
     looks : int
         So many soundings near the limit, or fewer, are judged again with the trim law flown, which
-        takes about a fifth of a second for each plane and azimuth.
+        takes about a tenth of a second for each plane and azimuth.
     progress : callable, optional
         Is told how many soundings are done, and how many there are.
 
