@@ -112,6 +112,7 @@ def test_in_rough_winds_these_fly_of_which_size_says_so(flight) -> None:
     limit = 0.5 * (alone.least[3] + needed[3])
     found = alone.with_limit(limit)
     assert np.isnan(found.flies[3])
+    assert "trim was not flown" in found.why[3]
     assert 1.014 * found.placard([1.0])[0] >= needed.max()  # as the page says of those not flown
     assert tv.availability(flight, rough, limit=limit, looks=0, **PITCH).part().unknown >= 1
 

@@ -93,7 +93,7 @@ def availability(
         Of intervals, in (0, 1).
     looks : int
         So many soundings near the limit, or fewer, are judged again with the trim law flown, which
-        takes about a fifth of a second for each plane and azimuth.
+        takes about a tenth of a second for each plane and azimuth.
     progress : callable, optional
         Is told how many soundings are done, and how many there are.
 
@@ -150,6 +150,7 @@ def availability(
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
     ).used_to(soundings)
     needs = judge.needs(soundings, progress)
+    known = needs.alone == needs.least
     added, told = _added(growth, needs.least, needs.alone, soundings)
     needs, flown, near = _looked_at_again(judge, soundings, needs, capability - added, most_flown)
     least, most = (one + added[:, np.newaxis] for one in (needs.least, needs.most))
@@ -162,6 +163,7 @@ def availability(
         model=model,
         least=least[0] if one else least,
         most=most[0] if one else most,
+        known=known[0] if one else known,
         flown=flown,
         persistence=added,
         confidence=trusted,

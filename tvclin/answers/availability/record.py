@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+_NOT_FLOWN = "it comes back, and trim was not flown in it: looks"
 _LESS = 1.0 - 1e-9
 """Needs that differ by less than this part are the same."""
 
@@ -82,6 +83,8 @@ class Availability:
         a strong wind, where it did not see it. NaN where nothing can be said. Where trim is not
         flown `least` is that of (4b), and `most` holds what a flight may take more in a wind that
         comes back.
+    known : ndarray of bool
+        Whether (4b) alone asks for the same with calm and with a strong wind, as `least`.
     flown : ndarray of bool
         Of which soundings trim was flown, ``(n,)``: both then hold what that takes.
     persistence : ndarray
@@ -103,6 +106,7 @@ class Availability:
     model: str
     least: FloatArray
     most: FloatArray
+    known: NDArray[np.bool_]
     flown: NDArray[np.bool_]
     persistence: FloatArray
     confidence: float
@@ -125,7 +129,9 @@ class Availability:
         """For each sounding, why it is not judged; empty where it is."""
         open_: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
         both = zip(self.reasons, open_, strict=True)
-        return tuple(one or ("it does not know the wind far enough" * lost) for one, lost in both)
+        known = np.all(np.atleast_2d(self.known), axis=0).tolist()
+        words = [_NOT_FLOWN if one else "it does not know the wind far enough" for one in known]
+        return tuple(one or said * lost for (one, lost), said in zip(both, words, strict=True))
 
     def part(self) -> Any:
         """Return how many fly: a `Part`."""
