@@ -117,7 +117,7 @@ def margins(
     fine = flown and found.whole.stable
     in_wind = case.margins(loaded, plane, frame, autopilot) if fine else None
     if in_wind is not None and plant is not frame:
-        note_structure(vehicle, loaded, plane, "those of --flown")
+        note_structure(vehicle, loaded, plane, "the flown margins")
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
