@@ -87,6 +87,14 @@ def test_each_mode_is_marked_where_it_peaks_with_its_margin(autopilot):
     assert marked(bode, "gain-increase margin") == pytest.approx(at)
 
 
+def test_an_unstable_loop_shows_the_names_of_its_modes_and_no_margins():
+    plot = plots.bode_chart(replace(AUTOPILOT, filters=()), PLANT)
+    upper, lower = ([text.get_text() for text in axes.texts] for axes in plot.axes[:, 0])
+
+    assert (sorted(upper), lower) == (sorted(MODES), [])
+    assert any(words.endswith("rad/s: unstable") for words in marks(plot))
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_nyquist_turns_as_often_as_the_poles_say(name):
     autopilot, plant = CASES[name]

@@ -199,6 +199,7 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "C
     upper = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[1]))
     lower = margin_marks(samples, lambda w: (max(w, left), samples.at(w)[0]))
     _hold_bode(axes, upper, lower)
+    in_phase = [*upper[2:3], *lower[2:3]]  # the phase margin: its number stands in the lower panel
     upper += mode_marks(samples, lambda w: (w, samples.at(w)[1]))
     lower += mode_marks(samples, lambda w: (w, samples.at(w)[0]))
     axes[0].figure.suptitle(title("Bode diagram of the loop", samples))
@@ -206,8 +207,8 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> "C
     handles, labels = axes[0].get_legend_handles_labels()
     axes[0].figure.legend(handles, labels, loc="outside lower center", ncols=2)
     lines += draw_marks(axes[1], lower)
-    gains = [numbered(mark, mark not in upper[2:3]) for mark in upper]
-    phases = [numbered(mark, mark in lower[2:3]) for mark in lower]
+    gains = [numbered(mark, mark not in in_phase) for mark in upper]
+    phases = [numbered(mark, mark in in_phase) for mark in lower]
     write_numbers((axes[0], gains), (axes[1], phases))
     return control_plot(lines, axes[:, np.newaxis], samples.curves("bode"))
 
