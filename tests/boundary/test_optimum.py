@@ -64,7 +64,7 @@ def test_the_lower_bound_holds_however_early_the_window_is_cut(monkeypatch):
     poles, demands = [0.1 + 0.2j], [1.0, 0.5]
     best, proof = solved(poles, demands)
     for cut in (1.0, 6.0):
-        monkeypatch.setattr("tvclin.boundary.optimum.exponential_sums._TRUNCATED", cut)
+        monkeypatch.setattr("tvclin.boundary.optimum.exponential_sums.TRUNCATED", cut)
         window = Window(Constraints(np.asarray(poles), np.asarray(demands)))
         bound = certify(window, best.multipliers, best.zeros[best.zeros < window.end], 1.0)
         assert bound.dual < proof.primal

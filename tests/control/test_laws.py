@@ -349,8 +349,8 @@ def saturated(**arguments):
         (lambda: WindEstimator(bandwidth=5.0, seed=1.5), "seed must be"),
         (lambda: WindEstimator(bandwidth=5.0, seed=True), "seed must be"),
         (lambda: SaturatedLaw(plant_of()), "autopilot must be an Autopilot"),
-        (saturated(actuator=Actuator()), r"takes gains only: give actuator and delay to fly\(\)"),
-        (saturated(delay=0.1), "takes gains only"),
+        (saturated(actuator=Actuator()), "filters only: give actuator, delay and sample_rate to"),
+        (saturated(delay=0.1), "gains and filters only"),
         (
             saturated(attitude_gain=[0.3, 0.4]),
             r"autopilot must be one autopilot; got a batch of shape \(2,\)",

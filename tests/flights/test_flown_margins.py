@@ -360,6 +360,8 @@ def test_what_cannot_have_margins_is_refused():
 
 
 def test_figures_show_the_margins_and_the_map():
+    import matplotlib.pyplot as plt
+
     law = LAWS["attitude and rate"]
     found = [margins(law, times, rate=50.0) for times in (3.0, 1.1)]
     drawn = tv.plots.flown_margins(found).curves
@@ -377,6 +379,7 @@ def test_figures_show_the_margins_and_the_map():
     assert "boundaries, of full trim" in chart._repr_html_()
     with pytest.raises(tv.InputError, match="two or more gains"):
         tv.plots.boundary_map(replace(chart, limit=chart.limit[:1]))
+    plt.close("all")
 
 
 def test_an_integral_leaves_no_edge_where_the_loop_stands_still():

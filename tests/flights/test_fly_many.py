@@ -344,7 +344,7 @@ def test_a_stable_plant_flies_to_a_time_but_has_no_fate():
     ("change", "message"),
     [
         ({"law": "trim"}, "law must be a Law"),
-        ({"law": Autopilot(**GAINS, delay=0.1)}, "gains only"),
+        ({"law": Autopilot(**GAINS, delay=0.1)}, "gains and filters only"),
         ({"deflection_limit": -1.0}, "deflection_limit must be positive"),
         ({"deflection_limit": np.ones(3), "rate_limit": np.ones(2)}, "broadcast"),
         ({"delay": -0.1}, "delay must be zero or positive"),

@@ -242,7 +242,7 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
 
 
 def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
-    own = tv.load_vehicle("configuration-ii").replace(name="mine", control_arm=5.0)
+    own = tv.load_vehicle("configuration-ii").replace(name="mine", control_arm=1.0)
     explored = type(panel)(own)
 
     assert explored.choices.vehicle is own
