@@ -457,7 +457,13 @@ def doors(folder: Path) -> dict[str, Door]:
                 "actuator_frequency": 25.1,
                 "actuator_damping": 0.7,
                 "delay": 0.0,
+                "filters": (notch,),
+                "attitude_filters": (notch,),
+                "rate_filters": (notch,),
             },
+        ),
+        "GainsAsked.from_table": Door(
+            tv.GainsAsked.from_table, {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}}
         ),
         "GainsAsked.autopilot": Door(tv.GainsAsked(design="canonical").autopilot, {"plant": plant}),
         "HeldDeflection": Door(tv.HeldDeflection, {"limit": 0.01, "start": 0.0}),
@@ -909,6 +915,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "known_to": 12e3,
                 "utc_offset": -5.0,
                 "confidence": 0.9,
+                "looks": 5,
                 "progress": None,
             },
         ),

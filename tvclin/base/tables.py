@@ -85,6 +85,8 @@ class Table:
             For an unknown key or unit, what is given twice or not at all, and a value that is no
             number, or no list, where one must be.
         """
+        if not isinstance(table, Mapping) or not all(isinstance(key, str) for key in table):
+            raise InputError(f"{self.heading} must be a table; got {shown(table)}")
         keys, found = self.keys, {}
         given: dict[str, str] = {}
         for key, value in table.items():

@@ -222,7 +222,7 @@ class _Drawn:
 
 
 def save_figure(plot: "ControlPlot", path: Path) -> None:
-    """Write a figure, whole or not at all, and close it.
+    """Write a figure, whole or not at all, and close it, also where it cannot be written.
 
     Parameters
     ----------
@@ -239,10 +239,12 @@ def save_figure(plot: "ControlPlot", path: Path) -> None:
     import matplotlib.pyplot as plt
 
     kind = path.suffix.lstrip(".").lower()
-    if kind not in plot.figure.canvas.get_supported_filetypes():
-        raise InputError(
-            f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
-        )
-    with plt.rc_context({"svg.hashsalt": "tvclin"}):
-        write_whole(path, lambda target: plot.figure.savefig(target, format=kind, dpi=150))
-    plt.close(plot.figure)
+    try:
+        if kind not in plot.figure.canvas.get_supported_filetypes():
+            raise InputError(
+                f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
+            )
+        with plt.rc_context({"svg.hashsalt": "tvclin"}):
+            write_whole(path, lambda target: plot.figure.savefig(target, format=kind, dpi=150))
+    finally:
+        plt.close(plot.figure)

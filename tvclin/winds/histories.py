@@ -33,6 +33,8 @@ _FASTEST = 1e100
 """Laplace variables beyond this [rad/s] would overflow in products."""
 _PROBES = 8192
 """About so many times, over all knots, are looked at for each rate of a curved history."""
+_SLOWEST = 1e-100
+"""A rate below this [1/s] is none: its time scale is beyond all numbers that a time may have."""
 _SAME = 1e-12
 """Times that are nearer to each other than this part of all count as one."""
 
@@ -263,7 +265,7 @@ class History(ABC):
         count = self.knots.shape[-1]
         each = np.linspace(0.0, 20.0, int(np.clip(_PROBES // count, 8, 128)))
         rates = np.abs(self.pieces.rates)[..., np.newaxis]
-        offsets = each / np.where(rates > 0.0, rates, np.inf)
+        offsets = each / np.where(rates > _SLOWEST, rates, np.inf)
         widths = np.diff(self.knots, axis=-1)
         row = (*offsets.shape[:-2], offsets.shape[-2] * offsets.shape[-1])
         after = np.sort(offsets.reshape(row), axis=-1)[..., np.newaxis, :]
