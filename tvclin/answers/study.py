@@ -21,9 +21,9 @@ from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
-from tvclin.linear.plant import MODELS, Plant, available_models
+from tvclin.linear.plant import MODELS, Plant, models_of
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, coefficients_of
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, pulse
 
@@ -48,7 +48,7 @@ class Study:
 
     Attributes
     ----------
-    vehicle : Vehicle
+    vehicle : Vehicle or LinearVehicle
         The vehicle, one.
     plane, model : str
         The plane, and the model on which the verdict rests.
@@ -90,7 +90,7 @@ class Study:
         What blows on top of the wind, in its time.
     """
 
-    vehicle: Vehicle
+    vehicle: AnyVehicle
     plane: str
     model: str
     coefficients: Coefficients
@@ -114,7 +114,7 @@ class Study:
     @classmethod
     def from_vehicle(
         cls,
-        vehicle: Vehicle,
+        vehicle: AnyVehicle,
         *,
         wind: str = "triangular",
         duration: float,
@@ -130,7 +130,7 @@ class Study:
 
         Parameters
         ----------
-        vehicle : Vehicle
+        vehicle : Vehicle or LinearVehicle
             One vehicle.
         wind : {"triangular", "rectangular"}
             Shape of the wind.
@@ -171,15 +171,15 @@ class Study:
         one_of("switch", switch, SWITCHES)
         peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
-        coefficients = Coefficients.from_vehicle(vehicle, plane)
+        coefficients = coefficients_of(vehicle, plane)
         single("vehicle", coefficients.batch)
-        plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
+        plants = {name: Plant(coefficients, name) for name in models_of(vehicle)}
         alone = pulse("wind", wind, peak, duration)
         history = alone if gust is None else _with_gust(alone, gust)
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
-        plant = plants.get(model) or Plant(coefficients, model)
+        plant = plants.get(model) or Plant.from_vehicle(vehicle, model, plane)
         limit = None if limit is None else _capability(limit)
         required = required_deflection(plant, history, dead_band)
         modes = {name: unstable_modes(each) for name, each in plants.items()}
@@ -299,8 +299,14 @@ def outlasts_one_pole(study: Study) -> bool:
     return bool(study.wind.duration > single_pole_validity(study.coefficients))
 
 
-def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
-    if vehicle.thrust < _FEEBLE * vehicle.weight:
+def _doubts(vehicle: AnyVehicle, plane: str, peak: float) -> Iterator[str]:
+    if isinstance(vehicle, LinearVehicle):
+        if not vehicle.path_known:
+            yield (
+                "the flight path is held fixed: how the vehicle drifts with the wind is not known"
+                " from mu_alpha and mu_delta, and a long wind may then need more"
+            )
+    elif vehicle.thrust < _FEEBLE * vehicle.weight:
         ratio = float(vehicle.thrust / vehicle.weight)
         yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
     if plane == "pitch" and abs(peak) > _STRONG:

@@ -35,6 +35,8 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0},
     "delay": {"s": 1.0, "ms": 1e-3},
     "per time": {"per_s": 1.0},
+    "per time squared": {"per_s2": 1.0},
+    "per time cubed": {"per_s3": 1.0},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "psf": POUND_FORCE / FOOT**2},
     "area": {"m2": 1.0, "ft2": FOOT**2},
     "per angle": {"per_rad": 1.0, "per_deg": 1.0 / DEGREE},

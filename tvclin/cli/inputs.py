@@ -6,13 +6,14 @@ if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.linear.flexible import AnyPlant
     from tvclin.linear.plant import Plant
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
 
 
 def load_plant(
     source: str, model: str | None, plane: str, rigid: bool
-) -> "tuple[Vehicle, AnyPlant, Plant]":
+) -> "tuple[AnyVehicle, AnyPlant, Plant]":
     """Return a vehicle, its plant, and the rigid plant of the same model.
 
     The plant is flexible where the file has a structure and `rigid` is not asked for; without a
@@ -20,10 +21,14 @@ def load_plant(
     """
     from tvclin.linear.flexible import FlexiblePlant
     from tvclin.linear.plant import Plant
-    from tvclin.vehicle.file import load_vehicle
+    from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
     from tvclin.vehicle.structure_file import load_structure
 
-    loaded, structure = load_vehicle(source), load_structure(source)
+    loaded = load_any_vehicle(source)
+    if isinstance(loaded, LinearVehicle):
+        plant = plant_of(loaded, model, "drift", plane)
+        return loaded, plant, plant
+    structure = load_structure(source)
     if rigid or structure.is_rigid:
         plant = Plant.from_vehicle(loaded, model or "drift", plane)
         return loaded, plant, plant
@@ -40,8 +45,26 @@ def load_rigid(source: str, plane: str) -> "Vehicle":
     return loaded
 
 
+def load_linear(source: str, plane: str) -> "AnyVehicle":
+    """Return a vehicle as `load_rigid`, or one that is known by its coefficients."""
+    from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
+
+    loaded = load_any_vehicle(source)
+    return loaded if isinstance(loaded, LinearVehicle) else load_rigid(source, plane)
+
+
+def plant_of(vehicle: "AnyVehicle", model: str | None, usual: str, plane: str) -> "Plant":
+    """Return the plant of the model asked for; without one of the usual, or of what is known."""
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.linear_vehicle import FIXED_PATH, LinearVehicle
+
+    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
+        usual = FIXED_PATH
+    return Plant.from_vehicle(vehicle, model or usual, plane)
+
+
 def note_structure(
-    source: str, vehicle: "Vehicle", plane: str, which: str = "these numbers"
+    source: str, vehicle: "AnyVehicle", plane: str, which: str = "these numbers"
 ) -> None:
     """Say of a file with structure that the numbers are those of the rigid vehicle, on stderr.
 
@@ -52,10 +75,11 @@ def note_structure(
     from tvclin.base.errors import InputError
     from tvclin.base.files import tables_of
     from tvclin.vehicle.file import vehicle_text
+    from tvclin.vehicle.linear_vehicle import LinearVehicle
     from tvclin.vehicle.structure_file import load_structure
 
-    if "vehicle" not in tables_of(*vehicle_text(source)):
-        return  # a study file
+    if isinstance(vehicle, LinearVehicle) or "vehicle" not in tables_of(*vehicle_text(source)):
+        return  # coefficients alone, or a study file
     structure = load_structure(source)
     if structure.is_rigid:
         return
@@ -74,18 +98,20 @@ def note_structure(
 
 
 def peak_angle(
-    vehicle: "Vehicle", plane: str, peak_deg: float | None, peak_speed: float | None
+    vehicle: "AnyVehicle", plane: str, peak_deg: float | None, peak_speed: float | None
 ) -> float:
     """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was."""
     import numpy as np
 
     from tvclin.base.errors import InputError
+    from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.speed import angle_in_plane
 
     if peak_speed is None:
         return float(np.radians(5.0 if peak_deg is None else peak_deg))
     if peak_deg is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
+    vehicle = whole_vehicle(vehicle, "--peak-speed")
     return float(angle_in_plane(peak_speed, vehicle.velocity, vehicle.attitude, plane))
 
 

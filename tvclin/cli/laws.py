@@ -4,27 +4,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_rigid, peak_angle
+from tvclin.cli.inputs import load_linear, peak_angle, plant_of
 from tvclin.cli.options import (
+    FIXED_HELP,
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
-    Vehicle,
 )
 from tvclin.cli.progress import bar, share
 
 if TYPE_CHECKING:
     from tvclin.answers.trials import LawTrial
-    from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
 
 def laws(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
@@ -37,8 +37,12 @@ def laws(
     ] = 0,
     sample_rate: Annotated[float, typer.Option(help="Samples of the law, in Hz.")] = 100.0,
     model: Annotated[
-        str, typer.Option(help=f"Model with one or two real unstable poles: {MODELS_HELP}")
-    ] = "drift-exact",
+        str | None,
+        typer.Option(
+            help=f"Model with one or two real unstable poles: {MODELS_HELP} drift-exact;"
+            f" {FIXED_HELP}."
+        ),
+    ] = None,
     plane: Plane = "pitch",
     as_json: AsJson = False,
     plot: Plot = None,
@@ -56,11 +60,11 @@ def laws(
     from tvclin.cli.output import print_json
     from tvclin.linear.plant import Plant
 
-    loaded = load_rigid(vehicle, plane)
+    loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     positive("--duration", duration, "s")
     within("--cuts", cuts, 0, 1000)
-    plant = Plant.from_vehicle(loaded, model, plane)
+    plant = plant_of(loaded, model, "drift-exact", plane)
     chosen = standard_laws(plant, peak)
     every = standard_winds(peak, duration)
     winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
@@ -79,7 +83,7 @@ def laws(
     if as_json:
         head = {
             "vehicle": loaded.name,
-            "model": model,
+            "model": plant.model,
             "plane": plane,
             "peak_deg": np.degrees(peak),
             "duration_s": duration,
@@ -88,7 +92,7 @@ def laws(
         }
         print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
     else:
-        _print(f"{loaded.name or vehicle}, {model}, {duration:g} s", found, limits, list(chosen))
+        _print(f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen))
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:

@@ -20,11 +20,11 @@ from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
-    Vehicle,
     Wind,
 )
 
@@ -56,7 +56,7 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 @takes_gains
 def margins(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     gains: GainOptions = GainOptions(),
     criteria: CriteriaName = "classic",
     gain_db: GainDb = None,

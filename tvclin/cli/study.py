@@ -7,7 +7,7 @@ import typer
 from tvclin.cli.inputs import changed_plan, gust_of, note_structure
 from tvclin.cli.options import (
     MODELS_HELP,
-    VEHICLE_HELP,
+    LINEAR_HELP,
     AsJson,
     Gust,
     LimitDeg,
@@ -23,7 +23,7 @@ def study(
         str,
         typer.Argument(
             metavar="VEHICLE|STUDY",
-            help=f"{VEHICLE_HELP[:-1]}, or a study file (see: tvclin init --study).",
+            help=f"{LINEAR_HELP[:-1]}, or a study file (see: tvclin init --study).",
         ),
     ] = "configuration-i",
     wind: Annotated[

@@ -19,19 +19,19 @@ def print_study(result: "Study", source: str) -> None:
         f"Vehicle: {v.name or source}",
         [(label, f"{value:.5g} {unit}") for _, label, value, unit in v.quantities()],
     )
-    print_pairs(
-        f"\nCoefficients, {result.plane} plane",
-        [
-            ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
-            ("B", f"{c.B:.4f} deg/deg"),
-            ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
-            ("C1", f"{c.C1:.5f} 1/s"),
-            ("C2", f"{c.C2:.6f} 1/s3"),
-            ("b1", f"{c.b1:.5f} 1/s"),
-            ("b2", f"{c.b2:.5f} 1/s"),
-        ],
-        columns=4,
-    )
+    path = [
+        ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
+        ("C1", f"{c.C1:.5f} 1/s"),
+        ("C2", f"{c.C2:.6f} 1/s3"),
+        ("b1", f"{c.b1:.5f} 1/s"),
+        ("b2", f"{c.b2:.5f} 1/s"),
+    ]
+    known = [
+        ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
+        ("B", f"{c.B:.4f} deg/deg"),
+        *(path if "drift-exact" in result.modes else ()),
+    ]
+    print_pairs(f"\nCoefficients, {result.plane} plane", known, columns=4)
     print_pairs(
         "\nUnstable poles [1/s]",
         [(name, _poles(modes.poles)) for name, modes in result.modes.items()],
@@ -45,9 +45,11 @@ def study_document(result: "Study") -> dict[str, Any]:
     """Return a study as a document for JSON."""
     import numpy as np
 
+    from tvclin.vehicle.vehicle import Vehicle
+
     v, c, deg = result.vehicle, result.coefficients, np.degrees
     return {
-        "vehicle": {name: getattr(v, name) for name in v.__dataclass_fields__},
+        "vehicle": vars(v) if isinstance(v, Vehicle) else {"name": v.name},
         "plane": result.plane,
         "coefficients": {
             "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,

@@ -36,6 +36,8 @@ VEHICLE_TABLE = Table(
     words=("name",),
     required=tuple(_ALWAYS),
 )
+COEFFICIENTS = "coefficients"
+"""The table of files that hold no vehicle, see `load_any_vehicle`."""
 HEADINGS = ("vehicle", "flight", "structure", "engine", "sensors", "bending", "slosh")
 """Tables of a vehicle file: [flight] is for `FlightCondition`, the others for `structure_file`."""
 
@@ -94,9 +96,19 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
         raise InputError(f"{called(source)}: {error}") from None
 
 
+def needs_whole(what: str) -> str:
+    """Return the one sentence for what coefficients alone cannot answer."""
+    return (
+        f"{what} needs a whole vehicle, with weight, thrust and velocity, and not"
+        f" [{COEFFICIENTS}] alone; write a file with: tvclin init FILE"
+    )
+
+
 def table_of(text: str, source: str, table: Table) -> dict[str, Any]:
     """Return one table of a vehicle file as it stands, empty where [flight] is not there."""
     document, source = tables_of(text, source), called(source)
+    if COEFFICIENTS in document:
+        raise InputError(f"{source} holds [{COEFFICIENTS}] alone: {needs_whole('this')}")
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
     for key in document.keys() - set(HEADINGS):

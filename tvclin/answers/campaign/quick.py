@@ -26,6 +26,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.winds.shaped import ShapedWind
 
 FloatArray = NDArray[np.float64]
@@ -155,7 +156,7 @@ def _campaign(
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
-        vehicle=study.vehicle,
+        vehicle=whole_vehicle(study.vehicle, "a dispersed study"),
         wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),
         dispersions=dispersions,
         cases=cases,

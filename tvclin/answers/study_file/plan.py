@@ -21,6 +21,7 @@ from tvclin.base.errors import (
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
@@ -41,7 +42,7 @@ class StudyPlan:
 
     Attributes
     ----------
-    vehicle : Vehicle
+    vehicle : Vehicle or LinearVehicle
         The vehicle, one.
     model, plane : str
         As of `Study.from_vehicle`.
@@ -76,7 +77,7 @@ class StudyPlan:
         For numbers out of range, unknown names, and a wind that is not of one shape.
     """
 
-    vehicle: Vehicle
+    vehicle: AnyVehicle
     model: str = "fixed-path"
     plane: str = "pitch"
     wind: ShapedWind = DEFAULT_WIND
@@ -95,7 +96,8 @@ class StudyPlan:
     sizing: SizingAsked | None = None
 
     def __post_init__(self) -> None:
-        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        if not isinstance(self.vehicle, LinearVehicle):
+            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         if not isinstance(self.wind, ShapedWind):
             raise InputError(
                 "a study needs a wind of one shape: give shape, peak and duration in [wind]"
