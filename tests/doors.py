@@ -324,6 +324,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "b1": 0.1,
                 "b2": 0.1,
                 "q": 0.0,
+                "damping": 0.03,
             },
         ),
         "Coefficients.from_beta": Door(
