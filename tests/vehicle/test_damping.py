@@ -76,8 +76,14 @@ PER_V = "pitch_damping_coefficient_per_qL_over_V"
     [
         (["pitch_damping_N_m_s_per_rad = -1"], "pitch_damping must be zero or positive"),
         (["pitch_damping = 1"], r"no known unit in \[vehicle\]; write pitch_damping_N_m_s_per_rad"),
-        (["pitch_damping_coefficient = -40", LENGTH], f"no known unit.*{PER_V} or .*per_qL_over_2V"),
-        ([f"{PER_V} = -4", f"{PER_V[:-1]}2V = -4", LENGTH], "pitch_damping_coefficient is given tw"),
+        (
+            ["pitch_damping_coefficient = -40", LENGTH],
+            f"no known unit.*{PER_V} or .*per_qL_over_2V",
+        ),
+        (
+            [f"{PER_V} = -4", f"{PER_V[:-1]}2V = -4", LENGTH],
+            "pitch_damping_coefficient is given tw",
+        ),
         ([f"{PER_V} = 40", LENGTH], "must be zero or negative: C_mq below zero damps; got 40"),
         ([f"{PER_V} = -40"], "a key is missing in .*: reference_length_m"),
         ([LENGTH], "reference_length in .* needs pitch_damping_coefficient_per_qL_over_V or"),
