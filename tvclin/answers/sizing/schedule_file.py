@@ -117,7 +117,9 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
         for _, row in rows
         if all(isinstance(value, float | int) for key, value in row.items() if key in keys)
     ]
-    whole = len(values) == len(rows) and all({"time", "moment_of_inertia"} <= set(v) for v in values)
+    whole = len(values) == len(rows) and all(
+        {"time", "moment_of_inertia"} <= set(v) for v in values
+    )
     if not whole or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
         return rows
     times, inertias = (
