@@ -134,7 +134,7 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant = Plant(study.coefficients, asked.model)
+    plant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
     laws, winds = standard_laws(plant, peak), standard_winds(peak, study.wind.duration)
     return law_trials(
         plant,
@@ -150,7 +150,7 @@ def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
     asked = plan.gains or GainsAsked()
-    plant = Plant(study.coefficients, asked.model)
+    plant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
     return compare_with_trim(plant, asked.autopilot(plant), blown(study))
 
 

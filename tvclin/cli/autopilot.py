@@ -116,8 +116,9 @@ def _document(
     deg = np.degrees
     within = limit_deg is None or deg(found.peak_deflection) <= limit_deg
     criteria = bool(asked.are_met(found.margins))
-    known = isinstance(vehicle, Vehicle)
-    slope, speed = (vehicle.normal_force_slope, vehicle.velocity) if known else (np.nan, np.nan)
+    slope = speed = float("nan")  # of a vehicle that is known by its coefficients
+    if isinstance(vehicle, Vehicle):
+        slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
     return {
         "autopilot": gains_document(found.autopilot),
         "closed_loop_poles": found.autopilot.closed_loop_poles(found.plant).tolist(),

@@ -26,7 +26,8 @@ def boundary(
         typer.Option(help="Dead band K from 0 to 1; may be given several times."),
     ] = None,
     model: Annotated[
-        str | None, typer.Option(help=f"Model, when a vehicle is given; drift if nothing is, {FIXED_HELP}.")
+        str | None,
+        typer.Option(help=f"Model, when a vehicle is given; drift if nothing is, {FIXED_HELP}."),
     ] = None,
     plane: Annotated[
         str | None, typer.Option(help="Plane, when a vehicle is given; pitch if nothing is.")

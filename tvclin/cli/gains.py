@@ -44,9 +44,7 @@ class GainOptions:
             " actuator."
         ),
     ] = None
-    actuator_hz: Annotated[
-        float | None, typer.Option(help="The same in Hz, in its place.")
-    ] = None
+    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz, in its place.")] = None
     actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
     delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
         0.0

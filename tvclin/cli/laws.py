@@ -20,6 +20,7 @@ from tvclin.cli.progress import bar, share
 
 if TYPE_CHECKING:
     from tvclin.answers.trials import LawTrial
+    from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
 
@@ -58,7 +59,6 @@ def laws(
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
     from tvclin.base.errors import one_of, positive, within
     from tvclin.cli.output import print_json
-    from tvclin.linear.plant import Plant
 
     loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
@@ -92,7 +92,9 @@ def laws(
         }
         print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
     else:
-        _print(f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen))
+        _print(
+            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen)
+        )
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:

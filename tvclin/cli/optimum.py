@@ -20,6 +20,7 @@ from tvclin.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
 
@@ -58,7 +59,6 @@ def optimum(
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
-    from tvclin.linear.plant import Plant
     from tvclin.winds.shaped import pulse
 
     loaded = load_linear(vehicle, plane)

@@ -6,8 +6,8 @@ import typer
 
 from tvclin.cli.inputs import changed_plan, gust_of, note_structure
 from tvclin.cli.options import (
-    MODELS_HELP,
     LINEAR_HELP,
+    MODELS_HELP,
     AsJson,
     Gust,
     LimitDeg,

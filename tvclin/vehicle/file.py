@@ -100,8 +100,8 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
 def needs_whole(what: str) -> str:
     """Return the one sentence for what coefficients alone cannot answer."""
     return (
-        f"{what} needs a whole vehicle, with weight, thrust and velocity, and not"
-        f" [{COEFFICIENTS}] alone; write a file with: tvclin init FILE"
+        f"{what} needs a whole vehicle, with weight, thrust and velocity; write a file with:"
+        " tvclin init FILE"
     )
 
 

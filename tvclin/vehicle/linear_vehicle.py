@@ -19,6 +19,7 @@ FIXED_PATH = "fixed-path"
 """The one model that mu_alpha and mu_delta are enough for."""
 _SLOPES = {"mu_alpha": "per time squared", "mu_delta": "per time squared"}
 _BY_BETA = {"beta": "per time", "B": "number"}
+_DAMPING = {"damping": "per time"}
 _OF_THE_PATH = {
     "C1": "per time",
     "C2": "per time cubed",
@@ -27,7 +28,7 @@ _OF_THE_PATH = {
     "q": "per time squared",
 }
 COEFFICIENTS_TABLE = Table(
-    f"[{COEFFICIENTS}]", _SLOPES | _BY_BETA | _OF_THE_PATH, words=("name",)
+    f"[{COEFFICIENTS}]", _SLOPES | _BY_BETA | _DAMPING | _OF_THE_PATH, words=("name",)
 )
 
 
@@ -68,6 +69,8 @@ class LinearVehicle:
         ]
         units = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s", "q": "1/s²"}
         path = [Quantity(name, name, getattr(c, name), unit) for name, unit in units.items()]
+        if c.damping:
+            known.append(Quantity("damping", "damping", c.damping, "1/s"))
         return [*known, *(path if self.path_known else ())]
 
     def _repr_html_(self) -> str:
@@ -89,8 +92,9 @@ AnyVehicle: TypeAlias = Vehicle | LinearVehicle
 def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     """Return a vehicle as `load_vehicle`, or one known by its coefficients from their file.
 
-    The table [coefficients] holds mu_alpha_per_s2 and mu_delta_per_s2, or beta_per_s and B; with
-    the motion of the path also C1_per_s, C2_per_s3, b1_per_s, b2_per_s and q_per_s2, zero in yaw.
+    The table [coefficients] holds mu_alpha_per_s2 and mu_delta_per_s2, or beta_per_s and B; for the
+    motion of the path also C1_per_s, C2_per_s3, b1_per_s, b2_per_s and q_per_s2, zero in yaw; and
+    damping_per_s, where there is any.
 
     Parameters
     ----------

@@ -105,7 +105,8 @@ def _is_study(source: str | PathLike[str]) -> bool:
     if str(path("source", source, "a name or a path")).lower().endswith(".csv"):
         return False
     headings = tables_of(*vehicle_text(source)).keys()
-    return bool({"study", "campaign"} & headings) or not {"vehicle", "schedule"} & headings
+    known = {"vehicle", "schedule", COEFFICIENTS}
+    return bool({"study", "campaign"} & headings) or not known & headings
 
 
 def example() -> str:
