@@ -29,6 +29,8 @@ from tvclin.winds.shaped import PULSES, pulse
 
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
+_HEAVY = 10.0
+"""Above this a mass was rather typed as a weight: then it is g times too large."""
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
@@ -315,6 +317,12 @@ def _doubts(vehicle: AnyVehicle, plane: str, peak: float) -> Iterator[str]:
     elif vehicle.thrust < _FEEBLE * vehicle.weight:
         ratio = float(vehicle.thrust / vehicle.weight)
         yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
+    elif vehicle.thrust > _HEAVY * vehicle.weight:
+        ratio = float(vehicle.thrust / vehicle.weight)
+        yield (
+            f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
+            " mass_kg, mass_lb or mass_slug"
+        )
     if plane == "pitch" and abs(peak) > _STRONG:
         yield (
             "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"

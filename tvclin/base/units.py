@@ -56,6 +56,11 @@ UNITS: dict[str, dict[str, float]] = {
 """For each kind of quantity the suffixes of its keys and their factors to SI."""
 
 
+def written(suffix: str) -> str:
+    """Return the suffix of a key as tables show it: lbf/deg, slug ft2."""
+    return suffix.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
+
+
 def si_unit(kind: str) -> str:
     """Return the SI unit of a kind of quantity, as tables show it: N/rad, kg m2."""
-    return next(iter(UNITS[kind])).replace("_per_", "/").replace("_", " ")
+    return written(next(iter(UNITS[kind])))

@@ -7,7 +7,7 @@ import typer
 
 MODELS_HELP = "fixed-path, drift, drift-exact, drift-and-speed."
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
-LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold [coefficients] alone."
+LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone."
 FIXED_HELP = "fixed-path where no more is known than mu_alpha and mu_delta"
 
 Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]

@@ -8,18 +8,20 @@ if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
     from tvclin.answers.study import Study
+    from tvclin.base.cards import Quantity
     from tvclin.vehicle.coefficients import Coefficients
 
 
 def print_study(result: "Study", source: str) -> None:
     """Print the vehicle, its coefficients and poles, the boundaries and the verdict."""
     from tvclin.cli.output import print_pairs
+    from tvclin.vehicle.file import as_written
 
     v, c = result.vehicle, result.coefficients
-    print_pairs(
-        f"Vehicle: {v.name or source}",
-        [(label, f"{value:.5g} {unit}") for _, label, value, unit in v.quantities()],
-    )
+    own = as_written(source)
+    rows = [(one.label, _in_units(one, own)) for one in v.quantities()]
+    twice = any("(" in value for _, value in rows)
+    print_pairs(f"Vehicle: {v.name or source}", rows, columns=1 if twice else 2)
     path = [
         ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
         ("C1", f"{c.C1:.5f} 1/s"),
@@ -41,6 +43,28 @@ def print_study(result: "Study", source: str) -> None:
     )
     typer.echo()
     _print_boundaries(result)
+
+
+_FIELDS = {
+    "inertia": "moment_of_inertia",
+    "slope": "normal_force_slope",
+    "l_a": "aerodynamic_arm",
+    "l_c": "control_arm",
+    "attitude_deg": "attitude",
+    "control_slope": "control_force_slope",
+    "damping": "pitch_damping",
+}
+"""What files call the quantities of a vehicle, where it is not the same."""
+
+
+def _in_units(one: "Quantity", own: dict[str, tuple[float, str]]) -> str:
+    """A number in the unit of its file, and beside it in that of tables, where it is another."""
+    shown = f"{one.value:.5g} {one.unit}"
+    name = _FIELDS.get(one.key, one.key)
+    number, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
+    if not unit or unit == one.unit.replace("²", "2"):
+        return shown
+    return f"{number:.5g} {unit} ({shown})"
 
 
 def study_document(result: "Study") -> dict[str, Any]:
