@@ -219,3 +219,16 @@ def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
     assert told in run(*asked).output
     assert "Note" not in run(*asked, "--limit-deg", 1.05 * least).output
     assert document(*asked)["minimum_deg"] == pytest.approx(least, rel=1e-12)
+
+
+def test_no_attitude_is_written_once_the_linear_one_is_over_90_degrees(tmp_path):
+    file = tmp_path / "lost.csv"
+    result = run("--limit-deg", 0.3, "--until", 20, "--csv", file)
+
+    headings, *rows = (line for line in file.read_text().splitlines() if line[0] != "#")
+    column = headings.split(",").index("attitude: linear [deg]")
+    cells = [row.split(",")[column] for row in rows]
+    known = np.array([float(cell) for cell in cells if cell not in ("", "nan")])
+    assert result.exit_code == 1
+    assert 60.0 < np.abs(known).max() <= 90.0
+    assert known.size < len(cells)

@@ -43,7 +43,8 @@ def respond(
     capability: Annotated[
         float | None,
         typer.Option(
-            help="Deflection limit in units of what is required; 1.1 if nothing is given."
+            help="Deflection limit in units of what is required; 1, the boundary, if nothing is"
+            " given."
         ),
     ] = None,
     limit_deg: Annotated[
