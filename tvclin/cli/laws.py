@@ -43,7 +43,7 @@ def laws(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Fly four laws in the standard winds and print the deflection limit that each needs.
+    """Fly five laws in the standard winds and print the deflection limit that each needs.
 
     It takes about a second for each law and wind, and a minute more for a figure.
 
