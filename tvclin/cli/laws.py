@@ -144,7 +144,7 @@ def _print(
 
 def _loads(one: "LawTrial") -> str:
     found = one.limit <= one.highest
-    return f"{one.peak_angle_of_attack:.2f} / {one.peak_attitude:.2f}" if found else "-"
+    return f"{one.peak_angle_of_attack:.2f}/{one.peak_attitude:.2f}" if found else "-"
 
 
 def _limit(one: "LawTrial") -> str:
