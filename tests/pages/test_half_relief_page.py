@@ -125,7 +125,7 @@ def test_what_a_wind_estimator_costs(label):
 PROSE = " ".join(" ".join(LINES).split())
 WINDS = {
     r"needs (\S+) at .{1,20} = 4\$ and (\S+) at 8\. A jump": "full reversal",
-    r"side needs (\S+) and (\S+), a wind that jumps": "flip to 0.3",
+    r"side needs (\S+) and (\S+) \(with": "flip to 0.3",
     r"peak first (\S+) and (\S+), like": "sawtooth, jumps first",
     r"cosine gusts need (\S+) and (\S+), trap": "1 - cosine",
     r"trapezoids (\S+) and (\S+), two": "trapezoid",
