@@ -16,7 +16,8 @@ def saturated(value, y):
 
 
 def test_the_gains_are_three_numbers_over_the_unstable_pole():
-    for coefficients in (COEFFICIENTS, COEFFICIENTS.replace(mu_delta=-2.6)):
+    damped, ahead = COEFFICIENTS.replace(damping=0.2), COEFFICIENTS.replace(mu_delta=-2.6)
+    for coefficients in (COEFFICIENTS, damped, ahead):
         A, inputs, _, _ = plant_of(coefficients=coefficients).matrices()
         pole = np.linalg.eigvals(A).real.max()
         gains = tv.half_relief_gains(coefficients)

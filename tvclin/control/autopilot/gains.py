@@ -149,7 +149,8 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     Raises
     ------
     InputError
-        For a stable vehicle, which has no unstable pole.
+        For a stable vehicle, which has no unstable pole, and for one whose own damping is above
+        5.76 p.
 
     Notes
     -----
