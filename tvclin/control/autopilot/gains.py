@@ -170,7 +170,7 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)
     >>> law, plant = tv.SaturatedLaw(gains), tv.Plant.from_coefficients(c)
     >>> round(tv.closed_loop_boundary(plant, law, wind, sample_rate=50, cuts=12).limit, 2)
-    0.44
+    0.45
     """
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     if np.any(np.asarray(coefficients.mu_alpha) <= 0.0):
