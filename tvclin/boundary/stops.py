@@ -22,6 +22,7 @@ from tvclin.base.errors import (
     between,
     finite,
     number,
+    one_of,
     shown,
     whole_number,
     within,
@@ -294,3 +295,22 @@ class SquareStop(PolygonStop):
         PolygonStop.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit(angle)
         )
+
+
+_WORDS: dict[str, Callable[[], Stop]] = {
+    "round": CircularStop,
+    "round-each-plane": lambda: CircularStop().each_plane(),
+    "square": SquareStop,
+    "square-45": lambda: SquareStop(np.pi / 4.0),
+}
+STOPS = tuple(_WORDS)
+"""Stops that files and options name."""
+
+
+def stop_of(stop: Stop | str) -> Stop:
+    """Return a stop itself, or that of a word of `STOPS`; raise `InputError` for anything else."""
+    if isinstance(stop, Stop):
+        return stop
+    if not isinstance(stop, str):
+        raise InputError(f"stop must be one of {', '.join(STOPS)}, or a Stop; got {shown(stop)}")
+    return _WORDS[one_of("stop", stop, STOPS)]()

@@ -89,6 +89,21 @@ def peak_angle(
     return float(angle_in_plane(peak_speed, vehicle.velocity, vehicle.attitude, plane))
 
 
+def heading_given(wind_direction_deg: float | None, azimuth_deg: float | None) -> float | None:
+    """Return the heading of the wind [rad] that options give; None without --wind-direction-deg."""
+    import numpy as np
+
+    from tvclin.base.errors import number
+    from tvclin.winds.file import heading_of
+
+    names = ("--wind-direction-deg", "--azimuth-deg")
+    direction, azimuth = (
+        None if value is None else float(np.radians(number(name, value)))
+        for name, value in zip(names, (wind_direction_deg, azimuth_deg), strict=True)
+    )
+    return heading_of(direction, azimuth, names)
+
+
 def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":
     """Return the 1 - cosine gust of a peak [deg] and a duration [s] that peaks at a time [s]."""
     import numpy as np
