@@ -12,17 +12,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.answers.requirement import required_deflection
 from tvclin.base.errors import InputError
+from tvclin.boundary.limit import ROUNDING
 from tvclin.boundary.planes.limit import needed
 from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
 FloatArray = NDArray[np.float64]
 
 BOTH = "both"
 """The word for both planes, where a plane is asked for."""
+PARTS, VECTOR = (
+    "each plane by itself in its part of the stop",
+    "the boundary of both planes together",
+)
 _LARGEST = 1e99
 
 
@@ -82,6 +89,59 @@ def rectangle(stop: Stop, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
     a, b = np.where(known, x, 0.0), np.where(known, y, 0.0)
     corners = np.stack([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
     return np.where(known, stop.gauge(corners).max(axis=0), x + y)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanesNeeded:
+    """What one wind with a direction asks of both planes at one dead band.
+
+    Attributes
+    ----------
+    stop : Stop
+        What the nozzle can do.
+    peak : float
+        Size [rad] of the largest wind vector.
+    deflection : float
+        What is required [rad], in the measure of the stop.
+    alone : dict of str to float
+        What each plane by itself requires [rad].
+    governs : str
+        Which of the two is larger, in words.
+    """
+
+    stop: Stop
+    peak: float
+    deflection: float
+    alone: dict[str, float]
+    governs: str
+
+    def misses(self, plane: str) -> float:
+        """Return by which part of what both need one plane alone asks for too little."""
+        return float(missing_part(self.alone[plane], self.deflection))
+
+
+def planes_needed(
+    plants: dict[str, Plant], wind: PlaneWind, stop: Stop, dead_band: float
+) -> PlanesNeeded:
+    """Return what a wind asks of both planes; `InputError` as `required_deflection`."""
+    alone = {}
+    for plane, plant in plants.items():
+        one: History = getattr(wind, plane)
+        blows = np.isfinite(one.onset)
+        need = required_deflection(plant, one, dead_band).deflection if blows else 0.0
+        alone[plane] = abs(float(need))
+    held = float(rectangle(stop, alone["pitch"], alone["yaw"]))
+    vector = 0.0
+    if np.isfinite(wind.pitch.onset) and np.isfinite(wind.yaw.onset):
+        found = vector_need(plants["pitch"], plants["yaw"], wind, stop, np.array([dead_band]))
+        vector = float(found.required[0])
+    return PlanesNeeded(
+        stop=stop,
+        peak=float(wind.peak),
+        deflection=max(held, vector),
+        alone=alone,
+        governs=VECTOR if vector > held * (1.0 + ROUNDING) else PARTS,
+    )
 
 
 def missing_part(alone: ArrayLike, both: ArrayLike) -> FloatArray:

@@ -102,8 +102,8 @@ def basis(found: Findings) -> Line:
         *significant("basis.duration_s", s.wind.duration, unit="s"),
         f"{s.gust_words}.",
     )
-    if s.required_deflection and s.requirement.governs != BOUNDARY:
-        line += (f" What is required is governed by {s.requirement.governs}.",)
+    if s.required_deflection and s.governs != BOUNDARY:
+        line += (f" What is required is governed by {s.governs}.",)
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
     if any(TRUSTS in note for note in s.notes):
