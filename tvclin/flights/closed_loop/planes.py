@@ -1,13 +1,12 @@
 """Flights of both planes at once, whose nozzle has one stop.
 
 Each plane is stepped by the kernel that flies one. Between what the law asks for and the nozzle the
-vector of both demands is brought back into the stop. A law in the plane is the scalar law along
-the felt wind, and across it: turned into the direction of the wind, it leans with the wind, and a
-law that is linear in what it sees is the same in every direction.
+vector of both demands is brought back into the stop; see `laws.planes`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import Row, card
-from tvclin.base.errors import InputError, ending, instance, number, one_of, positive
-from tvclin.boundary.stops import Stop, Vectors, stop_of
+from tvclin.base.errors import InputError, ending, instance, number, positive
+from tvclin.boundary.stops import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.laws.law import Law, Measurement
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.planes import LawInPlanes
 from tvclin.flights.closed_loop.checks import (
     check_delays,
     check_pace,
@@ -38,7 +38,6 @@ from tvclin.winds.plane_wind import PlaneWind
 
 FloatArray = NDArray[np.float64]
 
-SATURATE = ("radial", "each plane")
 _INSIDE = 0.999
 """Of what can be returned from: a flight that is saved is inside with both planes together."""
 
@@ -175,9 +174,8 @@ def fly_planes(
     ['lost', 'survived']
     """
     planes = _plants(plant, yaw_plant)
-    shape = stop_of(stop).inside
-    one_of("saturate", saturate, SATURATE)
-    _check(law, wind, actuator)
+    whole = LawInPlanes(law, stop, saturate)
+    _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
     limit = positive("deflection_limit", deflection_limit, "rad")
     late = float(check_delays(number("delay", delay), np.asarray(1.0 / rate)))
@@ -186,14 +184,11 @@ def fly_planes(
         check_pace(one, 1.0 / rate)
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
     flat = np.atleast_1d(limit).ravel()
-    nozzle = shape if saturate == "radial" else shape.each_plane()
-    sides = nozzle.support(np.array([1.0, -1.0, 1j, -1j])).reshape(2, 2).max(axis=1)
     pair = [
         _ready(one, law, wind, part, flat * side, most, actuator, 1.0 / rate, late)
-        for one, part, side in zip(planes, (wind.pitch, wind.yaw), sides, strict=True)
+        for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.sides, strict=True)
     ]
-    flown = _flown(pair, law, nozzle, flat, saturate == "radial")
-    return _answer(pair, flown, limit.shape)
+    return _answer(pair, _flown(pair, whole, flat), limit.shape)
 
 
 def flown_plane_limit(
@@ -240,7 +235,8 @@ def flown_plane_limit(
     (0.68, 0.63)
     """
     _plants(plant, None)
-    _check(law, wind, None)
+    LawInPlanes(law, stop, saturate)
+    _check(wind, None)
     low, high = (number(n, v, positive) for n, v in (("lowest", lowest), ("highest", highest)))
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
@@ -264,18 +260,13 @@ def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
     return planes
 
 
-def _check(law: Law, wind: PlaneWind, actuator: Actuator | None) -> None:
-    instance("law", law, Law, "such as TrimLaw")
+def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
     if isinstance(wind, History):
         raise InputError("wind must have a direction: give PlaneWind.towards(wind, angle)")
     instance("wind", wind, PlaneWind, "see PlaneWind.towards")
     if wind.batch:
         raise InputError(f"wind must be one; got a batch of shape {wind.batch}")
     ending("wind", wind.end)
-    if (law.engage, law.release) != (1.0, 1.0):
-        raise InputError("law must not switch to the whole limit: that has one direction only")
-    if any(law.chains) or law.rate_noise[0]:
-        raise InputError("law must be without filters and noise in two planes")
     if actuator is not None and actuator.damping is not None:
         raise InputError(
             "actuator must be of first order in two planes: one of second order overshoots the stop"
@@ -322,77 +313,59 @@ class _Course:
     shown: list[tuple[complex, complex]]
 
 
-def _flown(pair: list[Flights], law: Law, stop: Stop, limit: FloatArray, radial: bool) -> _Course:
+def _flown(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> _Course:
     """Fly both planes in step until all is decided."""
-    m = limit.size
+    m, own, stop = limit.size, len(law.law.states[0]), law.shape
     course = _Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
     steppers = [Stepper(f) for f in pair]
     last = int(max(f.finish.max() for f in pair))
     for f in pair:
         f.finish[:] = last
     for k in range(last + 1):
-        going = course.ended < 0
+        going = np.flatnonzero(course.ended < 0)
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
             for stepper in steppers:
                 stepper.look(k)
-            x = pair[0].y[:, 0] + 1j * pair[1].y[:, 0]
-            s = _nozzle(pair[0]) + 1j * _nozzle(pair[1])
-        course.attitude[going] = np.maximum(course.attitude[going], np.abs(x[going]))
-        reached = stop.gauge(s[going])
-        course.deflection[going] = np.maximum(course.deflection[going], reached)
+        x, s = _both(pair, _attitude)[going], _both(pair, _nozzle)[going]
+        course.attitude[going] = np.maximum(course.attitude[going], np.abs(x))
+        course.deflection[going] = np.maximum(course.deflection[going], stop.gauge(s))
         if m == 1:
             course.shown.append((complex(x[0]), complex(s[0])))
         if k % LOOK == 0 or k == last:
             _decide(pair, stop, limit, course, k, k == last)
-            going = course.ended < 0
-            if not np.any(going):
+            going = np.flatnonzero(course.ended < 0)
+            if not going.size:
                 break
-        demand = np.zeros(m, complex)
-        mine = np.flatnonzero(going)
-        demand[mine] = _asked(pair, law, stop, limit, mine, radial)
-        over = stop.gauge(demand) / limit
-        course.saturated[going] += over[going] >= 1.0
-        bounded = demand / np.maximum(over, 1.0)
-        if not radial:
-            axis = pair[0].limit
-            bounded = np.clip(demand.real, -axis, axis) + 1j * np.clip(demand.imag, -axis, axis)
-        for stepper, part in zip(steppers, (bounded.real, bounded.imag), strict=True):
+        measured, states = _both(pair, _measured)[going], _both(pair, _states)[going, :own]
+        demand, command = law.demand(measured, states, limit[going]), np.zeros(m, complex)
+        command[going], at_stop = law.limited(demand, limit[going])
+        course.saturated[going] += at_stop
+        for stepper, part in zip(steppers, (command.real, command.imag), strict=True):
             stepper.advance(k, np.ascontiguousarray(part))
     return course
+
+
+def _both(pair: list[Flights], part: Callable[[Flights], FloatArray]) -> Vectors:
+    """The vectors of both planes."""
+    pitch, yaw = (part(f) for f in pair)
+    return np.asarray(pitch + 1j * yaw)
+
+
+def _measured(f: Flights) -> FloatArray:
+    return f.measured
+
+
+def _states(f: Flights) -> FloatArray:
+    return f.states
+
+
+def _attitude(f: Flights) -> FloatArray:
+    return f.y[:, 0]
 
 
 def _nozzle(f: Flights) -> FloatArray:
     """The deflections [rad] of one plane."""
     return f.y[:, f.A.shape[1]]
-
-
-def _asked(
-    pair: list[Flights],
-    law: Law,
-    stop: Stop,
-    limit: FloatArray,
-    mine: NDArray[np.intp],
-    radial: bool,
-) -> Vectors:
-    """What the law asks for in both planes: along the felt wind and across it, or in each plane."""
-    measured = pair[0].measured[mine] + 1j * pair[1].measured[mine]
-    own = len(law.states[0])
-    states = pair[0].states[mine, :own] + 1j * pair[1].states[mine, :own]
-    turn, limits = np.ones(mine.size, complex), [f.limit[mine] for f in pair]
-    if radial:
-        estimates = getattr(law, "estimator", None) is not None
-        felt = (states[:, 1] if estimates else measured[:, 0] - measured[:, 3]) - measured[:, 2]
-        size = np.abs(felt)
-        turn = np.where(size > 0.0, felt / np.where(size > 0.0, size, 1.0), 1.0)
-        limits = [
-            limit[mine] / np.maximum(stop.gauge(way), stop.gauge(-way)) for way in (turn, 1j * turn)
-        ]
-    turned, own_turned = (one * np.conj(turn)[:, np.newaxis] for one in (measured, states))
-    along, across = (
-        law.demand(Measurement(*part(turned).T), part(own_turned).T, most)
-        for part, most in zip((np.real, np.imag), limits, strict=True)
-    )
-    return np.asarray(turn * (along + 1j * across))
 
 
 def _decide(
