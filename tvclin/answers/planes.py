@@ -60,12 +60,12 @@ def vector_need(
     pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
 ) -> VectorNeed:
     """Return what a wind that ends asks of two planes; zeros where (4b) has no vector for them."""
+    pair = Pair((pitch, yaw), wind)
     try:
         checked(pitch, wind, stop, yaw)
+        found = needed(pair, stop, dead_bands.tolist(), literal=True)
     except InputError as error:
         return VectorNeed(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
-    pair = Pair((pitch, yaw), wind)
-    found = needed(pair, stop, dead_bands.tolist(), literal=True)
     if isinstance(stop, CircularStop):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
     else:
@@ -99,8 +99,8 @@ class PlanesNeeded:
     ----------
     stop : Stop
         What the nozzle can do.
-    peak : float
-        Size [rad] of the largest wind vector.
+    wind : PlaneWind
+        The wind.
     deflection : float
         What is required [rad], in the measure of the stop.
     alone : dict of str to float
@@ -110,10 +110,15 @@ class PlanesNeeded:
     """
 
     stop: Stop
-    peak: float
+    wind: PlaneWind
     deflection: float
     alone: dict[str, float]
     governs: str
+
+    @property
+    def peak(self) -> float:
+        """Size [rad] of the largest wind vector."""
+        return float(self.wind.peak)
 
     def misses(self, plane: str) -> float:
         """Return by which part of what both need one plane alone asks for too little."""
@@ -137,7 +142,7 @@ def planes_needed(
         vector = float(found.required[0])
     return PlanesNeeded(
         stop=stop,
-        peak=float(wind.peak),
+        wind=wind,
         deflection=max(held, vector),
         alone=alone,
         governs=VECTOR if vector > held * (1.0 + ROUNDING) else PARTS,

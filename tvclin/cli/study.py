@@ -119,9 +119,10 @@ def study(
     if disperse and dispersed is None:
         raise InputError(found.reasons["dispersed"])
     if plot is not None:
-        from tvclin.plots import save_figure, study_chart
+        from tvclin.plots import save_figure, study_chart, study_planes_chart
 
-        save_figure(study_chart(result), plot)
+        chart = study_planes_chart if result.in_both else study_chart
+        save_figure(chart(result), plot)
     if as_json:
         extra = {} if dispersed is None else {"dispersed": dispersed_document(dispersed)}
         print_json(study_document(result) | extra | questions_document(found))

@@ -77,7 +77,8 @@ def in_both_planes(
     for k, name in enumerate(names):
         required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
     more = np.any([required[name] > held[name] for name in names], axis=0)
-    spoken = [one for i, j in np.argwhere(more) for one in needs[i][j].said]
+    refused = [[bool(one.said) and not one.trim for one in row] for row in needs]
+    spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].said]
     said = (*pitch.said, *yaw.said, *spoken)
     slow = np.where(beyond_one_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
     return Sizing(

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import card
-from tvclin.base.errors import broadcast, one_of, within
+from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.boundary.limit import (
     BOUNDARY,
     JUMP,
@@ -142,6 +142,7 @@ def plane_limit(
     ------
     InputError
         For a wind without a direction, one that is zero or never ends, a dead band outside [0, 1],
+        a wind that turns where b1 is below zero,
         and plants without unstable poles, with a complex pair, two fastest poles that are
         together, or no aerodynamic moment.
 
@@ -224,6 +225,12 @@ def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> lis
     line = _line(pair)
     if line is not None:
         return [_straight(pair, *line, stop, K, literal) for K in bands]
+    falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
+    if any(falling) and max(bands) > 0.0 and not pair.wind.one_direction:
+        raise InputError(
+            "a wind that turns needs plants with b1 of zero or more, for with b1 < 0 trim grows"
+            " when the wind is over; take dead_band=0, or what each plane requires by itself"
+        )
     least = float(stop.inside.gauge(pair.demanded(np.asarray([float(pair.wind.onset)])))[0])
     if max(one.size for one in pair.poles) > 1:
         least = least_in_planes(pair, stop.inside).peak
