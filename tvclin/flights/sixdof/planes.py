@@ -62,8 +62,8 @@ def planes_verdict(
         raise InputError("both planes are flown with frozen parameters; leave frozen=True")
     law = LawInPlanes(control, stop, saturate)
     cases = {plane: SixDof(vehicle, plane, drift, step) for plane in PLANES}
-    beta = float(cases["yaw"].coefficients.beta)
-    begin, until = min(0.0, float(wind.onset)), watched_until(wind, beta)
+    pole = float(cases["yaw"].coefficients.pole)
+    begin, until = min(0.0, float(wind.onset)), watched_until(wind, pole)
     check_span(begin, until)
     blown = [_blown(cases[plane], getattr(wind, plane), begin, until) for plane in PLANES]
     speeds, angles = (np.stack(one) for one in zip(*blown, strict=True))
@@ -74,7 +74,7 @@ def planes_verdict(
             rows = airframe.fly_both(_steering(law, limit, step), speeds, angles)
         if not np.all(np.isfinite(rows)) or np.abs(rows[-1, :, 0]).max() > FARTHEST:
             return False
-        return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), beta)
+        return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), pole)
 
     return survives
 
