@@ -28,7 +28,7 @@ from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import PULSES, ShapedWind, pulse
+from tvclin.winds.shaped import PULSES, ShapedWind, part_in, pulse
 
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
@@ -202,6 +202,9 @@ class Study:
         coefficients = Coefficients.from_vehicle(vehicle, plane)
         single("vehicle", coefficients.batch)
         shape = None if stop is None else stop_of(stop)
+        if gust is not None:
+            instance("gust", gust, History, "such as OneMinusCosineGust")
+            single("gust", gust.batch)
         planes = slanting = None
         if heading is not None:
             slanting = ShapedWind(wind, peak, duration, heading)
@@ -213,7 +216,7 @@ class Study:
             raise InputError("stop needs a heading: a wind without a direction has one plane")
         plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
         alone = pulse("wind", wind, peak, duration)
-        history = alone if gust is None else _with_gust(alone, gust)
+        history = alone if gust is None else alone + gust
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
@@ -302,12 +305,6 @@ class Study:
         return card(self.vehicle.name or "Study", rows)
 
 
-def _with_gust(wind: History, gust: History) -> History:
-    instance("gust", gust, History, "such as OneMinusCosineGust")
-    single("gust", gust.batch)
-    return wind + gust
-
-
 def _capability(limit: float) -> float:
     number("limit", limit, positive, "rad")
     return number("limit", limit, between(0.0, np.pi / 2), "rad")
@@ -336,7 +333,7 @@ def _both_planes(
     """What a wind with a heading asks of both planes, with a round stop where none is given."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
-    both = PlaneWind(**{plane: wind.part(peaks, plane, gust) for plane in PLANES})
+    both = PlaneWind(**{plane: part_in(wind, peaks, plane, gust) for plane in PLANES})
     return planes_needed(plants, both, stop or CircularStop(), dead_band)
 
 

@@ -113,14 +113,6 @@ class ShapedWind:
             )
         return dict(zip(PLANES, angles_of_vector(self.peak, self.heading, attitude), strict=True))
 
-    def part(self, peaks: dict[str, float], plane: str, gust: History | None = None) -> History:
-        """Return one plane of peaks [rad] in both, with its part of a gust along the wind."""
-        peak, size = peaks[plane], math.hypot(*peaks.values())
-        if peak == 0.0:
-            return self.history({"wind_peak": size}) * 0.0
-        wind = self.history({"wind_peak": peak})
-        return wind if gust is None else wind + gust * (peak / size)
-
     @property
     def nominal(self) -> dict[str, float]:
         """Nominal values of what can be dispersed."""
@@ -136,6 +128,17 @@ class ShapedWind:
         found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
         made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=found["wind_duration"])
         return made
+
+
+def part_in(
+    wind: ShapedWind, peaks: dict[str, float], plane: str, gust: History | None = None
+) -> History:
+    """Return one plane of peaks [rad] in both, with its part of a gust along the wind."""
+    peak, size = peaks[plane], math.hypot(*peaks.values())
+    if peak == 0.0:
+        return wind.history({"wind_peak": size}) * 0.0
+    history = wind.history({"wind_peak": peak})
+    return history if gust is None else history + gust * (peak / size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.shaped import PULSES, ShapedWind, part_in
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
@@ -310,11 +310,11 @@ class SizingAsked:
                 return wind if self.gust is None else wind + self.gust
             peaks = self._peaks(vehicle, pulse)
             if self.plane == BOTH:
-                winds = {plane: pulse.part(peaks, plane, self.gust) for plane in PLANES}
+                winds = {plane: part_in(pulse, peaks, plane, self.gust) for plane in PLANES}
                 return PlaneWind(**winds)
             if peaks[self.plane] == 0.0:
                 pulse.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
-            return pulse.part(peaks, self.plane, self.gust)
+            return part_in(pulse, peaks, self.plane, self.gust)
 
         return met
 

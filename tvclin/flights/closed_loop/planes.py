@@ -20,6 +20,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.planes import LawInPlanes
 from tvclin.flights.closed_loop.checks import (
+    check_actuator,
     check_delays,
     check_pace,
     check_rate_limit,
@@ -38,6 +39,8 @@ from tvclin.winds.plane_wind import PlaneWind
 
 FloatArray = NDArray[np.float64]
 
+_LONGEST = 20_000
+"""Samples after its wind in which a flight may be decided; then it stays undecided."""
 _INSIDE = 0.999
 """Of what can be returned from: a flight that is saved is inside with both planes together."""
 
@@ -188,7 +191,7 @@ def fly_planes(
         _ready(one, law, wind, part, flat * side, most, actuator, 1.0 / rate, late)
         for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.sides, strict=True)
     ]
-    return _answer(pair, _flown(pair, whole, flat), limit.shape)
+    return _answer(_flown(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
 
 
 def flown_plane_limit(
@@ -267,6 +270,7 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
     if wind.batch:
         raise InputError(f"wind must be one; got a batch of shape {wind.batch}")
     ending("wind", wind.end)
+    check_actuator(actuator)
     if actuator is not None and actuator.damping is not None:
         raise InputError(
             "actuator must be of first order in two planes: one of second order overshoots the stop"
@@ -296,7 +300,7 @@ def _ready(
     return f._replace(
         start=np.full(shape, onset),
         ends=np.full(shape, ends),
-        finish=ends + f.waiting,
+        finish=ends + np.minimum(f.waiting, _LONGEST),
         piece=(f.knots[f.wind] <= onset).sum(axis=1) - 1,
     )
 
@@ -318,7 +322,7 @@ def _flown(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> _Course:
     m, own, stop = limit.size, len(law.law.states[0]), law.shape
     course = _Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
     steppers = [Stepper(f) for f in pair]
-    last = int(max(f.finish.max() for f in pair))
+    last = int(max(f.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.finish[:] = last
     for k in range(last + 1):
@@ -391,8 +395,7 @@ def _decide(
         f.ended[done] = k
 
 
-def _answer(pair: list[Flights], course: _Course, shape: tuple[int, ...]) -> FlownPlanes:
-    start, length = float(pair[0].start[0]), float(pair[0].lengths[0, 0])
+def _answer(course: _Course, start: float, length: float, shape: tuple[int, ...]) -> FlownPlanes:
     shown = np.array(course.shown).reshape(-1, 2)
     end: FloatArray = np.asarray(start + course.ended * length)
     return FlownPlanes(
