@@ -116,6 +116,10 @@ from .flights.closed_loop.flown_record import FlownMargins as FlownMargins
 from .flights.closed_loop.fly import fly as fly
 from .flights.closed_loop.many import FlownCases as FlownCases
 from .flights.closed_loop.many import fly_many as fly_many
+from .flights.closed_loop.planes import FlownPlaneLimit as FlownPlaneLimit
+from .flights.closed_loop.planes import FlownPlanes as FlownPlanes
+from .flights.closed_loop.planes import flown_plane_limit as flown_plane_limit
+from .flights.closed_loop.planes import fly_planes as fly_planes
 from .flights.control import ReportControl as ReportControl
 from .flights.flown_boundary import FlownBoundary as FlownBoundary
 from .flights.flown_boundary import flown_boundary as flown_boundary
