@@ -98,7 +98,7 @@ def test_a_response_ends_where_the_limit_is_let_go_or_the_vehicle_has_fallen(
 
 
 def test_the_peak_is_the_one_that_the_report_quotes():
-    found = document("--duration", TAU)["attitude"]
+    found = document("--duration", TAU, "--capability", 1.1)["attitude"]
 
     assert found["with_wind"]["deg"] == pytest.approx(-5.0 * 0.16420, abs=5e-4)
     assert found["with_wind"]["time_s"] / TAU == pytest.approx(0.8770, abs=1e-3)

@@ -59,7 +59,7 @@ def boundary(
                 "vehicle": name or None,
                 "wind": wind,
                 "model": plant.model,
-                "tau_beta": x,
+                axis.replace("*", "_"): x,
                 "dead_band": K,
                 "limit": limits.limit,
                 "status": limits.status.tolist(),
