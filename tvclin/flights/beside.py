@@ -63,7 +63,7 @@ class FlightBeside:
         Times [s], ``(n,)``.
     flown, linear : ndarray
         Attitude, attitude rate, flight path angle, angle of attack and deflection [rad, rad/s],
-        ``(5, n)``; NaN after a flight has left the range of its model, and the linear one 90 degrees.
+        ``(5, n)``; NaN after a flight has left the range of its model, the linear one 90 degrees.
     wind : History
         The wind angle [rad].
     survived, predicted : bool
