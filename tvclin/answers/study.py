@@ -240,7 +240,8 @@ class Study:
             *_left_out(plant, modes),
             *_forecast_trusted(required, dead_band, free),
             *_undamped(plant, history, required, dead_band),
-            *_doubts(vehicle, plane, peak),
+            *_doubts(vehicle),
+            *_head_wind(plane, alone, wind),
             *_of_planes(planes, plane, shape),
         )
         if planes is not None and shape is not None:
@@ -393,7 +394,7 @@ def outlasts_one_pole(study: Study) -> bool:
     return bool(study.wind.duration > single_pole_validity(study.coefficients))
 
 
-def _doubts(vehicle: AnyVehicle, plane: str, peak: float) -> Iterator[str]:
+def _doubts(vehicle: AnyVehicle) -> Iterator[str]:
     if isinstance(vehicle, LinearVehicle):
         if not vehicle.path_known:
             yield (
@@ -409,11 +410,17 @@ def _doubts(vehicle: AnyVehicle, plane: str, peak: float) -> Iterator[str]:
             f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
             " mass_kg, mass_lb or mass_slug"
         )
-    if plane == "pitch" and abs(peak) > _STRONG:
+
+
+def _head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:
+    """Where the wind is strong along the path; with the flight that says how much it matters."""
+    peak = abs(float(wind.peak))
+    if plane == "pitch" and peak > _STRONG:
         yield (
             "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
-            " time leaves out: a head wind of 5 deg needs up to a fifth more (tvclin fly"
-            " --along-trajectory --boundary)"
+            " time leaves out: a head wind of 5 deg needs up to a fifth more; this one, as a head"
+            " wind, is flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind"
+            f" {shape} --duration {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
         )
 
 
