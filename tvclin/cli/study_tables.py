@@ -12,8 +12,11 @@ if TYPE_CHECKING:
     from tvclin.vehicle.coefficients import Coefficients
 
 
-def print_study(result: "Study", source: str) -> None:
-    """Print the vehicle, its coefficients and poles, the boundaries and the verdict."""
+def print_study(result: "Study", source: str, explain: bool = False) -> None:
+    """Print the vehicle, its coefficients and poles, the boundaries and the verdict.
+
+    Where it is asked for, what the symbols mean stands at the foot.
+    """
     from tvclin.cli.output import print_pairs
     from tvclin.vehicle.file import as_written
 
@@ -43,6 +46,8 @@ def print_study(result: "Study", source: str) -> None:
     )
     typer.echo()
     _print_boundaries(result)
+    if explain:
+        print_pairs("\nWhat the symbols mean", EXPLAINED.items(), columns=1)
 
 
 _FIELDS = {
@@ -240,12 +245,19 @@ def _print_boundaries(result: "Study") -> None:
             row += [limit_cell(found.limit[i]), limit_cell(abs(deg(found.deflection[i])))]
         rows.append(row)
     rows += _without_and_with_forecast(result, names)
+    survived = _survived(result)
+    if survived:
+        rows = [[*row, peak] for row, peak in zip(rows, survived, strict=True)]
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
     print_table(
         f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
         f"{result.gust_words}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
-        ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
+        [
+            "dead band K",
+            *(h for name in names for h in (f"{name} y_BR", "deflection [deg]")),
+            *(["limit survives [deg]"] if survived else []),
+        ],
         rows,
     )
     needed = limit_cell(deg(result.required_deflection), unit="deg")
@@ -262,6 +274,40 @@ def _print_boundaries(result: "Study") -> None:
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _survived(result: "Study") -> list[str]:
+    """Which peak the limit survives, for each row, with the model of the verdict."""
+    import numpy as np
+
+    from tvclin.answers.findings import blown
+
+    if result.limit is None or result.in_both or result.model not in result.boundaries:
+        return []
+    found, needs = result.boundaries[result.model], result.needs
+    least = needs["minimum"].get(result.model, 0.0)
+    rows = [
+        result.required_deflection if result.dead_band == K else max(abs(float(each)), least)
+        for K, each in zip(result.dead_bands, found.deflection, strict=True)
+    ]
+    rows += [needs[key].get(result.model, np.nan) for key in ("forecast_free", "minimum")]
+    peak = abs(float(np.degrees(blown(result).peak)))
+    with np.errstate(divide="ignore"):
+        peaks = [float(peak * result.limit / np.float64(row)) for row in rows]
+    return ["-" if np.isnan(one) else "any" if np.isinf(one) else f"{one:.3f}" for one in peaks]
+
+
+EXPLAINED = {
+    "beta": "1/beta is the time in which the vehicle falls over, eq (B4)",
+    "B": "deflection that trims one degree of wind angle, eq (2)",
+    "K": "dead band: trim up to K times the limit, then the whole limit; K = 1 needs no forecast",
+    "y_BR": "boundary limit: the least limit that survives, over what trim takes",
+    "K1": "what drift leaves of the wind, eq (15b); below 1, for the vehicle moves with the wind",
+    "C1": "rate at which the flight path follows the attitude, eq (B7)",
+    "C2": "what the weight adds to the poles with drift, eq (B7)",
+    "b1, b2": "zeros of the attitude's answers to deflection and wind, with drift, eq (B7)",
+}
+"""The symbols that a study prints, each in one line."""
 
 
 def _damping(c: "Coefficients") -> list[tuple[str, str]]:
