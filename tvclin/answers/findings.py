@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.criteria import Criteria
 
+Told = Callable[[float, float], None]
+"""Is told how much of a part is done, and how much there is."""
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 
@@ -94,8 +96,8 @@ def _plain(value: Any) -> Any:
     return array.tolist()
 
 
-def find(plan: StudyPlan) -> Findings:
-    """Return everything that a plan asks for.
+def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None) -> Findings:
+    """Return everything that a plan asks for, and tell how many of its parts are found.
 
     A part that cannot be answered for this vehicle, such as margins of laws for one that is
     stable, has its reason in place of an answer.
@@ -110,26 +112,43 @@ def find(plan: StudyPlan) -> Findings:
         study = plan.study()
         reasons: dict[str, str] = {}
 
-        def part(name: str, wanted: Any, compute: Callable[[StudyPlan, Study], Any]) -> Any:
+        wanted = {
+            "trials": plan.laws,
+            "comparison": plan.gains or plan.criteria,
+            "dispersed": plan.dispersions,
+            "flight": plan.sizing,
+        }
+        asked = [name for name, one in wanted.items() if one is not None]
+
+        def part(name: str, compute: Callable[[StudyPlan, Study, Told], Any]) -> Any:
+            if name not in asked:
+                return None
+
+            def told(done: float, total: float) -> None:
+                if progress is not None:
+                    progress(asked.index(name) + done / total, len(asked))
+
             try:
-                return compute(plan, study) if wanted is not None else None
+                return compute(plan, study, told)
             except InputError as error:
                 reasons[name] = str(error)
                 return None
+            finally:
+                told(1, 1)
 
         return Findings(
             plan=plan,
             study=study,
-            trials=part("trials", plan.laws, _trials) or (),
-            comparison=part("comparison", plan.gains or plan.criteria, _comparison),
-            dispersed=part("dispersed", plan.dispersions, _dispersed),
-            flight=part("flight", plan.sizing, _flight),
+            trials=part("trials", _trials) or (),
+            comparison=part("comparison", _comparison),
+            dispersed=part("dispersed", _dispersed),
+            flight=part("flight", _flight),
             reasons=reasons,
             warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
         )
 
 
-def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
+def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
 
     asked, peak = plan.laws, study.wind.peak
@@ -142,10 +161,11 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
         {name: winds[name] for name in asked.winds},
         sample_rate=asked.sample_rate,
         loads=False,
+        progress=told,
     )
 
 
-def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import compare_with_trim
 
@@ -154,14 +174,14 @@ def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     return compare_with_trim(plant, asked.autopilot(plant), blown(study))
 
 
-def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
+def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
     del study
     assert plan.sizing is not None
-    found = plan.sizing.sizing()
+    found = plan.sizing.sizing(told)
     return found, plan.sizing.total(found)
 
 
-def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
+def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:
     from tvclin.answers.campaign.quick import disperse_study
 
     assert plan.dispersions is not None
