@@ -348,6 +348,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Criteria.own": Door(
             tv.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
         ),
+        "EstimatedLaw": Door(tv.EstimatedLaw, {"law": law, "estimator": estimator, "plant": plant}),
         "FilteredLaw": Door(
             tv.FilteredLaw,
             {
@@ -762,6 +763,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "deflection_limit": 0.01,
                 "sample_rate": 60.0,
                 "delay": 0.01,
+                "gain": 1.0,
                 **hardware,
             },
         ),
@@ -911,6 +913,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "load_campaign": Door(tv.load_campaign, {"path": campaign_file}),
+        "half_relief_gains": Door(tv.half_relief_gains, {"coefficients": coefficients, **options}),
         "load_minimum_gains": Door(
             tv.load_minimum_gains, {"coefficients": coefficients, **poles, **options}
         ),

@@ -76,6 +76,7 @@ from .control.autopilot.detuning import detuned as detuned
 from .control.autopilot.gains import canonical_gains as canonical_gains
 from .control.autopilot.gains import design_gains as design_gains
 from .control.autopilot.gains import drift_minimum_gains as drift_minimum_gains
+from .control.autopilot.gains import half_relief_gains as half_relief_gains
 from .control.autopilot.gains import load_minimum_gains as load_minimum_gains
 from .control.autopilot.gains import relief_gains as relief_gains
 from .control.autopilot.optimal import lqr_gains as lqr_gains
@@ -87,6 +88,7 @@ from .control.comparison.trim import TrimComparison as TrimComparison
 from .control.comparison.trim import compare_with_trim as compare_with_trim
 from .control.laws.attitude import SaturatedLaw as SaturatedLaw
 from .control.laws.dead_band import DeadBandLaw as DeadBandLaw
+from .control.laws.estimated import EstimatedLaw as EstimatedLaw
 from .control.laws.estimator import WindEstimator as WindEstimator
 from .control.laws.filtered import FilteredLaw as FilteredLaw
 from .control.laws.law import Law as Law

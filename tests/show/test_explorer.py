@@ -23,7 +23,15 @@ from tvclin.cli.app import app
 from tvclin.kernels.choice import pinned
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import GAINS, LAWS, RECOVERABLE, REPORT, TRIM, Choices
+from tvclin.show.explorer.choices import (
+    GAINS,
+    HALF_RELIEF,
+    LAWS,
+    RECOVERABLE,
+    REPORT,
+    TRIM,
+    Choices,
+)
 from tvclin.show.explorer.notebook import notebook_text
 from tvclin.show.explorer.parts import law_of
 from tvclin.show.explorer.picture import new_picture, round_up
@@ -156,7 +164,7 @@ def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
     assert all(len(note.split()) > 3 for note in found.notes)
     if arm < 0.0:
         assert found.verdict.startswith("No deflection is needed")
-        assert bool(found.notes) is (law in (TRIM, "dead band", RECOVERABLE))
+        assert bool(found.notes) is (law in (TRIM, "dead band", HALF_RELIEF, RECOVERABLE))
     else:
         assert found.verdict.startswith("No answer")
         assert "mu_alpha other than zero" in found.notes[0]
