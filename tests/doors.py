@@ -502,6 +502,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust}),
         "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
+        "MeasuredWind.samples": Door(tv.MeasuredWind(sampled).samples, {"vehicle": booster}),
         "MeasuredWind.to_both_sides": Door(
             tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
