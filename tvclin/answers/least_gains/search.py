@@ -1,0 +1,66 @@
+"""A search for the least of a function with kinks and walls, many points at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Values = Callable[[FloatArray, FloatArray], FloatArray]
+
+POOL = 24
+"""Best points so far, whose differences say how far and in which direction to go on."""
+_LEADERS = 8
+"""Of them, from which new points start."""
+_STRIDES = (0.4, 1.3)
+"""Over a difference: between these, so that the pool neither freezes nor scatters."""
+_ALIKE = 3e-6
+"""A pool whose values differ by less has arrived."""
+_NEAR = 0.1
+"""The first pool around points that are given, over the box."""
+
+
+def least(
+    values: Values, axes: int, *, first: int, each: int, rounds: int, near: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the best points of the unit box and their values, best first.
+
+    Even points over the box (Sobol's); then in each round new ones, a + stride (b - c), from a
+    leader a and the difference of two of the pool, which lies along the walls and valleys that the
+    pool has found (after Storn and Price's differential evolution, but each round is one call and
+    the best of all go on).
+
+    Parameters
+    ----------
+    values : callable
+        Of points ``(n, axes)`` and the values of the pool, ``(POOL,)``: those of the points.
+    axes : int
+        Of the box.
+    first, each, rounds : int
+        Points over the box, points in a round, rounds.
+    near : ndarray, optional
+        Points to begin around, ``(n, axes)``, in place of the whole box.
+    """
+    from scipy.stats import qmc  # late: it takes 0.5 s to import
+
+    random = np.random.default_rng(0)
+    points = np.asarray(qmc.Sobol(axes, scramble=False).random(first))
+    if near is not None:
+        around = near[np.arange(first) % len(near)] + _NEAR * (points - 0.5)
+        points = np.concatenate([near, np.clip(around, 0.0, 1.0)])
+    found = values(points, np.full(POOL, np.inf))
+    for _ in range(rounds):
+        order = np.argsort(found, kind="stable")[:POOL]
+        points, found = points[order], found[order]
+        if found[-1] - found[0] < _ALIKE:
+            break
+        a = random.integers(min(_LEADERS, len(points)), size=each)
+        b, c = random.integers(len(points), size=(2, each))
+        stride = random.uniform(*_STRIDES, size=(each, 1))
+        new = points[a] + stride * (points[b] - points[c])
+        new = np.clip(new, 0.0, 1.0)
+        points, found = np.concatenate([points, new]), np.concatenate([found, values(new, found)])
+    order = np.argsort(found, kind="stable")[:POOL]
+    return points[order], found[order]
