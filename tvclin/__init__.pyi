@@ -19,6 +19,8 @@ from .answers.campaign.plan import Campaign as Campaign
 from .answers.campaign.quick import DispersedStudy as DispersedStudy
 from .answers.campaign.quick import disperse_study as disperse_study
 from .answers.campaign.results import CampaignResults as CampaignResults
+from .answers.least_gains.least import least_deflection_gains as least_deflection_gains
+from .answers.least_gains.record import LeastGains as LeastGains
 from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection
@@ -71,6 +73,8 @@ from .boundary.stops import SquareStop as SquareStop
 from .boundary.stops import Stop as Stop
 from .control.autopilot.actuator import Actuator as Actuator
 from .control.autopilot.autopilot import Autopilot as Autopilot
+from .control.autopilot.bounds import MarginBounds as MarginBounds
+from .control.autopilot.bounds import margin_bounds as margin_bounds
 from .control.autopilot.detuning import Detuned as Detuned
 from .control.autopilot.detuning import detuned as detuned
 from .control.autopilot.gains import canonical_gains as canonical_gains

@@ -63,8 +63,7 @@ class Question:
     def __post_init__(self) -> None:
         check_plant(self.plant)
         single("plant", self.plant.batch)
-        given = (self.winds,) if isinstance(self.winds, History) else self.winds
-        winds = each("winds", given, History, "such as TriangularWind")
+        winds = each("winds", self.winds, History, "such as TriangularWind")
         if not winds:
             raise InputError("winds must be one or more; got none")
         for one in winds:
@@ -141,8 +140,11 @@ class Question:
     def one(self, point: FloatArray) -> Autopilot:
         """Return the autopilot at one point, ``(axes,)``."""
         row = self.autopilot(point[np.newaxis])
-        names = ("attitude_gain", "rate_gain", "alpha_gain")
-        return replace(row, **{name: float(getattr(row, name)[0]) for name in names})
+        a0, a1, b0 = (
+            np.ravel(gain).tolist()[0]
+            for gain in (row.attitude_gain, row.rate_gain, row.alpha_gain)
+        )
+        return replace(row, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
 
     def lacks(self, points: FloatArray) -> FloatArray:
         """Return by what part of a limit each row of gains misses that which it misses most.

@@ -16,14 +16,19 @@ _LEADERS = 8
 """Of them, from which new points start."""
 _STRIDES = (0.4, 1.3)
 """Over a difference: between these, so that the pool neither freezes nor scatters."""
-_ALIKE = 3e-6
-"""A pool whose values differ by less has arrived."""
 _NEAR = 0.1
 """The first pool around points that are given, over the box."""
 
 
 def least(
-    values: Values, axes: int, *, first: int, each: int, rounds: int, near: FloatArray | None = None
+    values: Values,
+    axes: int,
+    *,
+    first: int,
+    each: int,
+    rounds: int,
+    near: FloatArray | None = None,
+    tolerance: float = 3e-6,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the best points of the unit box and their values, best first.
 
@@ -42,6 +47,8 @@ def least(
         Points over the box, points in a round, rounds.
     near : ndarray, optional
         Points to begin around, ``(n, axes)``, in place of the whole box.
+    tolerance : float
+        A pool whose values differ by less has arrived.
     """
     from scipy.stats import qmc  # late: it takes 0.5 s to import
 
@@ -54,7 +61,7 @@ def least(
     for _ in range(rounds):
         order = np.argsort(found, kind="stable")[:POOL]
         points, found = points[order], found[order]
-        if found[-1] - found[0] < _ALIKE:
+        if found[-1] - found[0] < tolerance:
             break
         a = random.integers(min(_LEADERS, len(points)), size=each)
         b, c = random.integers(len(points), size=(2, each))
