@@ -19,7 +19,7 @@ from tvclin.answers.least_gains.question import (
 )
 from tvclin.answers.least_gains.race import needs
 from tvclin.answers.least_gains.record import BOUNDARY, PEAK, LeastGains
-from tvclin.answers.least_gains.search import least
+from tvclin.answers.search import least
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -38,16 +38,16 @@ FloatArray = NDArray[np.float64]
 
 _SETTLED = 8.0
 """Loops are followed behind a wind for so long, over the fastest pole of the plant."""
-_LINEAR = {"each": 48, "rounds": 60}
-_FLOWN = {"each": 24, "rounds": 30}
-_STOPPED = {"each": 24, "rounds": 14}
-_AGAIN = {"first": 8, "each": 12, "rounds": 6}
+_FINE = 1e-4
+"""Of trim: limits that are closer are alike."""
+_LINEAR: dict[str, Any] = {"each": 48, "rounds": 60}
+_FLOWN: dict[str, Any] = {"each": 24, "rounds": 30}
+_STOPPED: dict[str, Any] = {"each": 24, "rounds": 14}
+_AGAIN: dict[str, Any] = {"first": 8, "each": 12, "rounds": 6, "tolerance": _FINE}
 _OVER, _NEAR = 256, 16
 """Points and rounds of the searches: over the box, for each axis beyond the first, or nearby."""
 _CLEAN, _CLEANER = 24, 100
 """Limits above the one found at which a row of gains is flown: in the search, and at its end."""
-_FINE = 1e-4
-"""Of trim: limits that are closer are alike."""
 _BEST = 4
 """So many of the best are asked for their exact peak."""
 _TIGHT = 0.005
@@ -152,16 +152,13 @@ def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
     """Return the answer to a question, from gains nearby where they are known, ``(n, axes)``."""
     axes = len(question.gains)
     first = _OVER * (axes - 1) if near is None else _NEAR
-    if question.limits:
-        steps = _STOPPED if question.stops else _FLOWN
+    begin: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
+    points, found = least(partial(_linear, question), axes, **begin, **_LINEAR)
+    if found[0] < MISSES and question.limits:
         flown, cleaner = (partial(_flown, question, clean=n) for n in (_CLEAN, _CLEANER))
-        points, found = least(flown, axes, first=first, near=near, tolerance=_FINE, **steps)
-        if found[0] < MISSES:
-            good = points[found < MISSES]
-            points, found = least(cleaner, axes, near=good, tolerance=_FINE, **_AGAIN)
-    else:
-        peaks = partial(_linear, question)
-        points, found = least(peaks, axes, first=2 * first, near=near, **_LINEAR)
+        steps = (_STOPPED if question.stops else _FLOWN) | {"tolerance": _FINE}
+        points, _ = least(flown, axes, **begin | {"known": points}, **steps)
+        points, _ = least(cleaner, axes, known=points, wide=False, **_AGAIN)
     if found[0] >= MISSES:
         raise InputError(_none(question, points[0]))
     if question.limits:

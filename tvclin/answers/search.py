@@ -27,7 +27,8 @@ def least(
     first: int,
     each: int,
     rounds: int,
-    near: FloatArray | None = None,
+    known: FloatArray | None = None,
+    wide: bool = True,
     tolerance: float = 3e-6,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the best points of the unit box and their values, best first.
@@ -45,8 +46,10 @@ def least(
         Of the box.
     first, each, rounds : int
         Points over the box, points in a round, rounds.
-    near : ndarray, optional
-        Points to begin around, ``(n, axes)``, in place of the whole box.
+    known : ndarray, optional
+        Points that are good for another reason, ``(n, axes)``, to begin with.
+    wide : bool
+        Whether the first points are over the whole box, or around those that are known.
     tolerance : float
         A pool whose values differ by less has arrived.
     """
@@ -54,9 +57,10 @@ def least(
 
     random = np.random.default_rng(0)
     points = np.asarray(qmc.Sobol(axes, scramble=False).random(first))
-    if near is not None:
-        around = near[np.arange(first) % len(near)] + _NEAR * (points - 0.5)
-        points = np.concatenate([near, np.clip(around, 0.0, 1.0)])
+    if known is not None:
+        if not wide:
+            points = known[np.arange(first) % len(known)] + _NEAR * (points - 0.5)
+        points = np.concatenate([known, np.clip(points, 0.0, 1.0)])
     found = values(points, np.full(POOL, np.inf))
     for _ in range(rounds):
         order = np.argsort(found, kind="stable")[:POOL]
