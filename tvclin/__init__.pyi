@@ -49,6 +49,9 @@ from .answers.trials import LawTrial as LawTrial
 from .answers.trials import law_trials as law_trials
 from .answers.trials import standard_laws as standard_laws
 from .answers.trials import standard_winds as standard_winds
+from .answers.worst_case import Worst as Worst
+from .answers.worst_case import WorstCase as WorstCase
+from .answers.worst_case import worst_case as worst_case
 from .base.errors import InputError as InputError
 from .boundary.clusters import Cluster as Cluster
 from .boundary.clusters import ClusterEngine as ClusterEngine
