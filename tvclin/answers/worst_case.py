@@ -45,6 +45,7 @@ _STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9}
 _WORSE = 1e-6
 """A point inside is worse than all corners where it is by more than this part."""
 _ALL = tuple(name for name in MARGINS if not name.startswith("peak"))
+"""The margins that are told; peaks of S and T say the same as the disk margin."""
 
 
 @dataclass(frozen=True, eq=False)

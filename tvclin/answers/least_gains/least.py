@@ -221,7 +221,7 @@ def _record(question: Question, point: FloatArray, each: FloatArray) -> LeastGai
     autopilot = question.one(point)
     margins = loop_margins(autopilot.exact_loop(question.plant))
     worst = int(np.argmax(each))
-    unseen = np.nan
+    unseen = None
     if question.limits:
         unseen = float(_boundaries(question, autopilot, _UNSEEN).max())
     return LeastGains(
@@ -256,7 +256,11 @@ def _active(question: Question, margins: Margins, each: FloatArray) -> tuple[str
 
 
 def _notes(
-    question: Question, autopilot: Autopilot, point: FloatArray, each: FloatArray, unseen: float
+    question: Question,
+    autopilot: Autopilot,
+    point: FloatArray,
+    each: FloatArray,
+    unseen: float | None,
 ) -> tuple[str, ...]:
     notes = []
     trim = question.trims.max()
@@ -277,7 +281,7 @@ def _notes(
         notes.append("one wind alone is overfitted: try shorter and longer ones as well")
     if np.any((point < _TIGHT) | (point > 1.0 - _TIGHT)) and len(question.gains) == 2:
         notes.append("the gains lie at the edge of what was searched")
-    if unseen > (1.0 + _TIGHT) * float(each.max()):
+    if unseen is not None and unseen > (1.0 + _TIGHT) * float(each.max()):
         notes.append(
             f"with {_UNSEEN} sudden ends of each wind, most of which the search did not know, the"
             f" boundary is {unseen / trim:.3f} of trim"

@@ -47,7 +47,7 @@ class LeastGains:
         more gain and less gain both ask more.
     unseen : float
         With limits the boundary [rad] in the same winds with 23 sudden stops, most of which the
-        search did not know; else NaN.
+        search did not know; else None.
     notes : tuple of str
         What is to be known before these gains are believed.
     """
@@ -61,7 +61,7 @@ class LeastGains:
     worst_wind: int
     margins: Margins
     active: tuple[str, ...]
-    unseen: float
+    unseen: float | None
     notes: tuple[str, ...]
 
     def _repr_html_(self) -> str:

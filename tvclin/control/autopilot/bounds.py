@@ -39,9 +39,9 @@ class MarginBounds:
         x = p (delay + 2 zeta/omega_n): the delay, and that for which the nozzle counts, over 1/p.
     rule_disk_margin : float
         2 (1 - sqrt x)/(1 + sqrt x), about the largest that attitude and rate gains reach: a fit,
-        to 3 percent for x up to 0.22, not a bound. NaN without delay and nozzle, and for x >= 1.
+        to 3 percent for x up to 0.22, not a bound. Two without delay and nozzle, zero for x >= 1.
     rule_attitude_gain, rule_rate_gain : float
-        B/sqrt x and that over p: gains that about reach it.
+        B/sqrt x and that over p: gains that about reach it; infinite where x is zero.
     """
 
     pole: float
@@ -67,7 +67,7 @@ class MarginBounds:
             f"with this delay no autopilot has a disk margin above {self.disk_margin:.3g}"
             f" or a phase margin above {self.phase_margin_deg:.3g} deg"
         )
-        if not np.isnan(self.rule_disk_margin):
+        if 0.0 < self.rule_disk_margin < 2.0:
             a = self.rule_disk_margin
             said += (
                 f"; with this nozzle attitude and rate gains reach about {a:.3g} (by a rule:"
@@ -139,13 +139,13 @@ def margin_bounds(
         raise InputError("margins are bounded by what grows, and this plant has no unstable pole")
     most = float(np.exp(min(pole * late, 700.0)))
     lag = pole * (late + slow)
-    root = float(np.sqrt(lag)) if 0.0 < lag < 1.0 else np.nan
-    stiffness = float(plant.coefficients.B) / root
+    root = float(np.sqrt(min(lag, 1.0)))
+    stiffness = float(plant.coefficients.B) / root if root else np.inf
     return MarginBounds(
         pole=pole,
         delay=late,
         peak_sensitivity=most,
-        disk_margin=2.0 / (most + float(np.sqrt(most**2 - 1.0))),
+        disk_margin=2.0 / (most + most * float(np.sqrt(1.0 - most**-2.0))),
         phase_margin=2.0 * float(np.arcsin(1.0 / most)),
         gain_range=((most + 1.0) / (most - 1.0)) ** 2 if most > 1.0 else np.inf,
         lag=lag,
