@@ -19,8 +19,12 @@ from .answers.campaign.plan import Campaign as Campaign
 from .answers.campaign.quick import DispersedStudy as DispersedStudy
 from .answers.campaign.quick import disperse_study as disperse_study
 from .answers.campaign.results import CampaignResults as CampaignResults
+from .answers.least_gains.front import GainsFront as GainsFront
+from .answers.least_gains.front import least_gains_front as least_gains_front
 from .answers.least_gains.least import least_deflection_gains as least_deflection_gains
 from .answers.least_gains.record import LeastGains as LeastGains
+from .answers.least_gains.schedule import LeastSchedule as LeastSchedule
+from .answers.least_gains.schedule import least_gain_schedule as least_gain_schedule
 from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection

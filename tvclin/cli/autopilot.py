@@ -13,6 +13,7 @@ from tvclin.cli.least import (
     Limits,
     Stops,
     ThreeGains,
+    draw_front,
     found_least,
     least_document,
     print_least,
@@ -67,7 +68,7 @@ def autopilot(
 
     Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
     loop nothing is drawn. With --least the gains are sought that need the least nozzle of all that
-    meet the criteria.
+    meet the criteria, and the figure is what a disk margin costs.
     """
     from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
@@ -86,8 +87,10 @@ def autopilot(
     autopilot = gains.autopilot(plant) if sought is None else sought.autopilot
     found = compare_with_trim(plant, autopilot, blows)
     worst = _worst(found, peak, duration, shape)
-    if plot is not None:
+    if plot is not None and sought is None:
         _draw(found, plot)
+    elif plot is not None:
+        draw_front(sought, plot)
     document = _document(loaded, found, worst, limit, asked)
     if sought is not None:
         document["least"] = least_document(sought)

@@ -1,5 +1,6 @@
 """What `tvclin autopilot --least` adds: gains for the least nozzle."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -64,6 +65,15 @@ def found_least(
         type(wind)(peak=wind.peak, duration=part * wind.duration) for part in _DURATIONS
     ]
     return least_asked(asked, plant, winds, criteria, gains=free, limits=limits, stops=stops)
+
+
+def draw_front(found: "LeastGains | None", plot: Path) -> None:
+    """Draw what the same gains need when more disk margin is asked for."""
+    from tvclin.answers.least_gains.front import least_gains_front
+    from tvclin.plots import least_gains_chart, save_figure
+
+    assert found is not None
+    save_figure(least_gains_chart([least_gains_front(found)]), plot)
 
 
 def print_least(found: "LeastGains") -> None:

@@ -80,9 +80,9 @@ def print_margins(title: str, found: MarginsFound) -> None:
         headings = ["margin", "value", "at [rad/s]", "asked", "by"]
         rows = [[*row, *judged_cells(judged.get(name))] for name, row in _rows(whole)]
         print_table("", headings, rows)
+        print_bounds(found.autopilot, found.plant)
     else:
         typer.echo(_lines(f"NO MARGINS: {whole.reason}"))
-    print_bounds(found.autopilot, found.plant)
     if found.bands is not None:
         print_bands(found.bands, found.asked)
     if whole.stable:
@@ -96,7 +96,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
 def print_bounds(autopilot: "Autopilot", plant: "AnyPlant") -> None:
     """Print what no autopilot around a plant with this nozzle and delay can have."""
     found = _bounds(autopilot, plant)
-    if found is not None:
+    if found is not None and found.sentence:
         typer.echo(_lines(f"Bounds: {found.sentence}."))
 
 

@@ -313,4 +313,4 @@ def _none(question: Question, point: FloatArray) -> str:
     else:
         said += " miss what is asked of modes or the crossover"
     bounds = margin_bounds(question.plant, actuator=question.actuator, delay=question.delay)
-    return f"{said}; {bounds.sentence}"
+    return "; ".join(part for part in (said, bounds.sentence) if part)

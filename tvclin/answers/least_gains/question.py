@@ -122,11 +122,9 @@ class Question:
 
         The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free.
         """
-        c = self.plant.coefficients
-        B, beta = float(c.B), float(np.sqrt(c.mu_alpha))
-        pace = max(self.fastest / beta, 2.0)
-        stiffness = _between(_LEAST_STIFFNESS, 1.5 * (1.0 + pace**2), points[:, 0])
-        rate = _between(_LEAST_RATE, 2.0 * pace, points[:, 1])
+        B, beta, (stiffest, fastest) = self._scales
+        stiffness = _LEAST_STIFFNESS * (stiffest / _LEAST_STIFFNESS) ** points[:, 0]
+        rate = _LEAST_RATE * (fastest / _LEAST_RATE) ** points[:, 1]
         share = points[:, 2] if len(self.gains) > 2 else np.zeros(len(points))
         return Autopilot(
             attitude_gain=B * stiffness * (1.0 - share),
@@ -136,6 +134,29 @@ class Question:
             delay=self.delay,
             filters=self.filters,
         )
+
+    def point(self, autopilot: Autopilot) -> FloatArray:
+        """Return where the gains of one autopilot lie in the unit box, ``(axes,)``."""
+        B, beta, (stiffest, fastest) = self._scales
+        a0, a1, b0 = (
+            float(gain)
+            for gain in (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
+        )
+        stiffness, rate = (a0 + b0) / B / _LEAST_STIFFNESS, a1 * beta / B / _LEAST_RATE
+        parts = [
+            np.log(stiffness) / np.log(stiffest / _LEAST_STIFFNESS),
+            np.log(rate) / np.log(fastest / _LEAST_RATE),
+            b0 / (a0 + b0),
+        ]
+        return np.clip(parts[: len(self.gains)], 0.0, 1.0)
+
+    @property
+    def _scales(self) -> tuple[float, float, tuple[float, float]]:
+        """B, beta, and the largest (a0 + b0)/B and a1 beta/B that are worth trying."""
+        c = self.plant.coefficients
+        beta = float(np.sqrt(c.mu_alpha))
+        pace = max(self.fastest / beta, 2.0)
+        return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
 
     def one(self, point: FloatArray) -> Autopilot:
         """Return the autopilot at one point, ``(axes,)``."""
@@ -191,7 +212,3 @@ def highest_crossover(found: Margins) -> FloatArray:
     """Return the highest gain crossover [rad/s] of each loop; zero without one."""
     every = np.nan_to_num(found.crossings.gain_frequencies, nan=0.0)
     return np.asarray(np.max(every, axis=-1, initial=0.0))
-
-
-def _between(low: float, high: float, part: FloatArray) -> FloatArray:
-    return np.asarray(low * (high / low) ** part)

@@ -62,19 +62,21 @@ class MarginBounds:
 
     @property
     def sentence(self) -> str:
-        """The bounds in one sentence."""
-        said = (
-            f"with this delay no autopilot has a disk margin above {self.disk_margin:.3g}"
-            f" or a phase margin above {self.phase_margin_deg:.3g} deg"
-        )
+        """The bounds in one sentence; empty without delay and nozzle."""
+        said = []
+        if self.delay:
+            said.append(
+                f"with this delay no autopilot has a disk margin above {self.disk_margin:.3g}"
+                f" or a phase margin above {self.phase_margin_deg:.3g} deg"
+            )
         if 0.0 < self.rule_disk_margin < 2.0:
             a = self.rule_disk_margin
-            said += (
-                f"; with this nozzle attitude and rate gains reach about {a:.3g} (by a rule:"
-                f" {decibels((2.0 + a) / (2.0 - a)):.3g} dB,"
+            said.append(
+                f"with this nozzle attitude and rate gains reach a disk margin of about {a:.3g} (a"
+                f" fitted rule; {decibels((2.0 + a) / (2.0 - a)):.3g} dB,"
                 f" {np.degrees(2.0 * np.arctan(a / 2.0)):.3g} deg)"
             )
-        return said
+        return "; ".join(said)
 
     def _repr_html_(self) -> str:
         rows = [
