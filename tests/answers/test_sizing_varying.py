@@ -5,6 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.varying import varying_need
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.planar.survival import planar_verdict
 
@@ -41,7 +43,9 @@ def test_constant_parameters_and_any_wind_of_one_sign(configuration_i, wind) -> 
     found = tv.size(schedule, history, times=[60.0], dead_bands=BANDS, varying=True)
 
     for name in NAMES:
-        assert found.required[f"{name}, varying"] == pytest.approx(found.required[name], rel=1e-6)
+        # in the valley of two peaks a law with K = 1 lets go; the path it then flies is not trim's
+        close = 5e-3 if name == "K = 1" and wind == "two peaks" else 1e-6
+        assert found.required[f"{name}, varying"] == pytest.approx(found.required[name], rel=close)
 
 
 def falling(vehicle: tv.Vehicle) -> tv.FlightSchedule:
@@ -117,6 +121,43 @@ def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K)
     assert ends[0] * ends[1] < 0.0
     assert ends[0] < 0.0
     assert abs(found.freezing_error[f"K = {K:g}"][0, 0]) > 0.02  # frozen it is another number
+
+
+def trim_law_is_lost(schedule, wind, model, limits):
+    """Fly B(t) (alpha + 10 z) behind limits, integrating the equations of the varying vehicle."""
+    first, last = schedule.span
+    step = 5e-3
+    times = np.arange(first, last, step)
+    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(times), model).matrices()
+    pole = np.sqrt(A[:, 1, 0])
+    commands = A[:, 1] * (1.0 + 10.0 * (np.arange(A.shape[-1]) == 0))
+    commands[:, 1] = 10.0 * pole
+    commands, pushed = commands / inputs[:, 1, :1], inputs[:, 1, 1] / inputs[:, 1, 0] * wind(times)
+    driven, moved = inputs[:, :, 1] * wind(times)[:, np.newaxis], np.swapaxes(A, -1, -2)
+    x = np.zeros((np.size(limits), A.shape[-1]))
+    for k in range(times.size - 1):
+        delta = np.clip(-(x @ commands[k] + pushed[k]), -limits, limits)[:, np.newaxis]
+        slope = x @ moved[k] + delta * inputs[k, :, 0] + driven[k]
+        ahead = (x + step * slope) @ moved[k + 1] + delta * inputs[k + 1, :, 0] + driven[k + 1]
+        x = x + 0.5 * step * (slope + ahead)
+    reach = limits * abs(inputs[-1, 1, 0]) / pole[-1] ** 2
+    return np.abs(x[:, 0] + x[:, 1] / pole[-1]) > reach
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
+    """On a fixed path by trim and demand alone; with drift the path of a limited flight counts."""
+    flight = tv.load_schedule("configuration-ii")
+    height = np.arange(0.0, 40e3, 1000.0)
+    shape = np.exp(-(((height - 11e3) / 5e3) ** 2))
+    noise = np.random.default_rng(3).normal(0, 20, height.size)
+    profile = tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height)
+    met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
+    mode, vehicle = GrowingMode(flight, model, "pitch", flight.span), flight.at(75.0)
+    need = varying_need(mode, met(vehicle), np.ones(1), met.to_both_sides(vehicle)).required[0]
+
+    lost = trim_law_is_lost(flight, met.wind, model, need * np.array([0.997, 1.003]))
+    assert lost.tolist() == [True, False]
 
 
 def test_a_planar_flight_with_varying_parameters_agrees() -> None:
