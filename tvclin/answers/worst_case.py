@@ -184,6 +184,7 @@ def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tup
     """The box with plain numbers, all of which the case has."""
     if not isinstance(subject, Vehicle | Coefficients):
         raise InputError(f"subject must be a Vehicle or Coefficients; got {type(subject).__name__}")
+    single("subject", subject.batch)
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     single("autopilot", autopilot.batch)
     if autopilot.sample_rate is not None:

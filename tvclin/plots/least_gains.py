@@ -20,7 +20,7 @@ _LINES: dict[str, Style] = {
     "boundary, K = 0.5": {"color": "0.45", "ls": "-.", "lw": 1.4},
     "minimum, wind known": {"color": INK, "ls": ":", "lw": 2.0},
 }
-_MEANS = {"peak": "peak of the linear loop", "boundary": "limit flown"}
+_MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
 
 def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
@@ -45,7 +45,7 @@ def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
         raise InputError("fronts must be over the same disk margins")
     columns, styles = [], dict(_LINES)
     for k, one in enumerate(every):
-        label = f"{', '.join(one.gains)}: {_MEANS[one.meaning]}"
+        label = f"{len(one.gains)} gains, {_MEANS[one.meaning]}"
         columns.append(Column(label, np.where(np.isinf(one.relative), np.nan, one.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [Column(name, np.full(disk.shape, value)) for name, value in every[0].limits.items()]

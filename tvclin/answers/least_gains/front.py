@@ -46,7 +46,7 @@ class GainsFront:
     @property
     def gains(self) -> tuple[str, ...]:
         """The gains that are free."""
-        return next(one.question.gains for one in self.each if one is not None)
+        return next(tuple(one.question.gains) for one in self.each if one is not None)
 
     @property
     def meaning(self) -> str:

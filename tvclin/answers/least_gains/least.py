@@ -136,7 +136,7 @@ def least_deflection_gains(
         plant=plant,
         winds=every,
         criteria=criteria,
-        gains=tuple(gains) if not isinstance(gains, str) else (gains,),
+        gains=gains,
         actuator=actuator,
         delay=delay,
         crossover=crossover,

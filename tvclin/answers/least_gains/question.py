@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,6 +13,7 @@ from tvclin.base.errors import (
     InputError,
     each,
     ending,
+    flag,
     instance,
     nonnegative,
     number,
@@ -24,6 +26,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import Criteria, Requirement
 from tvclin.control.margins.record import MARGINS, Margins, loop_margins
+from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.vehicle.filters import Filter
 from tvclin.winds.histories import History
@@ -51,7 +54,7 @@ class Question:
     plant: AnyPlant
     winds: tuple[History, ...]
     criteria: Criteria
-    gains: tuple[str, ...]
+    gains: Sequence[str]
     actuator: Actuator | None
     delay: float
     crossover: float | None
@@ -72,13 +75,21 @@ class Question:
             number("the peak of a wind", abs(float(one.peak)), positive, "rad")
         object.__setattr__(self, "winds", winds)
         instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
-        free = tuple(self.gains) if isinstance(self.gains, list | tuple) else ()
-        if free not in FREE:
+        given = self.gains if isinstance(self.gains, list | tuple) else ()
+        free = tuple(one for one in given if isinstance(one, str))
+        if free not in FREE or len(free) < len(given):
             raise InputError(
                 f"gains must be {' or '.join(map(str, FREE))}: those that are free, in this order;"
                 f" got {shown(self.gains)}"
             )
         object.__setattr__(self, "gains", free)
+        if not isinstance(self.actuator, Actuator | None):
+            raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
+        single("actuator", () if self.actuator is None else self.actuator.batch)
+        rate = number("sample_rate", self.sample_rate, positive, "Hz")
+        if flag("limits", self.limits):
+            check_sample_rate(rate, self.actuator)
+        object.__setattr__(self, "sample_rate", rate)
         object.__setattr__(self, "delay", number("delay", self.delay, nonnegative, "s"))
         if self.crossover is not None:
             most = number("crossover", self.crossover, positive, "rad/s")
