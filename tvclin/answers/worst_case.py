@@ -40,7 +40,7 @@ _COEFFICIENTS = tuple(one.name for one in fields(Coefficients))
 _MOST = 10
 """Numbers in a box: it has 1024 corners."""
 _INSIDE = 256
-_STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9}
+_STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9, "islands": 1}
 """Even points in the box, and the search from the worst of them."""
 _WORSE = 1e-6
 """A point inside is worse than all corners where it is by more than this part."""
