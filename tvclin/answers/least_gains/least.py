@@ -46,6 +46,8 @@ _STOPPED: dict[str, Any] = {"each": 24, "rounds": 14, "islands": 1}
 _AGAIN: dict[str, Any] = {"first": 8, "each": 12, "rounds": 6, "tolerance": _FINE}
 _OVER, _NEAR = 256, 16
 """Points and rounds of the searches: over the box, for each axis beyond the first, or nearby."""
+_ISLANDS = 3
+"""Pools of a search with three gains; with two, one arrives."""
 _CLEAN, _CLEANER = 24, 100
 """Limits above the one found at which a row of gains is flown: in the search, and at its end."""
 _BEST = 4
@@ -114,9 +116,9 @@ def least_deflection_gains(
     Notes
     -----
     On a fixed path a0 + b0 and a1 alone decide the margins, and the deflection is affine in b0 for
-    a given loop. The search needs none of that: hundreds of points, then others along differences of
-    the best, all margins and peaks of a round in one call. Peaks are found to about 1e-3 of trim,
-    three gains in several winds to 2e-3; what is returned meets every criterion.
+    a given loop. The search needs none of that: hundreds of points, then others along differences
+    of the best, all margins and peaks of a round in one call. Peaks are found to about 1e-3 of
+    trim, three gains in several winds to 2e-3; what is returned meets every criterion.
 
     One wind is overfitted: give several durations, and judge three gains with stops.
 
@@ -153,7 +155,8 @@ def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
     axes = len(question.gains)
     first = _OVER * (axes - 1) if near is None else _NEAR
     begin: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
-    points, found = least(partial(_linear, question), axes, **begin, **_LINEAR)
+    many = {"islands": _ISLANDS if axes > len(("stiffness", "rate")) else 1}
+    points, found = least(partial(_linear, question), axes, **begin, **many, **_LINEAR)
     if found[0] < MISSES and question.limits:
         flown, cleaner = (partial(_flown, question, clean=n) for n in (_CLEAN, _CLEANER))
         steps = (_STOPPED if question.stops else _FLOWN) | {"tolerance": _FINE}
