@@ -42,10 +42,7 @@ def test_the_limit_rises_with_tau_beta_in_every_wind_of_one_peak():
 
 
 def test_what_a_limit_leaves_over_grows_with_beta():
-    """The step of the proof: the integral of e^(-beta s) (w - y), zero at the boundary, is positive.
-
-    It is so for a faster vehicle, since w - y changes its sign once.
-    """
+    """The integral of e^(-beta s) (w - y) is zero at the boundary, and positive for more beta."""
     from scipy.integrate import quad
 
     wind = tv.AsymmetricTriangularWind(peak=1.0, duration=4.0, peak_time=1.0)

@@ -155,8 +155,8 @@ def answered(question: Question, near: FloatArray | None = None) -> LeastGains:
     axes = len(question.gains)
     first = _OVER * (axes - 1) if near is None else _NEAR
     begin: dict[str, Any] = {"first": first, "known": near, "wide": near is None}
-    many = {"islands": _ISLANDS if axes > len(("stiffness", "rate")) else 1}
-    points, found = least(partial(_linear, question), axes, **begin, **many, **_LINEAR)
+    pools = _ISLANDS if axes > len(("stiffness", "rate")) else 1
+    points, found = least(partial(_linear, question), axes, islands=pools, **begin, **_LINEAR)
     if found[0] < MISSES and question.limits:
         flown, cleaner = (partial(_flown, question, clean=n) for n in (_CLEAN, _CLEANER))
         steps = (_STOPPED if question.stops else _FLOWN) | {"tolerance": _FINE}
