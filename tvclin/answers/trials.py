@@ -23,7 +23,7 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.base.tables import Table
-from tvclin.control.autopilot.gains import canonical_gains
+from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law
@@ -39,7 +39,13 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-STANDARD_LAWS = ("attitude and rate", "trim", "dead band 0.5", "recoverable attitude")
+STANDARD_LAWS = (
+    "attitude and rate",
+    "trim",
+    "dead band 0.5",
+    "half relief",
+    "recoverable attitude",
+)
 """Names of the laws of the trials."""
 LAWS_TABLE = Table(
     "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
@@ -165,6 +171,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
         SaturatedLaw(gains),
         TrimLaw(fixed),
         DeadBandLaw(fixed),
+        SaturatedLaw(half_relief_gains(plant.coefficients)),
         RecoverableAttitudeLaw(plant, design_peak=peak),
     )
     return dict(zip(STANDARD_LAWS, laws, strict=True))
@@ -236,14 +243,14 @@ def law_curve(
     law : Law
         The law.
     tau_beta : ndarray
-        Duration of the wind times beta, ``(n,)``.
+        Duration of the wind times beta, or with damping the pole, ``(n,)``.
     peak : float
         Peak of the wind [rad].
     sample_rate : float
         Samples of the law in a second [Hz].
     """
-    beta = float(plant.coefficients.beta)
-    winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
+    pole = float(plant.coefficients.pole)
+    winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST}
     return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
 

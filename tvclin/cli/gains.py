@@ -22,8 +22,8 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, poles, drift-minimum, load-minimum, lqr, or for"
-            " tvclin autopilot least-nozzle; canonical if nothing is given."
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
+            " lqr, or for tvclin autopilot least-nozzle; canonical if nothing is given."
         ),
     ] = None
     natural_frequency: Annotated[

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
     from tvclin.answers.study import Study
+    from tvclin.vehicle.coefficients import Coefficients
 
 
 def print_study(result: "Study", source: str) -> None:
@@ -23,6 +24,7 @@ def print_study(result: "Study", source: str) -> None:
         f"\nCoefficients, {result.plane} plane",
         [
             ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
+            *_damping(c),
             ("B", f"{c.B:.4f} deg/deg"),
             ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
             ("C1", f"{c.C1:.5f} 1/s"),
@@ -51,6 +53,7 @@ def study_document(result: "Study") -> dict[str, Any]:
         "plane": result.plane,
         "coefficients": {
             "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
+            "pole_per_s": c.pole if c.mu_alpha > 0.0 else None,
             "B": c.B,
             **{name: getattr(c, name) for name in c.__dataclass_fields__},
         },
@@ -66,6 +69,7 @@ def study_document(result: "Study") -> dict[str, Any]:
             "begins_s": result.gust.onset,
             "ends_s": result.gust.end,
         },
+        **({} if result.planes is None else {"planes": _planes_document(result)}),
         "unstable_poles_per_s": {name: m.poles.tolist() for name, m in result.modes.items()},
         "trim_deflection_deg": deg(result.trim_deflection),
         "boundaries": {
@@ -88,7 +92,7 @@ def study_document(result: "Study") -> dict[str, Any]:
             "model": result.model,
             "dead_band": result.dead_band,
             "required_deflection_deg": deg(result.required_deflection),
-            "governed_by": result.requirement.governs,
+            "governed_by": result.governs,
             "requirements_deg": {k: deg(v) for k, v in result.requirement.needs.items()},
             "limit_deg": None if result.limit is None else deg(result.limit),
             "sufficient": result.sufficient,
@@ -96,6 +100,24 @@ def study_document(result: "Study") -> dict[str, Any]:
             if result.survivable_peak is None
             else abs(deg(result.survivable_peak)),
         },
+    }
+
+
+def _planes_document(result: "Study") -> dict[str, Any]:
+    """What both planes need in a wind with a direction."""
+    import numpy as np
+
+    planes, wind = result.planes, result.slanting
+    assert planes is not None
+    assert wind is not None
+    return {
+        "heading_deg": None if wind.heading is None else np.degrees(wind.heading),
+        "peak_deg": np.degrees(planes.peak),
+        "stop": repr(planes.stop),
+        "required_deflection_deg": np.degrees(planes.deflection),
+        "alone_deg": {plane: np.degrees(one) for plane, one in planes.alone.items()},
+        "pitch_alone_misses": planes.misses("pitch"),
+        "judged": result.in_both,
     }
 
 
@@ -216,12 +238,22 @@ def _print_boundaries(result: "Study") -> None:
         typer.echo(f"Note: {note}.")
 
 
+def _damping(c: "Coefficients") -> list[tuple[str, str]]:
+    """The damping and the pole that it slows, where there is one."""
+    if not c.damping:
+        return []
+    pole = [("pole p", f"{c.pole:.4f} 1/s")] if c.mu_alpha > 0.0 else []
+    return [("damping", f"{c.damping:.5f} 1/s"), *pole]
+
+
 def _governed(result: "Study") -> str:
     """By what the required deflection is governed, and where it stands in the table."""
     from tvclin.answers.requirement import NOTHING
     from tvclin.boundary.limit import BOUNDARY
 
-    by = result.requirement.governs
+    by = result.governs
+    if result.in_both:
+        return f"of both planes, {by}"
     if by == NOTHING:
         return "none is needed"
     if by == BOUNDARY and result.switch == "literal":

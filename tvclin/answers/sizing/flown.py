@@ -1,6 +1,6 @@
 """What the trim law needs along a flight with parameters that vary: it is flown there.
 
-    delta = -(A_2.x + w_2 alpha_w + gain mu_alpha z)/b_2,    z = theta + theta'/l_1,
+    delta = -(A_2.x + w_2 alpha_w + gain mu_alpha z)/b_2,    z = theta + theta' l_2/l_1,
 
 within the limit, for x' = A x + b delta + w alpha_w and the row l of `GrowingMode`: the moment is
 trimmed, and the growing part of the attitude brought back. Many winds and limits at once, by Heun's
@@ -23,7 +23,7 @@ _GAIN = 10.0
 _STEP = 0.03
 """Between steps, over the time in which the fastest mode grows by e; the rule is off by a part of
 (_GAIN _STEP)^2/6 in the feedback, a sixtieth of what it settles in."""
-_TRIES, _ROUNDS = 6, 3
+_TRIES, _ROUNDS = 6, 4
 """Limits in a round, each round in the step where the one before found the edge."""
 _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""
@@ -77,7 +77,7 @@ def _lost(
 
     def rates(k: int, x: FloatArray) -> FloatArray:
         wind = winds[:, k, np.newaxis]
-        z = x[..., 0] + x[..., 1] / row[0, k]
+        z = x[..., 0] + x[..., 1] * (row[1, k] / row[0, k])
         command = -(x @ to[k] + felt[k] * wind + back[k] * z)
         delta = np.clip(command, -limits, limits)
         driven = delta[..., np.newaxis] * inputs[k, :, 0] + wind[..., np.newaxis] * inputs[k, :, 1]

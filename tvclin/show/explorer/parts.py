@@ -18,6 +18,7 @@ from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.gains import half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law, seen_coordinates
@@ -29,7 +30,15 @@ from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.show.explorer.choices import DEAD_BAND, GAINS, LAWS, RECOVERABLE, REPORT, TRIM
+from tvclin.show.explorer.choices import (
+    DEAD_BAND,
+    GAINS,
+    HALF_RELIEF,
+    LAWS,
+    RECOVERABLE,
+    REPORT,
+    TRIM,
+)
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import PULSES, pulse
@@ -135,11 +144,11 @@ def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
 
 
 def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
-    """y_BR by eq (7), (12) or (16), at once; NaN for other plants than those on a fixed path."""
+    """y_BR by eq (7), (12) or (16) with its pole, at once; NaN for plants not on a fixed path."""
     c = plant.coefficients
     if float(c.mu_alpha) <= 0.0 or plant.model != "fixed-path":
         return np.nan
-    x = c.beta * np.asarray(duration)
+    x = c.pole * np.asarray(duration)
     return rectangular_limit(x) if shape == "rectangular" else triangular_limit(x, dead_band)
 
 
@@ -198,7 +207,7 @@ def _samples(plant: Plant, duration: float) -> tuple[FloatArray, float]:
     A flight that is asked for at its very samples is quick.
     """
     beta = float(np.sqrt(np.abs(np.asarray(plant.coefficients.mu_alpha))))
-    rate = SAMPLE_RATE * max(1.0, beta)
+    rate = SAMPLE_RATE * max(1.0, beta + float(plant.coefficients.damping))
     after = min(_AFTER / beta, _LONGEST_AFTER) if beta else _LONGEST_AFTER
     return np.arange(np.ceil((duration + after) * rate) + 1.0) * (1.0 / rate), rate
 
@@ -213,6 +222,8 @@ def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> 
     """
     if name == GAINS:
         return SaturatedLaw(Autopilot(attitude_gain=numbers[0], rate_gain=numbers[1]))
+    if name == HALF_RELIEF:
+        return SaturatedLaw(half_relief_gains(plant.coefficients))
     if name == RECOVERABLE:
         return RecoverableAttitudeLaw(plant, design_peak=peak)
     fixed = Plant.from_coefficients(plant.coefficients)

@@ -6,7 +6,7 @@ from importlib.metadata import version
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.study import OUTLASTS, outlasts_one_pole
+from tvclin.answers.study import OUTLASTS, Study, outlasts_one_pole
 from tvclin.base.lines import Line, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import Check, Checks, Paragraph, Section, Table
@@ -51,13 +51,17 @@ def assumptions(found: Findings) -> Section:
             ),
         ),
         Check("reader", ("The deflection limit is sharp, and no rate limit counts.",)),
-        Check("reader", ("Bending, slosh and sensor noise are left out.",)),
+        Check("reader", (f"Bending, slosh{_undamped(s)} and sensor noise are left out.",)),
     ]
     if found.dispersed is not None:
         checks.append(
             Check("reader", ("The dispersions are those of the input, and as good as it is.",))
         )
     return Section("assumptions", "Assumptions", (Checks(tuple(checks)),))
+
+
+def _undamped(s: Study) -> str:
+    return "" if s.coefficients.damping else ", damping of the attitude rate"
 
 
 def equations(found: Findings) -> Section:

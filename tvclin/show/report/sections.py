@@ -103,7 +103,8 @@ def boundaries(found: Findings) -> Section:
 def response(found: Findings) -> Section | None:
     """Return the exact response to the limit in question; None where nothing is, or can be."""
     s = found.study
-    limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
+    needed = abs(float(s.requirement.deflection))
+    limit = s.limit if s.limit is not None else _ABOVE * needed
     if not limit or np.isinf(limit):
         return None
     plant, wind = Plant(s.coefficients, s.model), blown(s)
@@ -183,6 +184,9 @@ def _coefficients(found: Findings) -> list[tuple[str, Line]]:
     rows: list[tuple[str, Line]] = []
     if c.mu_alpha > 0.0:
         rows.append(("beta", significant("coefficients.beta", c.beta, 6, "1/s")))
+        if c.damping:
+            rows.append(("damping", significant("coefficients.damping", c.damping, 6, "1/s")))
+            rows.append(("pole p", significant("coefficients.pole", c.pole, 6, "1/s")))
         rows.append(("K1", significant("coefficients.K1", c.K1, 6)))
     rows += [
         ("B", significant("coefficients.B", c.B, 6, "deg/deg")),
