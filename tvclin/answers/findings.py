@@ -146,12 +146,15 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
 
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+    from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import compare_with_trim
+    from tvclin.control.margins.criteria import CRITERIA
 
-    asked = plan.gains or GainsAsked()
+    asked, wind = plan.gains or GainsAsked(), blown(study)
     plant = Plant(study.coefficients, asked.model)
-    return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+    autopilot = autopilot_asked(asked, plant, wind, plan.criteria or CRITERIA["classic"])
+    return compare_with_trim(plant, autopilot, wind)
 
 
 def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.box import Box, met_in_box, print_worst, worst_document, worst_in_box
 from tvclin.cli.detuned import IsDetuned, detuned_document, detuned_of, print_detuned
 from tvclin.cli.flown import (
     Flown,
@@ -66,6 +67,7 @@ def margins(
     mode_phase_deg: ModePhaseDeg = None,
     rigid: Rigid = False,
     detuned: IsDetuned = False,
+    box: Box = None,
     model: Annotated[
         str | None,
         typer.Option(
@@ -93,6 +95,8 @@ def margins(
     margins are those of the flexible vehicle, also by band; --rigid leaves all that out.
     With --flown also how much may change before a flight through the wind, with a deflection
     limit, is lost; the criteria judge the linear margins alone.
+    With --box also the worst margins of the rigid vehicle, and the worst required deflection, when
+    numbers lie anywhere in a box; then the worst margins are judged.
     """
     from dataclasses import replace
 
@@ -116,14 +120,17 @@ def margins(
     case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
     fine = flown and found.whole.stable
     in_wind = case.margins(loaded, plane, frame, autopilot) if fine else None
-    if in_wind is not None and plant is not frame:
-        note_structure(vehicle, loaded, plane, "the flown margins")
+    in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, case)
+    rigid_part = "the flown margins" if in_wind is not None else "the margins in the box"
+    if plant is not frame and (in_wind, in_box) != (None, None):
+        note_structure(vehicle, loaded, plane, rigid_part)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
         head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
         beside = {} if moved is None else {"detuned": detuned_document(moved)}
         beside |= {} if in_wind is None else {"flown": flown_document(in_wind)}
+        beside |= {} if in_box is None else {"box": worst_document(in_box, asked)}
         print_json({**head, **margins_document(found), **beside})
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
@@ -131,7 +138,9 @@ def margins(
             print_detuned(moved)
         if in_wind is not None:
             print_flown(in_wind, case.title)
-    if not found.met:
+        if in_box is not None:
+            print_worst(in_box, asked)
+    if not (found.met and (in_box is None or met_in_box(in_box, asked))):
         raise typer.Exit(1)
 
 
