@@ -24,6 +24,7 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plane,
     Plot,
+    Rigid,
     Vehicle,
     Wind,
 )
@@ -47,9 +48,6 @@ ModeGainDb = Annotated[
 ]
 ModePhaseDeg = Annotated[
     float | None, typer.Option(help="Asked of each mode that is phase-stabilised, in deg.")
-]
-Rigid = Annotated[
-    bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
 ]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
