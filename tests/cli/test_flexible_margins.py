@@ -109,10 +109,12 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
 def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
     document = json.loads(margins(*asked, "--json").output)["detuned"]
-    criteria = tv.Criteria.own(aero_margin_dB=3, gain_increase_dB=3, phase_margin_deg=20)
+    limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
+    criteria = tv.Criteria.own(**limits, mode_gain_margin_dB=1)
     expected = tv.detuned(autopilot(), booster(), criteria=criteria)
     assert [row["change"] for row in document["rows"]] == list(expected.changes)
     assert [row["first"] for row in document["rows"]] == list(expected.first)
+    assert [row["met"] for row in document["rows"]] == expected.met.tolist()
     assert "unstable" in expected.first
     for row, phase in zip(document["rows"], expected.margins.phase_margin_deg, strict=True):
         found = row["phase_margin_deg"]
