@@ -151,12 +151,3 @@ def test_the_page_shows_what_the_commands_print(tmp_path):
         assert result.exit_code == code
         for line in shown.splitlines():
             assert line in printed
-
-
-def test_flown_margins_of_a_flexible_vehicle_say_that_they_are_rigid():
-    filters = ("--notch-hz", "5.1,0.06,0.6", "--low-pass-hz", "2.1,0.95")
-    gains = ("--attitude-gain", "0.36", "--rate-gain", "0.56", "--delay-ms", "20", *filters)
-    flown = ("--flown", "--limit-deg", "2", "--model", "fixed-path", "--sample-rate", "80")
-    result = run("margins", "made-up-booster", *gains, *flown)
-    assert "Note: the flown margins are of the rigid vehicle" in result.stderr
-    assert "with a stop at 2 deg, 80 Hz" in result.output

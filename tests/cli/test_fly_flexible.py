@@ -105,6 +105,18 @@ def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
     assert "no limit in the range survives" in without.stderr
 
 
+def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
+    asked = ("margins", mine, *GAINS, *NOTCH, "--flown", "--limit-deg", "0.5", "--json")
+    result = CliRunner().invoke(app, list(asked))
+    assert not result.stderr
+    plant = plant_of(mine)
+    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
+    expected = tv.flown_margins(plant, law, WIND, limit=np.radians(0.5), **NOZZLE)
+    found = json.loads(result.stdout)["flown"]
+    for name in ("gain_rise", "effectiveness_fall"):
+        assert found[name]["value"] == pytest.approx(getattr(expected, name).value, rel=1e-12)
+
+
 def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
     beside = json.loads(run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--json").stdout)
     more = ("--engine", "linear", "--rigid", "--limit-deg", 0.45, "--json")

@@ -22,11 +22,14 @@ from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
+    from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
     from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
+    from tvclin.control.margins.record import Margins
 
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -45,7 +48,10 @@ class Findings:
     trials : tuple of LawTrial
         The laws, each in each wind; none where none were asked for.
     comparison : TrimComparison or None
-        The autopilot in the wind, with its margins.
+        The autopilot in the wind, with its margins, both of the rigid vehicle.
+    flexible : FlexibleAnswer or None
+        The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
+        asked for.
     dispersed : DispersedStudy or None
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
@@ -60,6 +66,7 @@ class Findings:
     study: Study
     trials: tuple[LawTrial, ...]
     comparison: TrimComparison | None
+    flexible: FlexibleAnswer | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
     reasons: dict[str, str]
@@ -73,11 +80,19 @@ class Findings:
         return self.plan.criteria or CRITERIA["classic"]
 
     @property
+    def margins(self) -> Margins | BandMargins | None:
+        """The margins that are judged: those by band of a flexible vehicle."""
+        if self.flexible is not None:
+            return self.flexible.bands
+        return None if self.comparison is None else self.comparison.margins
+
+    @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
-        return sha256(
-            json.dumps(asdict(self.plan), sort_keys=True, default=_plain).encode()
-        ).hexdigest()
+        asked = asdict(self.plan)
+        if self.plan.structure is None:
+            del asked["structure"]  # the seals of rigid vehicles stay what they were
+        return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
 
 
 def blown(study: Study) -> History:
@@ -122,6 +137,7 @@ def find(plan: StudyPlan) -> Findings:
             study=study,
             trials=part("trials", plan.laws, _trials) or (),
             comparison=part("comparison", plan.gains or plan.criteria, _comparison),
+            flexible=part("flexible", plan.structure and (plan.gains or plan.criteria), _flexible),
             dispersed=part("dispersed", plan.dispersions, _dispersed),
             flight=part("flight", plan.sizing, _flight),
             reasons=reasons,
@@ -152,6 +168,17 @@ def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     asked = plan.gains or GainsAsked()
     plant = Plant(study.coefficients, asked.model)
     return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+
+
+def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
+    from tvclin.answers.flexible import flexible_answer, flexible_plant
+    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.control.margins.criteria import CRITERIA
+
+    asked, criteria = plan.gains or GainsAsked(), plan.criteria or CRITERIA["classic"]
+    assert plan.structure is not None
+    plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+    return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
 
 
 def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:

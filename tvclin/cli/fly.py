@@ -123,8 +123,7 @@ def fly(
             raise InputError(
                 "gains, filters, --sample-rate and --rate-limit-deg belong to --engine linear"
             )
-        if not rigid:
-            note_structure(vehicle, loaded, plane)
+        note_structure(loaded, getattr(plant, "structure", None), plane)
         condition = load_flight_condition(vehicle) if along_trajectory else None
         asked = (law or "report", dead_band, limit_deg)
         one = flight_case(loaded, wind, gust, engine or "planar", plane, *asked, condition, span[0])

@@ -15,7 +15,7 @@ from tvclin.cli.flown import (
     print_flown,
 )
 from tvclin.cli.gains import GainOptions, takes_gains
-from tvclin.cli.inputs import load_plant, note_structure
+from tvclin.cli.inputs import load_plant
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -113,9 +113,7 @@ def margins(
     moved = detuned_of(found) if detuned else None
     case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
     fine = flown and found.whole.stable
-    in_wind = case.margins(loaded, plane, frame, autopilot) if fine else None
-    if in_wind is not None and plant is not frame:
-        note_structure(vehicle, loaded, plane, "the flown margins")
+    in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:

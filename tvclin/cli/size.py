@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of
+from tvclin.cli.inputs import gust_of, note_source
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -126,6 +126,7 @@ def size(
     from tvclin.cli.size_tables import print_sizing, sizing_document
 
     asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
+    note_source(source)
     asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed)
     given = {
         "gust": _gust(asked, gust),

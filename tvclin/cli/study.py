@@ -95,7 +95,7 @@ def study(
     plan = changed_plan(
         load_study(source), wind, duration, (peak_deg, peak_speed), limit_deg, given
     )
-    note_structure(source, plan.vehicle, plan.plane)
+    note_structure(plan.vehicle, plan.structure, plan.plane, "the boundaries")
     if gust_at is not None and gust is None:
         raise InputError("--gust-at needs --gust")
     if gust is not None:

@@ -26,6 +26,8 @@ from tvclin.base.tables import known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
+from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE
 
@@ -105,8 +107,30 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
             raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
+    return load_vehicle(_beside(source, folder))
+
+
+def _beside(source: str, folder: Path) -> str | Path:
+    """The name of a vehicle of the package, or the path of a file, in the folder if it is there."""
     beside = folder / source
-    return load_vehicle(beside if source not in list_vehicles() and exists(beside) else source)
+    return beside if source not in list_vehicles() and exists(beside) else source
+
+
+def structure_of(document: Mapping[str, Any], folder: Path) -> Structure | None:
+    """Return what bends and sloshes in the vehicle; None where its file has no structure.
+
+    A vehicle in a table of the study has none.
+
+    Raises
+    ------
+    InputError
+        As `load_structure`.
+    """
+    source = (document.get("study", {}) | document.get("campaign", {})).get("vehicle")
+    if not isinstance(source, str):
+        return None
+    found = load_structure(_beside(source, folder))
+    return None if found.is_rigid else found
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
