@@ -51,13 +51,22 @@ def assumptions(found: Findings) -> Section:
             ),
         ),
         Check("reader", ("The deflection limit is sharp, and no rate limit counts.",)),
-        Check("reader", ("Bending, slosh and sensor noise are left out.",)),
+        Check("reader", (_left_out(found),)),
     ]
     if found.dispersed is not None:
         checks.append(
             Check("reader", ("The dispersions are those of the input, and as good as it is.",))
         )
     return Section("assumptions", "Assumptions", (Checks(tuple(checks)),))
+
+
+def _left_out(found: Findings) -> str:
+    if found.plan.structure is None:
+        return "Bending, slosh and sensor noise are left out."
+    return (
+        "Bending and slosh count for the autopilot alone, and are left out of all else; sensor"
+        " noise is left out."
+    )
 
 
 def equations(found: Findings) -> Section:
