@@ -583,6 +583,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.StudyPlan,
             {
                 "vehicle": booster,
+                "structure": structure,
                 "model": "drift",
                 "plane": "yaw",
                 "wind": shaped,
