@@ -169,3 +169,21 @@ def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path
     picture = tmp_path / "flown.svg"
     assert run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--plot", picture).exit_code == 0
     assert picture.stat().st_size > 10_000
+
+
+def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine):
+    asked = ("laws", mine, "--wind", "triangle", *NOTCH, "--delay-ms", "10", "--json")
+    document = json.loads(CliRunner().invoke(app, list(asked)).stdout)
+    plant = plant_of(mine)
+    law = tv.FilteredLaw(
+        tv.standard_laws(plant.rigid, np.radians(5))["trim"],
+        filters=(tv.Filter.notch(24 * np.pi, 0.05, 0.5),),
+    )
+    expected = tv.closed_loop_boundary(plant, law, WIND, highest=4.0, **NOZZLE)
+    (trim,) = [one for one in document["trials"] if one["law"] == "trim"]
+    assert document["flexible"]
+    assert trim["limit"] == pytest.approx(expected.limit, rel=1e-12)
+    assert trim["status"] == expected.status == "ok"
+    drawn = CliRunner().invoke(app, ["laws", mine, "--plot", "laws.png"])
+    assert drawn.exit_code == 2
+    assert "--plot draws the laws on the rigid vehicle" in drawn.stderr

@@ -17,6 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
@@ -150,32 +152,45 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant = Plant(study.coefficients, asked.model)
-    laws, winds = standard_laws(plant, peak), standard_winds(peak, study.wind.duration)
+    plant: AnyPlant = Plant(study.coefficients, asked.model)
+    laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
+    nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
+    if plan.structure is not None:
+        from tvclin.answers.flexible import flexible_plant, nozzle_of, with_filters
+
+        gains = gains_of(plan)
+        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+        laws = {name: with_filters(law, gains) for name, law in laws.items()}
+        nozzle = nozzle_of(gains, asked.sample_rate)
     return law_trials(
         plant,
         {name: laws[name] for name in asked.names},
         {name: winds[name] for name in asked.winds},
-        sample_rate=asked.sample_rate,
         loads=False,
+        **nozzle,
     )
 
 
-def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+def gains_of(plan: StudyPlan) -> GainsAsked:
+    """Return the autopilot that a plan asks for; the canonical one where it says nothing."""
     from tvclin.control.autopilot.rules import GainsAsked
+
+    return plan.gains or GainsAsked()
+
+
+def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
-    asked = plan.gains or GainsAsked()
+    asked = gains_of(plan)
     plant = Plant(study.coefficients, asked.model)
     return compare_with_trim(plant, asked.autopilot(plant), blown(study))
 
 
 def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer, flexible_plant
-    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.margins.criteria import CRITERIA
 
-    asked, criteria = plan.gains or GainsAsked(), plan.criteria or CRITERIA["classic"]
+    asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
     assert plan.structure is not None
     plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
     return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
@@ -199,4 +214,5 @@ def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
         seed=plan.seed,
         probability=plan.probability,
         confidence=plan.confidence,
+        structure=plan.structure,
     )

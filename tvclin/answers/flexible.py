@@ -10,7 +10,10 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
+from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.filtered import FilteredLaw
+from tvclin.control.laws.law import Law
 from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
@@ -93,15 +96,8 @@ def flexible_answer(
     """
     autopilot = asked.autopilot(plant.rigid)
     bands = autopilot.band_margins(plant)
-    servo = autopilot.actuator
-    pace = 0.0 if servo is None else _PER_ACTUATOR * float(servo.natural_frequency)
-    rate = max(_RATE, pace)
     law = SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
-    nozzle: dict[str, Any] = {
-        "actuator": servo,
-        "sample_rate": rate,
-        "delay": float(autopilot.delay),
-    }
+    nozzle = nozzle_of(asked)
     bends, rigid = (closed_loop_boundary(one, law, wind, **nozzle) for one in (plant, plant.rigid))
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, start + _LONG * (end - start), _POINTS)
@@ -114,12 +110,25 @@ def flexible_answer(
         bands=bands,
         detuned=detuned(autopilot, plant, criteria=criteria) if bands.modes else None,
         peak_deflection=float(peak),
-        sample_rate=rate,
+        sample_rate=nozzle["sample_rate"],
         boundaries=(bends, rigid),
         flight=None
         if limit is None
         else fly_sampled(plant, law, wind, times, deflection_limit=limit, **nozzle),
     )
+
+
+def nozzle_of(asked: GainsAsked, rate: float = _RATE) -> dict[str, Any]:
+    """Return actuator and delay of an autopilot, and at least so many samples [Hz] for flights."""
+    servo = asked.actuator
+    least = 0.0 if servo is None else _PER_ACTUATOR * float(servo.natural_frequency)
+    return {"actuator": servo, "delay": float(asked.delay), "sample_rate": max(rate, least)}
+
+
+def with_filters(law: Law, asked: GainsAsked) -> Law:
+    """Return a law with the filters of an autopilot."""
+    chains = {name: getattr(asked, name) for name in CHAINS}
+    return FilteredLaw(law, **chains) if any(chains.values()) else law
 
 
 def flexible_plant(

@@ -157,7 +157,7 @@ def detuned(
     moved[np.arange(1, start), np.repeat(place, row.size)] = np.tile(row, count)
     damped[start + place, place] = 0.5
     turned[start + count + place[:bending], place[:bending]] = -1.0
-    plants = _changed(plant, moved, damped, turned)
+    plants = with_modes(plant, moved, damped, turned)
     bands = autopilot.band_margins(plants) if criteria.of_modes else None
     margins = loop_margins(autopilot.exact_loop(plants)) if bands is None else bands.whole
     return Detuned(
@@ -175,27 +175,37 @@ def _names(structure: Structure) -> tuple[str, ...]:
     return tuple(f"{kind} {k}" for kind, modes in parts.items() for k in range(1, len(modes) + 1))
 
 
-def _changed(
-    plant: FlexiblePlant, moved: FloatArray, damped: FloatArray, turned: FloatArray
+def with_modes(
+    plant: FlexiblePlant,
+    frequency: FloatArray,
+    damping: FloatArray,
+    turned: FloatArray | None = None,
 ) -> FlexiblePlant:
-    """The plants with factors ``(k, modes)`` on frequencies, dampings and slopes at sensors."""
+    """Return plants with factors on frequencies, dampings and slopes at the sensors of the modes.
+
+    Parameters
+    ----------
+    plant : FlexiblePlant
+        One or a batch, which broadcasts with the factors.
+    frequency, damping, turned : ndarray
+        Of bending modes and then of tanks, ``(..., modes)``; the slopes are those of bending.
+    """
     structure = plant.structure
-    columns = list(zip(moved.T, damped.T, turned.T, strict=True))
+    signs = np.ones_like(frequency) if turned is None else turned
+    columns = list(zip(*(np.moveaxis(a, -1, 0) for a in (frequency, damping, signs)), strict=True))
     bending = tuple(
         replace(
             mode,
-            frequency=mode.frequency * frequency,
-            damping=mode.damping * damping,
+            frequency=mode.frequency * moved,
+            damping=mode.damping * damped,
             attitude_slope=mode.attitude_slope * sign,
             rate_slope=mode.rate_slope * sign,
         )
-        for mode, (frequency, damping, sign) in zip(structure.bending, columns, strict=False)
+        for mode, (moved, damped, sign) in zip(structure.bending, columns, strict=False)
     )
     slosh = tuple(
-        _tank(tank, frequency, damping)
-        for tank, (frequency, damping, _) in zip(
-            structure.slosh, columns[len(bending) :], strict=True
-        )
+        _tank(tank, moved, damped)
+        for tank, (moved, damped, _) in zip(structure.slosh, columns[len(bending) :], strict=True)
     )
     return replace(plant, structure=replace(structure, bending=bending, slosh=slosh))
 
@@ -234,7 +244,7 @@ def _edges(
         moved = np.ones((factors.size, len(names)))
         moved[np.arange(factors.size), modes] = factors
         even = np.ones_like(moved)
-        found = stability(autopilot.exact_loop(_changed(plant, moved, even, even)).form)
+        found = stability(autopilot.exact_loop(with_modes(plant, moved, even, even)).form)
         return np.asarray((found.unstable_poles > 0) | found.marginal)
 
     count = len(names)

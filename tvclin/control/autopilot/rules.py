@@ -117,7 +117,7 @@ class GainsAsked:
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
         options: dict[str, Any] = {
-            "actuator": self._actuator,
+            "actuator": self.actuator,
             "integral_gain": self.integral_gain,
             "delay": self.delay,
             **{name: getattr(self, name) for name in CHAINS},
@@ -137,7 +137,8 @@ class GainsAsked:
         )
 
     @property
-    def _actuator(self) -> Actuator | None:
+    def actuator(self) -> Actuator | None:
+        """The actuator; None without one."""
         if self.actuator_frequency == 0.0:
             return None
         return Actuator(natural_frequency=self.actuator_frequency, damping=self.actuator_damping)

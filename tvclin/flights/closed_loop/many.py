@@ -22,6 +22,7 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.closed_loop.afterwards import swings_on
 from tvclin.flights.closed_loop.checks import (
     FASTEST,
     MOST,
@@ -216,7 +217,8 @@ def fly_many(
     if not np.any(good):
         return _flown_cases(None, good, good)
     some = batch if np.all(good) else _only(batch, good)
-    return _flown_cases(flown(some), good, _rings(some))
+    f = flown(some)
+    return _flown_cases(f, good, _rings(some, f))
 
 
 def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
@@ -248,11 +250,12 @@ def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> 
     return np.broadcast_to(array, shape).ravel()[where]
 
 
-def _rings(batch: Batch) -> NDArray[np.bool_]:
-    """In which flights of a flexible vehicle an oscillation grows near rest, ``(m,)``."""
+def _rings(batch: Batch, f: Flights) -> NDArray[np.bool_]:
+    """In which flights an oscillation grows near rest, or lives on between limits, ``(m,)``."""
+    grows = swing_near_rest(batch) > _RINGING
     if not isinstance(batch.plant, FlexiblePlant):
-        return np.zeros(int(np.prod(batch.shape)), dtype=bool)
-    return swing_near_rest(batch) > _RINGING
+        return grows
+    return grows | swings_on(f, batch.laws)
 
 
 def _flown_cases(

@@ -3,7 +3,8 @@
 import numpy as np
 
 from tvclin.answers.campaign.statistics import shares
-from tvclin.answers.findings import Findings
+from tvclin.answers.findings import Findings, gains_of
+from tvclin.answers.flexible import nozzle_of
 from tvclin.answers.trials import LawTrial, standard_winds
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, degrees, number, significant
@@ -51,9 +52,13 @@ def laws(found: Findings) -> Section | None:
         for one in found.trials
         if not one.monotone
     ]
+    flown, rate = f"the {asked.model} model", asked.sample_rate
+    if found.plan.structure is not None:
+        rate = nozzle_of(gains_of(found.plan), rate)["sample_rate"]
+        flown += " of the flexible vehicle, with filters, actuator and delay of the autopilot"
     words = (
-        f"Each law is flown with limits on the {asked.model} model, sampled at"
-        f" {asked.sample_rate:g} Hz, in winds with the peak and duration of this study. The number"
+        f"Each law is flown with limits on {flown}, sampled at {rate:g} Hz, in winds with the peak"
+        " and duration of this study. The number"
         " is the least deflection limit above which every limit that was tried survives. Trim and"
         " dead band hold the attitude and are designed on a fixed path."
         + (" The gust is left out here." if s.gust is not None else "")
