@@ -326,6 +326,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "b1": 0.1,
                 "b2": 0.1,
                 "q": 0.0,
+                "damping": 0.03,
             },
         ),
         "Coefficients.from_beta": Door(
@@ -612,6 +613,20 @@ def doors(folder: Path) -> dict[str, Door]:
         "TrimLaw": Door(tv.TrimLaw, {"plant": plant, "gain": 10.0}),
         "Vehicle": Door(
             tv.Vehicle, {f.name: getattr(booster, f.name) for f in dataclasses.fields(booster)}
+        ),
+        "aerodynamic_damping": Door(
+            tv.aerodynamic_damping,
+            {
+                "coefficient": -40.0,
+                "per": "qL/V",
+                "dynamic_pressure": 4.5e4,
+                "reference_area": 34.2,
+                "reference_length": 6.6,
+                "velocity": 540.0,
+            },
+        ),
+        "jet_damping": Door(
+            tv.jet_damping, {"mass_flow": 9000.0, "exit_arm": 25.0, "inertia_rate": -5e5}
         ),
         "Vehicle.from_aerodynamics": Door(
             tv.Vehicle.from_aerodynamics,

@@ -143,6 +143,8 @@ from .linear.verdict import residues as residues
 from .show.explorer.panel import explore as explore
 from .show.report.page import report_html as report_html
 from .vehicle.coefficients import Coefficients as Coefficients
+from .vehicle.damping import aerodynamic_damping as aerodynamic_damping
+from .vehicle.damping import jet_damping as jet_damping
 from .vehicle.file import list_vehicles as list_vehicles
 from .vehicle.file import load_vehicle as load_vehicle
 from .vehicle.filters import Filter as Filter

@@ -170,6 +170,7 @@ def test_one_bad_case_has_its_own_status(nominal):
         ("thrust", 1.0, lambda x: x > 0),
         ("control_force_slope", 1.0, lambda x: x > 0),
         ("axial_force", 1.0, lambda x: x >= 0),
+        ("pitch_damping", 1.0, lambda x: x >= 0),
         ("control_arm", -1.0, lambda x: x < 0),
         ("attitude", 1.0, lambda x: np.abs(x) < np.pi / 2),
         ("aerodynamic_arm", 1.0, np.isfinite),

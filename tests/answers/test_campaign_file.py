@@ -58,10 +58,13 @@ def test_spreads_carry_their_units():
         {"parameter": "thrust", "spread_kN": 20.0},
         {"parameter": "wind_peak", "spread_deg": 0.5, "shape": "uniform"},
         {"parameter": "velocity", "percent": 3.0},
+        {"parameter": "pitch_damping", "spread_lbf_ft_s_per_rad": 1e5},
     ]
     each = campaign(dispersion=rows).dispersions.each
-    assert [one.spread for one in each] == pytest.approx([2e4, np.radians(0.5), 0.03], rel=1e-15)
-    assert [one.relative for one in each] == [False, False, True]
+    assert [one.spread for one in each] == pytest.approx(
+        [2e4, np.radians(0.5), 0.03, 1e5 * 4.4482216152605 * 0.3048], rel=1e-14
+    )
+    assert [one.relative for one in each] == [False, False, True, False]
 
 
 @pytest.fixture

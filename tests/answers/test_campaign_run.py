@@ -90,6 +90,39 @@ def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
                 np.testing.assert_array_equal(values, whole[name][first : first + count], name)
 
 
+def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_study(plan):
+    vehicle = plan.vehicle.replace(pitch_damping=0.05 * plan.vehicle.moment_of_inertia)
+    flight = tv.Flight(deflection_limit=0.01, rate_limit=0.5, natural_frequency=20.0)
+    asked = replace(
+        plan,
+        vehicle=vehicle,
+        dispersions=tv.Dispersions((tv.Dispersion("pitch_damping", "normal", 0.6),)),
+        outputs=("required", "forecast-free", "minimum", "flight"),
+        flight=flight,
+        cases=60,
+    )
+    found = evaluate(asked, 0, 60)
+    damping = found["pitch_damping"]
+    impossible = damping < 0.0
+    assert 0 < impossible.sum() < 20
+    np.testing.assert_array_equal(found["status"] != "ok", impossible)
+    for case in np.flatnonzero(~impossible)[:4]:
+        study = tv.Study.from_vehicle(
+            vehicle.replace(pitch_damping=float(damping[case])),
+            **{"duration": 7.5, "peak": np.radians(5), "dead_band": 0.5},
+        )
+        assert found["required_K0.5"][case] == pytest.approx(study.required_deflection, rel=1e-12)
+        assert found["minimum"][case] == pytest.approx(study.minima["fixed-path"], rel=1e-12)
+    order = np.argsort(damping[~impossible])
+    assert np.all(np.diff(found["required_K1"][~impossible][order]) < 0.0)  # trim: less with more
+
+
+def test_a_part_of_no_damping_is_refused(plan):
+    part = tv.Dispersions((tv.Dispersion("pitch_damping", "normal", 0.3),))
+    with pytest.raises(tv.InputError, match="pitch_damping"):
+        tv.disperse_study(tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=0.05), part)
+
+
 @pytest.mark.parametrize("method", ["sobol", "latin"])
 def test_other_ways_to_draw_do_not_know_the_chunk_either(plan, tmp_path, method):
     first, second = (

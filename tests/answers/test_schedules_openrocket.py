@@ -312,7 +312,7 @@ def test_wind_in_the_simulation_is_told(tmp_path) -> None:
 
 def test_an_inertia_of_few_decimals_and_a_damping_column_are_told(tmp_path) -> None:
     lines = changed("Longitudinal", lambda x, _: f"{0.0001 * x:.3f}")
-    lines[HEADER] = lines[HEADER].replace("Normal force coeff", "Damping moment coeff")
+    lines[HEADER] = lines[HEADER].replace("Normal force coeff", "Pitch damping coeff")
     for i, line in enumerate(lines):  # a small rocket: mass and thrust by the same part
         if not line.startswith("#"):
             cells = line.split(",")
@@ -321,7 +321,38 @@ def test_an_inertia_of_few_decimals_and_a_damping_column_are_told(tmp_path) -> N
             lines[i] = ",".join(cells)
     notes = read(written(tmp_path, lines)).notes
     assert any("written with 3 decimals, 25 percent of it" in note for note in notes)
-    assert any("not read: column Damping moment coefficient" in note for note in notes)
+    assert any("not read: column Pitch damping coefficient" in note for note in notes)
+
+
+DAMPING = "Damping moment coefficient (kg·m²/s)"
+
+
+def test_the_damping_of_the_file_is_that_of_the_vehicle(tmp_path) -> None:
+    found = read(written(tmp_path, changed("Normal force", lambda _, t: 20.0 + t, DAMPING)))
+    assert found.at(3.0).pitch_damping == pytest.approx(23.0, rel=ROUNDING)
+    assert any("the damping is that of column Damping" in note for note in found.notes)
+    assert not any("mostly less" in note for note in found.notes)
+    damping = tv.Coefficients.from_vehicle(found.at(3.0)).damping
+    assert damping == pytest.approx(23.0 / 21.6, rel=10 * ROUNDING)
+    assert not np.any(read(OPENROCKET).vehicle.pitch_damping)
+
+
+def test_a_damping_of_the_wrong_sign_is_left_out_and_one_below_the_jets_doubted(tmp_path) -> None:
+    """The jet alone has 1.2 kg/s times (2.95 - 1.74)^2 m^2, some 1.8 kg m^2/s."""
+    lines = changed("Normal force", lambda _, t: 2.0 - t, DAMPING)
+    found = read(written(tmp_path, lines))
+    assert not np.any(found.vehicle.pitch_damping)
+    assert any("negative at 5 s" in note and "August 2026" in note for note in found.notes)
+    lines = changed("Normal force", lambda *_: 1.0, DAMPING)
+    found = read(written(tmp_path, lines))
+    assert np.all(found.vehicle.pitch_damping == 1.0)
+    assert any("mostly less than that of the jet alone" in note for note in found.notes)
+
+
+def test_a_damping_without_a_known_unit_is_refused(tmp_path) -> None:
+    lines = changed("Normal force", kept, "Damping moment coefficient (1)")
+    with pytest.raises(tv.InputError, match="unit of the column .*Damping.* export it in kg"):
+        read(written(tmp_path, lines))
 
 
 def test_many_rows_are_thinned_to_straight_lines_within_a_thousandth(tmp_path) -> None:

@@ -51,6 +51,12 @@ def test_the_inertia_is_straight_between_its_times_and_held_beyond() -> None:
     assert any("given at 2 times from 1 to 3 s" in note for note in found.notes)
 
 
+def test_a_map_may_name_the_damping() -> None:
+    found = tv.read_table(FOLDER / "table.csv", MAP | {"pitch_damping_lbf_ft_s_per_rad": 30.0})
+    assert found.at(3.0).pitch_damping == pytest.approx(30.0 * 4.4482216152605 * 0.3048)
+    assert any("pitch_damping: given" in note for note in found.notes)
+
+
 def test_a_map_gives_what_openrocket_gives_for_the_same_flight() -> None:
     found, other = tv.read_table(FOLDER / "table.csv", MAP), read(OPENROCKET)
     for t in (1.0, 3.0, 5.0):

@@ -60,6 +60,39 @@ def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
     assert rows.at([60.0, 80.0]).velocity.tolist() == [500.0, 650.0]
 
 
+def test_a_damping_over_the_flight_is_read_written_and_read_again(tmp_path) -> None:
+    text = TOML + "pitch_damping_N_m_s_per_rad = [6e5, 5e5, 3e5]\n"
+    schedule = read(tmp_path, text, "damped.toml")
+    assert schedule.at(75.0).pitch_damping == 4e5
+    schedule.to_csv(tmp_path / "again.csv")
+    again = tv.load_schedule(tmp_path / "again.csv")
+    assert again.vehicle.pitch_damping.tolist() == [6e5, 5e5, 3e5]
+    read(tmp_path, TOML, "calm.toml").to_csv(tmp_path / "calm.csv")
+    assert "damping" not in (tmp_path / "calm.csv").read_text()
+
+
+def test_a_jet_over_the_flight_knows_the_rate_of_the_inertia_from_the_table(tmp_path) -> None:
+    """M_q = m' l_e^2 + I', in which I' = -2e4 kg m^2/s of the straight line, once."""
+    falling = TOML.replace("kg_m2 = 2.25e7", "kg_m2 = [2.25e7, 2.23e7, 2.21e7]")
+    jet = "jet_mass_flow_kg_per_s = [800, 900, 900]\nexit_arm_m = 24\n"
+    found = read(tmp_path, falling + jet, "jet.toml").vehicle.pitch_damping
+    expected = np.array([800.0, 900.0, 900.0]) * 24.0**2 - 2e4
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    given = read(tmp_path, falling + jet + "inertia_rate_kg_m2_per_s = 0\n", "bound.toml")
+    np.testing.assert_allclose(given.vehicle.pitch_damping, expected + 2e4, rtol=1e-14)
+    slugs = "jet_mass_flow_lb_per_s = [1760, 1980, 1980]\n"
+    in_pounds = read(tmp_path, falling + slugs, "lb.toml").vehicle.pitch_damping[1]
+    assert in_pounds == pytest.approx(1980 * 0.45359237 * 23.56**2 - 2e4, rel=1e-12)
+    constant = read(tmp_path, TOML + jet, "same.toml").vehicle.pitch_damping
+    np.testing.assert_allclose(constant, expected + 2e4, rtol=1e-14)
+
+
+def test_a_jet_in_a_row_that_is_wrong_names_the_row(tmp_path) -> None:
+    jet = "jet_mass_flow_kg_per_s = [800, -1, 900]\n"
+    with pytest.raises(InputError, match="row 2: mass_flow must be zero or positive"):
+        read(tmp_path, TOML + jet, "jet.toml")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -5,6 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.sizing.varying import varying_need
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.planar.survival import planar_verdict
 
@@ -13,9 +15,15 @@ BANDS = (1.0, 0.5, 0.0)
 NAMES = [f"K = {K:g}" for K in BANDS]
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.3])
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
-def test_constant_parameters_give_the_boundary_of_the_frozen_plant(configuration_ii, model) -> None:
-    schedule = tv.FlightSchedule(configuration_ii.replace(time=[60.0, 85.0, 110.0]))
+def test_constant_parameters_give_the_boundary_of_the_frozen_plant(
+    configuration_ii, model, damping
+) -> None:
+    resisting = damping * configuration_ii.moment_of_inertia
+    schedule = tv.FlightSchedule(
+        configuration_ii.replace(time=[60.0, 85.0, 110.0], pitch_damping=resisting)
+    )
     wind = tv.TriangularWind(peak=-0.05, duration=10.0)
     found = tv.size(schedule, wind, times=[80.0], dead_bands=BANDS, model=model, varying=True)
     for name in ("trim", *NAMES):
@@ -25,8 +33,11 @@ def test_constant_parameters_give_the_boundary_of_the_frozen_plant(configuration
         assert varying == pytest.approx(frozen, rel=flown), name
         assert np.all(varying <= frozen * (1.0 + 1e-6))
         assert found.freezing_error[name] == pytest.approx(np.zeros((1, 1)), abs=flown)
+    # Damped, the fast pole is nearer to the slow one, which then asks for 2e-8 more with K = 0.
+    beside = found.required["K = 0"] / found.required["minimum"]
+    assert beside == pytest.approx(1.0, rel=1e-12)
     assert found.required["minimum, varying"] == pytest.approx(
-        found.required["K = 0, varying"], rel=1e-12
+        found.required["K = 0, varying"], rel=1e-7 if damping else 1e-12
     )
 
 
@@ -41,16 +52,22 @@ def test_constant_parameters_and_any_wind_of_one_sign(configuration_i, wind) -> 
     found = tv.size(schedule, history, times=[60.0], dead_bands=BANDS, varying=True)
 
     for name in NAMES:
-        assert found.required[f"{name}, varying"] == pytest.approx(found.required[name], rel=1e-6)
+        # in the valley of two peaks a law with K = 1 lets go; the path it then flies is not trim's
+        close = 5e-3 if name == "K = 1" and wind == "two peaks" else 1e-6
+        assert found.required[f"{name}, varying"] == pytest.approx(found.required[name], rel=close)
 
 
-def falling(vehicle: tv.Vehicle) -> tv.FlightSchedule:
-    """Return a flight on which the aerodynamic moment falls to a fifth in twenty seconds."""
+def falling(vehicle: tv.Vehicle, damping: float) -> tv.FlightSchedule:
+    """Return a flight on which the aerodynamic moment falls to a fifth in twenty seconds.
+
+    So does the damping, but not to so little.
+    """
     return tv.FlightSchedule(
         vehicle.replace(
             time=[0.0, 10.0, 30.0, 60.0],
             normal_force_slope=vehicle.normal_force_slope * np.array([1.0, 1.0, 0.2, 0.2]),
             weight=vehicle.weight * np.array([1.1, 1.0, 0.8, 0.8]),
+            pitch_damping=damping * vehicle.moment_of_inertia * np.array([1.0, 1.0, 0.7, 0.7]),
         )
     )
 
@@ -104,9 +121,9 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
     return float(row @ last + row @ inputs[:, 0] * side * limit / poles[fastest].real)
 
 
-@pytest.mark.parametrize("K", [1.0, 0.0])
-def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K) -> None:
-    schedule = falling(configuration_i)
+@pytest.mark.parametrize(("K", "damping"), [(1.0, 0.0), (0.0, 0.0), (1.0, 0.3), (0.0, 0.3)])
+def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K, damping) -> None:
+    schedule = falling(configuration_i, damping)
     wind = tv.TriangularWind(peak=0.05, duration=16.0)
     found = tv.size(schedule, wind, times=[18.0], dead_bands=K, varying=True)
     limit = float(found.required[f"K = {K:g}, varying"][0, 0])
@@ -117,6 +134,43 @@ def test_flights_fall_to_either_side_of_the_varying_boundary(configuration_i, K)
     assert ends[0] * ends[1] < 0.0
     assert ends[0] < 0.0
     assert abs(found.freezing_error[f"K = {K:g}"][0, 0]) > 0.02  # frozen it is another number
+
+
+def trim_law_is_lost(schedule, wind, model, limits):
+    """Fly B(t) (alpha + 10 z) behind limits, integrating the equations of the varying vehicle."""
+    first, last = schedule.span
+    step = 5e-3
+    times = np.arange(first, last, step)
+    A, inputs, _, _ = tv.Plant.from_vehicle(schedule.held(times), model).matrices()
+    pole = np.sqrt(A[:, 1, 0])
+    commands = A[:, 1] * (1.0 + 10.0 * (np.arange(A.shape[-1]) == 0))
+    commands[:, 1] = 10.0 * pole
+    commands, pushed = commands / inputs[:, 1, :1], inputs[:, 1, 1] / inputs[:, 1, 0] * wind(times)
+    driven, moved = inputs[:, :, 1] * wind(times)[:, np.newaxis], np.swapaxes(A, -1, -2)
+    x = np.zeros((np.size(limits), A.shape[-1]))
+    for k in range(times.size - 1):
+        delta = np.clip(-(x @ commands[k] + pushed[k]), -limits, limits)[:, np.newaxis]
+        slope = x @ moved[k] + delta * inputs[k, :, 0] + driven[k]
+        ahead = (x + step * slope) @ moved[k + 1] + delta * inputs[k + 1, :, 0] + driven[k + 1]
+        x = x + 0.5 * step * (slope + ahead)
+    reach = limits * abs(inputs[-1, 1, 0]) / pole[-1] ** 2
+    return np.abs(x[:, 0] + x[:, 1] / pole[-1]) > reach
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
+def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
+    """On a fixed path by trim and demand alone; with drift the path of a limited flight counts."""
+    flight = tv.load_schedule("configuration-ii")
+    height = np.arange(0.0, 40e3, 1000.0)
+    shape = np.exp(-(((height - 11e3) / 5e3) ** 2))
+    noise = np.random.default_rng(3).normal(0, 20, height.size)
+    profile = tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height)
+    met = tv.fly_through(profile, flight, azimuth=np.radians(90.0))
+    mode, vehicle = GrowingMode(flight, model, "pitch", flight.span), flight.at(75.0)
+    need = varying_need(mode, met(vehicle), np.ones(1), met.to_both_sides(vehicle)).required[0]
+
+    lost = trim_law_is_lost(flight, met.wind, model, need * np.array([0.997, 1.003]))
+    assert lost.tolist() == [True, False]
 
 
 def test_a_planar_flight_with_varying_parameters_agrees() -> None:

@@ -39,7 +39,8 @@ def precise(vehicle, structure, model, plane, s):
     turn = [mp.mpf(0), mp.mpf(1), *(number(one.gimbal_slope) for one in modes)]
     air = [mp.mpf(1), v["aerodynamic_arm"], *(number(one.pressure_displacement) for one in modes)]
     left, right = mp.zeros(n + 2), mp.zeros(n + 2, 3)  # the last two unknowns: gamma and u
-    left[0, 0], left[1, 1] = m * s**2, v["moment_of_inertia"] * s**2
+    left[0, 0] = m * s**2
+    left[1, 1] = v["moment_of_inertia"] * s**2 + v["pitch_damping"] * s
     for i, mode in enumerate(modes, start=2):
         M, w, zeta = (number(x) for x in (mode.modal_mass, mode.frequency, mode.damping))
         left[i, i] = M * (s**2 + 2 * zeta * w * s + w**2)
@@ -91,14 +92,16 @@ def precise(vehicle, structure, model, plane, s):
     return np.array([[complex(x) for x in column] for column in columns]).T
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.5])
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])
 @pytest.mark.parametrize("model", MODELS)
-def test_state_space_is_the_second_order_equations_solved_in_forty_digits(model, plane):
-    plant = flexible(model=model, plane=plane)
+def test_state_space_is_the_second_order_equations_solved_in_forty_digits(model, plane, damping):
+    vehicle = BOOSTER.replace(pitch_damping=damping * BOOSTER.moment_of_inertia)
+    plant = flexible(model=model, plane=plane, vehicle=vehicle)
     A, B, C, D = plant.matrices()
     with mp.workdps(40):
         for s in POINTS:
-            exact = precise(BOOSTER, STRUCTURE, model, plane, s)
+            exact = precise(vehicle, STRUCTURE, model, plane, s)
             found = transfer((A, B, C, D), s)
             # Backward error of the solution: eps times the sizes of what is added up.
             inside = np.linalg.inv(s * np.eye(len(A)) - A)

@@ -318,17 +318,19 @@ def _lost(
 def _survives(
     plant: Plant, wind: History, limit: FloatArray, samples: float = _SAMPLES
 ) -> NDArray[np.bool_]:
-    """Whether delta = B alpha + ``|B|`` gain (theta + theta'/beta) survives with limits [rad].
+    """Whether delta = B alpha + ``|B|`` gain (theta + theta'/(p + d)) survives with limits [rad].
 
-    The speed of a plant is left out. What is too long to be flown does not survive.
+    p + d is the pace of the other pole on a fixed path, beta without damping. The speed of a plant
+    is left out. What is too long to be flown does not survive.
     """
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.many import fly_many
 
     c = plant.coefficients
-    gain, beta = _GAIN * np.abs(c.B), np.sqrt(np.abs(c.mu_alpha))
+    gain, half = _GAIN * np.abs(c.B), np.asarray(c.damping) / 2.0
+    pace = half + np.hypot(half, np.sqrt(np.abs(c.mu_alpha)))
     with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown
-        rate_gain = np.where(beta > 0.0, gain / beta, 0.0)
+        rate_gain = np.where(pace > 0.0, gain / pace, 0.0)
     law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
     model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
     limits = np.where(limit > 0.0, limit, _TINY)

@@ -32,6 +32,11 @@ _FEEBLE = 0.5
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
+_SLOWER = 0.04
+"""By about so much air and jet slow the pole of a booster."""
+_LONG = 2.5
+"""Duration over the time of the pole, from which a slower one may ask for more."""
+
 _ONE_POLE = ("fixed-path", "drift")
 """Models that leave the slow mode of the flight path out."""
 OUTLASTS = "outlasts what one pole can say"
@@ -189,6 +194,7 @@ class Study:
             *_notes(plant, history, required, dead_band),
             *_left_out(plant, modes),
             *_forecast_trusted(required, dead_band, free),
+            *_undamped(plant, history, required, dead_band),
             *_doubts(vehicle, plane, peak),
         )
         return cls(
@@ -354,4 +360,25 @@ def _forecast_trusted(
         yield (
             f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
             f" stop needs at least {np.degrees(bound):.4f} deg"
+        )
+
+
+def _undamped(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    """Where a vehicle without damping is promised too little, because its pole is too fast."""
+    c = plant.coefficients
+    if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
+        return
+    if float(wind.end - wind.onset) * float(c.pole) <= _LONG:
+        return
+    slower = (1.0 - _SLOWER) * float(c.pole)
+    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
+    needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
+    with_it, without = (abs(float(one.deflection)) for one in (needed, required))
+    if with_it > without * (1.0 + ROUNDING):
+        yield (
+            f"no pitch_damping is given, and leaving it out is not on the safe side here: a pole"
+            f" {100 * _SLOWER:.0f} percent slower would need"
+            f" {100 * (with_it / without - 1.0):.1f} percent more"
         )

@@ -237,14 +237,14 @@ def law_curve(
     law : Law
         The law.
     tau_beta : ndarray
-        Duration of the wind times beta, ``(n,)``.
+        Duration of the wind times beta, or with damping the pole, ``(n,)``.
     peak : float
         Peak of the wind [rad].
     sample_rate : float
         Samples of the law in a second [Hz].
     """
-    beta = float(plant.coefficients.beta)
-    winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
+    pole = float(plant.coefficients.pole)
+    winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST}
     return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
 

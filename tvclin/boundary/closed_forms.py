@@ -4,7 +4,8 @@
     kappa = 1 - K1 = (b1 - b2)/(beta + b1),   rho = b1/beta,   psi(x) = (e^(-x) - 1 + x)/x^2
 
 The printed forms lose all digits at the ends of their ranges; those used here do not: nothing
-is divided by K, 1 - K or b1, and no large numbers are subtracted.
+is divided by K, 1 - K or b1, and no large numbers are subtracted. A vehicle with damping has
+`Coefficients.pole` in the place of beta throughout.
 """
 
 from __future__ import annotations
@@ -122,7 +123,7 @@ def triangular_limit_with_drift(
     dead_band : array_like
         K in [0, 1].
     beta : array_like
-        Vehicle response parameter [1/s], positive.
+        Vehicle response parameter [1/s], or with damping the pole, positive.
     b1, b2 : array_like
         Zeros of the numerators [1/s], eq (B7), with beta + b1 and beta + b2 positive.
 

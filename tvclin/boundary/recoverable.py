@@ -91,7 +91,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     >>> import tvclin as tv
     >>> from tvclin.boundary.recoverable import unstable_coordinates
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
-    >>> unstable_coordinates(plant).rows  # attitude + rate/beta
+    >>> unstable_coordinates(plant).rows  # attitude + rate/(p + damping), here without damping
     array([[1., 2.]])
     """
     instance("plant", plant, Plant, RIGID)

@@ -18,7 +18,8 @@ def boundary(
     ] = None,
     wind: Wind = "triangular",
     tau_beta: Annotated[
-        list[float] | None, typer.Option(help="Duration times beta; may be given several times.")
+        list[float] | None,
+        typer.Option(help="Duration times beta (with damping the pole); may be repeated."),
     ] = None,
     dead_band: Annotated[
         list[float] | None,
@@ -46,6 +47,7 @@ def boundary(
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
     name, limits, coefficients = _limits(vehicle, wind, x, K, model, plane)
+    axis = "tau*beta" if coefficients is None else f"tau*{coefficients.pole_symbol}"
     if plot is not None:
         curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
         save_figure(boundary_chart(curve, K.tolist(), coefficients), plot)
@@ -63,14 +65,14 @@ def boundary(
         )
         return
     rows = [[f"{b:g}", *map(limit_cell, row)] for b, row in zip(x, limits.limit, strict=True)]
-    headings = ["tau*beta", *(f"K = {k:g}" for k in K)]
+    headings = [axis, *(f"K = {k:g}" for k in K)]
     title = f"{name}, {model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
-    for note in _notes(x, K, limits.status):
+    for note in _notes(axis, x, K, limits.status):
         typer.echo(f"Note: {note}.")
 
 
-def _notes(x: Any, K: Any, status: Any) -> list[str]:
+def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
     """What is odd about a part of the table: for each K from which duration to which."""
     from tvclin.boundary.limit import OK
 
@@ -80,7 +82,7 @@ def _notes(x: Any, K: Any, status: Any) -> list[str]:
             odd = x[column == said]
             span = f"{odd.min():g} to {odd.max():g}" if odd.size > 1 else f"{odd[0]:g}"
             where.setdefault((said, span), []).append(f"{k:g}")
-    return [f"K = {', '.join(k)}, tau*beta {span}: {said}" for (said, span), k in where.items()]
+    return [f"K = {', '.join(k)}, {axis} {span}: {said}" for (said, span), k in where.items()]
 
 
 def _limits(
@@ -101,6 +103,6 @@ def _limits(
         return "", boundary_limit(Plant(fixed), history, K), None
     vehicle = load_rigid(source, plane)
     coefficients = Coefficients.from_vehicle(vehicle, plane)
-    history = shape(peak=1.0, duration=x[:, None] / coefficients.beta)
+    history = shape(peak=1.0, duration=x[:, None] / coefficients.pole)
     limits = boundary_limit(Plant(coefficients, model), history, K)
     return vehicle.name or source, limits, coefficients

@@ -163,7 +163,7 @@ def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
     from tvclin.flights.falls import watched_until
     from tvclin.linear.modes import all_modes
 
-    beta = float(plant.coefficients.beta)
+    pole = float(plant.coefficients.pole)
     if abs(float(wind.peak)) < _SMALLEST:
         raise InputError(
             f"the peak of the wind must be at least {np.degrees(_SMALLEST):.3g} deg: below, the"
@@ -171,7 +171,7 @@ def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
             f" {abs(np.degrees(float(wind.peak))):.3g} deg (the boundary is proportional to it)"
         )
     longest = _LONGEST / float(np.abs(all_modes(plant).poles).max())
-    flown = max(length, watched_until(wind, beta) - float(wind.onset))
+    flown = max(length, watched_until(wind, pole) - float(wind.onset))
     if flown > longest:
         raise InputError(
             f"a flight must be at most {longest:.4g} s long, {_LONGEST:g} times that of its fastest"

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
     from tvclin.answers.study import Study
+    from tvclin.vehicle.coefficients import Coefficients
 
 
 def print_study(result: "Study", source: str) -> None:
@@ -23,6 +24,7 @@ def print_study(result: "Study", source: str) -> None:
         f"\nCoefficients, {result.plane} plane",
         [
             ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
+            *_damping(c),
             ("B", f"{c.B:.4f} deg/deg"),
             ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
             ("C1", f"{c.C1:.5f} 1/s"),
@@ -51,6 +53,7 @@ def study_document(result: "Study") -> dict[str, Any]:
         "plane": result.plane,
         "coefficients": {
             "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
+            "pole_per_s": c.pole if c.mu_alpha > 0.0 else None,
             "B": c.B,
             **{name: getattr(c, name) for name in c.__dataclass_fields__},
         },
@@ -214,6 +217,14 @@ def _print_boundaries(result: "Study") -> None:
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _damping(c: "Coefficients") -> list[tuple[str, str]]:
+    """The damping and the pole that it slows, where there is one."""
+    if not c.damping:
+        return []
+    pole = [("pole p", f"{c.pole:.4f} 1/s")] if c.mu_alpha > 0.0 else []
+    return [("damping", f"{c.damping:.5f} 1/s"), *pole]
 
 
 def _governed(result: "Study") -> str:

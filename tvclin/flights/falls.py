@@ -8,14 +8,14 @@ from tvclin.control.laws.law import Law
 from tvclin.winds.histories import History
 
 _PATIENCE = 12.0
-"""A flight is watched for so long after the wind, over beta: what is off has grown by e^12."""
+"""A flight is watched for so long after the wind, over its pole: what is off has grown by e^12."""
 _STILL = 0.1
-"""A late rate below this part of beta times the wind's peak is no fall."""
+"""A late rate below this part of the pole times the wind's peak is no fall."""
 
 
-def watched_until(wind: History, beta: float) -> float:
+def watched_until(wind: History, pole: float) -> float:
     """Return the time [s] at which a flight is judged, if it has not left its model before."""
-    return float(wind.end) + _PATIENCE / beta
+    return float(wind.end) + _PATIENCE / pole
 
 
 def lets_go(control: object) -> bool:
@@ -23,7 +23,7 @@ def lets_go(control: object) -> bool:
     return isinstance(control, Law)
 
 
-def has_survived(rate: float, wind: History, beta: float, let_go: bool) -> bool:
+def has_survived(rate: float, wind: History, pole: float, let_go: bool) -> bool:
     """Return whether the late attitude rate [rad/s] is no fall.
 
     Where the limit is let go of, there is no falling to either side; otherwise only to the side
@@ -31,4 +31,4 @@ def has_survived(rate: float, wind: History, beta: float, let_go: bool) -> bool:
     """
     peak = float(wind.peak)
     with_the_wind = -rate if peak > 0.0 else rate
-    return (abs(rate) if let_go else with_the_wind) <= _STILL * beta * abs(peak)
+    return (abs(rate) if let_go else with_the_wind) <= _STILL * pole * abs(peak)

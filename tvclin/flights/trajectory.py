@@ -2,8 +2,8 @@
 
     V' = (T - F_A)/m - g sin gamma,   gamma' = -g cos(gamma)/V,   h' = V sin gamma
 
-Thrust and inertia stay, the mass falls with the specific impulse, and F_A and N go with the
-dynamic pressure. The report gives none of these histories (nor tables against Mach, nor an
+Thrust, inertia and damping stay, the mass falls with the specific impulse, and F_A and N go with
+the dynamic pressure. The report gives none of these histories (nor tables against Mach, nor an
 altitude): flights on this trajectory are reconstructed, not those of 1968.
 """
 
@@ -121,14 +121,18 @@ class NominalFlight:
         return np.asarray(ratio * self.condition.dynamic_pressure(self.vehicle))
 
     def deflection(self, t: ArrayLike) -> FloatArray:
-        """Return the nominal deflection [rad], -I Theta_n''/(T l_c), eq (B2c)."""
+        """Return the nominal deflection [rad], -(I Theta_n'' + M_q Theta_n')/(T l_c), eq (B2c).
+
+        The report has no damping M_q; the nose comes down in a gravity turn, which it resists.
+        """
         speed, path, altitude = self.states(t)
         rates = self.rates(np.asarray(t, dtype=float), np.stack([speed, path, altitude]))
         bend = STANDARD_GRAVITY * (
             np.sin(path) * rates[1] / speed + np.cos(path) * rates[0] / speed**2
         )
         v = self.vehicle
-        return np.asarray(-v.moment_of_inertia * bend / (v.control_force * v.control_arm))
+        moment = v.moment_of_inertia * bend + v.pitch_damping * rates[1]
+        return np.asarray(-moment / (v.control_force * v.control_arm))
 
     def histories(self, step: float = 0.05) -> dict[str, History]:
         """Return Theta_n, gamma_n, V_n and delta_n as histories, from `start` to `stop`.

@@ -50,6 +50,7 @@ def future(pieces: Pieces, s: NDArray[Any], t: NDArray[np.float64]) -> NDArray[A
 
 def _future_at_knots(pieces: Pieces, s: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     each, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
+    # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
     decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
     result = np.array(each)
     for i in range(result.shape[-1] - 2, -1, -1):
@@ -60,7 +61,12 @@ def _future_at_knots(pieces: Pieces, s: NDArray[Any]) -> tuple[NDArray[Any], NDA
 def integrals(
     c: NDArray[Any], rates: NDArray[Any], widths: NDArray[np.float64], s: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Integrate each piece times e^(-s u) over its width, ``(..., m)``; and say which diverge."""
+    """Integrate each piece times e^(-s u) over its width, ``(..., m)``; and say which diverge.
+
+    Of the term c_k u^k e^(rate u), with M_k of `moments`, over the width h and without end:
+
+        c_k h^(k+1) M_k((s - rate) h)        c_k k!/(s - rate)^(k+1)
+    """
     excess = (s[..., np.newaxis] - rates)[..., np.newaxis, :]
     endless = np.isinf(widths)
     width = np.where(endless, 0.0, widths)[..., np.newaxis]

@@ -3,7 +3,8 @@
 All give the attitude error over the wind's peak with the sign reversed,
 (Theta - Theta_n)/(-alpha_w,max), against t/tau. They are sums of hyperbolic functions: near the
 boundary their growing parts cancel, so they lose digits with e^(tau beta (t/tau)). For numbers
-use `response.attitude_response`, which loses none; these are for reading, and for checking it.
+use `response.attitude_response`, which loses none; these are for reading, and for checking it. They
+hold without damping alone: with it the two exponentials are unlike, and only that function knows.
 """
 
 from __future__ import annotations

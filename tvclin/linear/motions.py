@@ -106,7 +106,8 @@ def _matrices(v: Vehicle, structure: Structure, rows: _Rows) -> tuple[FloatArray
     zeta = rows.of(0.0, 0.0, *(mode.damping for mode in modes), *(tank.damping for tank in tanks))
     diagonal = np.eye(bodies + rows.tanks)
     mass = inertias[..., np.newaxis] * diagonal
-    damping = (2.0 * zeta * own * inertias)[..., np.newaxis] * diagonal
+    lossy = 2.0 * zeta * own * inertias + rows.of(0.0, v.pitch_damping)
+    damping = lossy[..., np.newaxis] * diagonal
     stiffness = (own**2 * inertias)[..., np.newaxis] * diagonal
     # A tank at x_j: M[b,j] = m_j phi_b(x_j) and K[b,j] = -m_j a sigma_b(x_j), both symmetric.
     for k, tank in enumerate(tanks):

@@ -1,10 +1,11 @@
 """The plant: four linear models of the attitude, as transfer functions and in state space.
 
-    model               denominator                                     report
-    fixed-path          s^2 - beta^2                                    eq (5)
-    drift               s (s^2 - beta^2)                                eqs (14), (B8)
-    drift-exact         s^3 + C1 s^2 - beta^2 s + C2                    eq (B7)
-    drift-and-speed     s^4 + C1 s^3 + (q - beta^2) s^2 + C2 s - q beta^2    from (B5)
+    model               denominator, d being the damping                   report, where d = 0
+    fixed-path          s^2 + d s - beta^2                                 eq (5)
+    drift               s (s^2 + d s - beta^2)                             eqs (14), (B8)
+    drift-exact         s^3 + (C1 + d) s^2 + (C1 d - beta^2) s + C2        eq (B7)
+    drift-and-speed     s^4 + (C1 + d) s^3 + (q + C1 d - beta^2) s^2       from (B5)
+                            + (C2 + q d) s - q beta^2
 
 Inputs are the deflection and the wind angle of attack; outputs are the attitude, its rate, the
 flight path angle (where the model has one) and the angle of attack. Everything is a deviation
@@ -114,12 +115,19 @@ class Plant:
     @cached_property
     def denominator(self) -> FloatArray:
         """The characteristic polynomial, ``(..., order + 1)``, highest power first."""
-        c = self.coefficients
+        c, d = self.coefficients, self.coefficients.damping
+        stiffness = c.C1 * d - c.mu_alpha
         last = {
-            "fixed-path": (1.0, 0.0, -c.mu_alpha),
-            "drift": (1.0, 0.0, -c.mu_alpha, 0.0),
-            "drift-exact": (1.0, c.C1, -c.mu_alpha, c.C2),
-            "drift-and-speed": (1.0, c.C1, c.q - c.mu_alpha, c.C2, -c.q * c.mu_alpha),
+            "fixed-path": (1.0, d, -c.mu_alpha),
+            "drift": (1.0, d, -c.mu_alpha, 0.0),
+            "drift-exact": (1.0, c.C1 + d, stiffness, c.C2),
+            "drift-and-speed": (
+                1.0,
+                c.C1 + d,
+                c.q + stiffness,
+                c.C2 + c.q * d,
+                -c.q * c.mu_alpha,
+            ),
         }
         return self._stack(last[self.model])
 
@@ -195,8 +203,8 @@ class Plant:
         Notes
         -----
         From the deflection to the attitude it is -(beta^2/B)/(s^2 - beta^2) for eq (5) and
-        -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8). Ask for one pair of signals at a
-        time: sums of transfer functions of one plant repeat its poles, `ss` does not.
+        -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8), without damping. Ask for one pair of
+        signals at a time: sums of transfer functions of one plant repeat its poles, `ss` does not.
         """
         import control
 
@@ -250,7 +258,7 @@ class Plant:
 
         Notes
         -----
-        theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta, and
+        theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta - damping theta', and
         gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
         w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B and
         n = N/(m V_n) = C1 - b2; in the drift model gamma' = (b1/B) delta + b2 alpha_w instead.
@@ -258,7 +266,7 @@ class Plant:
         c, order = self.coefficients, self.denominator.shape[-1] - 1
         A, B = np.zeros((*self.batch, order, order)), np.zeros((*self.batch, order, 2))
         A[..., 0, 1] = 1.0
-        A[..., 1, 0] = c.mu_alpha
+        A[..., 1, 0], A[..., 1, 1] = c.mu_alpha, 0.0 - np.asarray(c.damping)
         B[..., 1, 0], B[..., 1, 1] = -c.mu_delta, -c.mu_alpha
         if order > 2:
             A[..., 1, 2] = -c.mu_alpha
@@ -315,11 +323,11 @@ class Plant:
         if input == "deflection":
             terms = (
                 path.deflection,
-                0.0,
+                c.damping * path.deflection,
                 -c.mu_alpha * path.deflection - path.attitude * c.mu_delta,
             )
         else:
-            terms = (-path.wind, 0.0, c.mu_alpha * (path.wind - path.attitude))
+            terms = (-path.wind, -c.damping * path.wind, c.mu_alpha * (path.wind - path.attitude))
         numerator = self._stack(terms)
         return (
             polynomials.times_variable(numerator) if self.model == "drift-and-speed" else numerator

@@ -45,7 +45,7 @@ FloatArray = NDArray[np.float64]
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 CONFIGURATIONS = ("configuration-i", "configuration-ii")
 
-_ABSCISSA = "wind duration tau*beta [-]"
+_ABSCISSA = "wind duration tau*{} [-]"
 _ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$  [-]"
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
 
@@ -60,7 +60,7 @@ def boundary_chart(
     Parameters
     ----------
     tau_beta : array_like, optional
-        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given.
+        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given. With damping tau times the pole.
     dead_bands : sequence of float
         K of the curves for triangular winds.
     coefficients : Coefficients, optional
@@ -104,17 +104,21 @@ def figure_5(
     """
     x = _abscissas(tau_beta)
     loaded = [v if isinstance(v, Vehicle) else load_vehicle(v) for v in vehicles]
+    symbols = [Coefficients.from_vehicle(vehicle).pole_symbol for vehicle in loaded]
     columns = []
     for letter, K in zip("abcdefghij", dead_bands, strict=False):
         panel = f"({letter}) K = {K:g}"
         columns.append(Column("without drift, eq (12)", _row(triangular_limit(x, K)), panel=panel))
         for number, vehicle in enumerate(loaded, 1):
             c = Coefficients.from_vehicle(vehicle)
-            y = triangular_limit_with_drift(x, K, c.beta, c.b1, c.b2)
+            y = triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)
             label = f"{_short(vehicle, number)}, eq (18)"
             columns.append(Column(label, _row(y), panel=panel))
     names = ", ".join(_short(vehicle, number) for number, vehicle in enumerate(loaded, 1))
-    curves = Curves("figure-5", f"triangular wind, y_BR; {names}", _ABSCISSA, x, tuple(columns))
+    damped = next((s for s in symbols if s != "beta"), "beta")
+    curves = Curves(
+        "figure-5", f"triangular wind, y_BR; {names}", _ABSCISSA.format(damped), x, tuple(columns)
+    )
     labels = list(dict.fromkeys(column.label for column in columns))
     styles: dict[str, Any] = {labels[0]: {"color": INK, "ls": "-", "lw": 2.0}}
     broken = zip(labels[1:], cycle(COLOURS[::3]), cycle(LINES[1::3]), strict=False)
@@ -207,14 +211,15 @@ def _draw_boundaries(
         if c is None:
             y = triangular_limit(x, K)
         else:
-            y = triangular_limit_with_drift(x, K, c.beta, c.b1, c.b2)
+            y = triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)
         columns.append(Column(f"triangular, K = {K:g}", _row(y)))
     styles: dict[str, Any] = broken_lines([column.label for column in columns[1:]])
     styles["rectangular"] = {"color": INK, "ls": "-", "lw": 2.0}
     what = f"y_BR {_FIXED if c is None else _DRIFT}"
     if c is not None:
-        what += f"; beta = {c.beta:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
-    curves = Curves(name, what, _ABSCISSA, x, tuple(columns))
+        what += f"; {c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+    symbol = "beta" if c is None else c.pole_symbol
+    curves = Curves(name, what, _ABSCISSA.format(symbol), x, tuple(columns))
     plot = draw(
         curves, Look(title, _ORDINATE, styles, "wind and dead band", limits={"": (0.0, 1.02)})
     )

@@ -114,7 +114,7 @@ def flown_limit(
 
 
 def centred_wind(vehicle: Vehicle, peak: float, tau_beta: float) -> History:
-    """Return the triangular wind of a given tau beta that has its peak at the vehicle's time."""
-    wind = TriangularWind(peak=peak, duration=tau_beta / Coefficients.from_vehicle(vehicle).beta)
+    """Return the triangular wind of a given tau p that has its peak at the vehicle's time."""
+    wind = TriangularWind(peak=peak, duration=tau_beta / Coefficients.from_vehicle(vehicle).pole)
     own = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     return wind.shift(own - wind.duration / 2.0)

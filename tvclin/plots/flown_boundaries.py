@@ -28,7 +28,7 @@ ALONG = {
     "along the trajectory, yaw": ("yaw", PEAK),
 }
 """Plane and peak [rad] of the winds that are flown with varying parameters."""
-_ABSCISSA = "wind duration tau*beta [-]"
+_ABSCISSA = "wind duration tau*{} [-]"
 _ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$  [-]"
 _FIXED, _DRIFT = "without drift, eq (12)", "with drift, eq (18)"
 _CURVES = np.linspace(0.05, 20.0, 400)
@@ -105,10 +105,10 @@ def _figure(
     ]
     c = Coefficients.from_vehicle(vehicle)
     what = (
-        f"triangular wind of 1 deg, y_BR; beta = {c.beta:.6g} 1/s, b1 = {c.b1:.6g} 1/s,"
-        f" b2 = {c.b2:.6g} 1/s; flown within 0.0015"
+        f"triangular wind of 1 deg, y_BR; {c.pole_symbol} = {c.pole:.6g} 1/s,"
+        f" b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s; flown within 0.0015"
     )
-    curves = Curves(f"figure-{number}", what, _ABSCISSA, x, tuple(columns))
+    curves = Curves(f"figure-{number}", what, _ABSCISSA.format(c.pole_symbol), x, tuple(columns))
     look = Look(
         title=f"Figure {number}. Stability boundary, theoretical and flown\n{vehicle.name or name};"
         " winds of 1 deg, parameters frozen unless flown along the trajectory",
@@ -133,7 +133,7 @@ def _panel(
     c = Coefficients.from_vehicle(load_vehicle(name))
     found = {
         _FIXED: np.asarray(triangular_limit(x, K)),
-        _DRIFT: np.asarray(triangular_limit_with_drift(x, K, c.beta, c.b1, c.b2)),
+        _DRIFT: np.asarray(triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)),
     }
     frozen, along = durations
     for which in _engines(engine):

@@ -45,10 +45,10 @@ def laws_chart(
     peak : float
         Peak of the triangular winds [rad].
     tau_beta : ndarray
-        Durations times beta, rising, ``(n,)``.
+        Durations times beta, or with damping the pole, rising, ``(n,)``.
     """
-    beta = float(plant.coefficients.beta)
-    winds = [TriangularWind(peak=peak, duration=float(x) / beta) for x in tau_beta]
+    pole, symbol = float(plant.coefficients.pole), plant.coefficients.pole_symbol
+    winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     trim = abs(float(plant.coefficients.B) * peak)
     rows = {
         "required, K = 1": [required_deflection(plant, w).limit for w in winds],
@@ -63,7 +63,7 @@ def laws_chart(
         columns.append(Column(name, law_curve(plant, law, tau_beta, peak), "-", ""))
         styles[name] = {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
     words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
-    curves = Curves("laws", words, "tau*beta", tau_beta, tuple(columns))
+    curves = Curves("laws", words, f"tau*{symbol}", tau_beta, tuple(columns))
     look = Look(
         f"From trim to the minimum\n{words}",
         "deflection limit over |B alpha_w,max|",

@@ -55,7 +55,7 @@ def attitude_chart(
     dead_band : float
         K, in [0, 1].
     tau_beta : sequence of float
-        Durations of the wind in units of 1/beta, one for each panel.
+        Durations of the wind in units of 1/beta, or with damping 1/p, one for each panel.
     factors : sequence of float
         Deflection limits in units of the boundary limit of each wind, one for each curve.
     until : float
@@ -85,7 +85,7 @@ def attitude_chart(
     c = plant.coefficients
     what = f"(Theta - Theta_n)/(-alpha_w,max); model {plant.model}, K = {dead_band:g}"
     if plant.model != "fixed-path":
-        what += f", beta = {c.beta:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
+        what += f", {c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
     if flights is not None:
         what += "; flown with the same deflection limits in pitch, tail wind of 1 deg (assumed)"
     curves = Curves(name, what, "time t/tau [-]", x, tuple(columns))
@@ -199,8 +199,9 @@ def _with_drift(
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
     flies = chosen_engine(engine)
     plant = Plant.from_vehicle(loaded, "drift")
+    exact = "exact" if np.any(loaded.pitch_damping) else "eq (B9)"
     title = (
-        f"Figure {number}. Attitude error with drift, K = {dead_band:g}: eq (B9), and flown with"
+        f"Figure {number}. Attitude error with drift, K = {dead_band:g}: {exact}, and flown with"
         f" {FLOWN[flies][0]}\n{loaded.name or 'one vehicle'}; flights in a tail wind of 1 deg,"
         " parameters frozen, same deflection limits"
     )
@@ -217,13 +218,13 @@ def _attitudes(
     flights: Flights | None,
 ) -> list[Column]:
     """One panel: each factor of the boundary limit in the wind of one duration."""
-    duration = tau_beta / float(plant.coefficients.beta)
+    duration = tau_beta / float(plant.coefficients.pole)
     wind = TriangularWind(peak=PEAK, duration=duration)
     boundary = boundary_limit(plant, wind, dead_band)
     limits = boundary.deflection * np.array(factors)
     control = trim_then_hold(plant, wind, limits, dead_band)
     found = attitude_responses(plant, control, wind, x * duration)["attitude"] / -PEAK
-    panel = f"tau*beta = {tau_beta:g}"
+    panel = f"tau*{plant.coefficients.pole_symbol} = {tau_beta:g}"
     columns = [
         Column(
             _name(factor),

@@ -29,6 +29,7 @@ Style = dict[str, Any]
 
 _SYMBOLS = {
     "tau*beta": r"$\tau\beta$",
+    "tau*p": r"$\tau p$",
     "t/tau": r"$t/\tau$",
     "y_BR": r"$y_{BR}$",
     "Theta - Theta_n": r"$\Theta - \Theta_n$",

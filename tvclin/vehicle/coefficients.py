@@ -1,9 +1,9 @@
 """The coefficients of the linear equations: everything a plant needs of a vehicle.
 
-    theta'' = mu_alpha alpha - mu_delta delta,    alpha = theta - gamma - alpha_w
+    theta'' = mu_alpha alpha - mu_delta delta - damping theta',    alpha = theta - gamma - alpha_w
 
-mu_alpha = beta^2 is the report's N l_a/I, and mu_delta = beta^2/B its T l_c/I. Positive
-deflection pitches the nose down.
+mu_alpha = beta^2 is the report's N l_a/I, and mu_delta = beta^2/B its T l_c/I; the damping, M_q/I,
+it leaves out. Positive deflection pitches the nose down.
 """
 
 from __future__ import annotations
@@ -56,16 +56,19 @@ class Coefficients:
     q : array_like
         The gravity term (g cos(Theta_n)/V_n)^2 [1/s^2], zero or positive; zero in yaw. It is
         not the dynamic pressure.
+    damping : array_like
+        Moment against the attitude rate over the inertia, M_q/I [1/s], zero or positive; zero in
+        the report.
 
     Raises
     ------
     InputError
-        For numbers that are not finite, a mu_delta of zero, a q below zero, or shapes that do
-        not broadcast.
+        For numbers that are not finite, a mu_delta of zero, a q or a damping below zero, or shapes
+        that do not broadcast.
 
     Notes
     -----
-    Report eqs (2), (B4), (B5), (B7) and (15b).
+    Report eqs (2), (B4), (B5), (B7) and (15b); the damping is derived in docs/theory.md.
     """
 
     mu_alpha: float | FloatArray
@@ -75,6 +78,7 @@ class Coefficients:
     b1: float | FloatArray = 0.0
     b2: float | FloatArray = 0.0
     q: float | FloatArray = 0.0
+    damping: float | FloatArray = 0.0
 
     def __post_init__(self) -> None:
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
@@ -92,7 +96,7 @@ class Coefficients:
     def _repr_html_(self) -> str:
         rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
         if np.all(np.asarray(self.mu_alpha) > 0.0):
-            rows += [("beta", self.beta, "1/s"), ("K1", self.K1, "-")]
+            rows += [("beta", self.beta, "1/s"), ("pole", self.pole, "1/s"), ("K1", self.K1, "-")]
         return card("Coefficients", [*rows, ("B", self.B, "-")])
 
     @classmethod
@@ -130,6 +134,7 @@ class Coefficients:
             b1=b1,
             b2=b2,
             q=turning**2 if plane == "pitch" else np.zeros_like(turning),
+            damping=v.pitch_damping / v.moment_of_inertia,
         )
 
     @classmethod
@@ -149,7 +154,7 @@ class Coefficients:
         B : array_like
             Trim deflection per angle of attack, not zero, eq (2).
         **others
-            C1, C2, b1, b2 and q, as of `Coefficients`.
+            C1, C2, b1, b2, q and damping, as of `Coefficients`.
         """
         beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
         within("beta", beta, 0.0, _LARGEST, "1/s")
@@ -190,14 +195,34 @@ class Coefficients:
         return plain(np.sqrt(self.mu_alpha))
 
     @property
+    def pole(self) -> float | FloatArray:
+        """The unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
+
+        It is beta where there is no damping, and less with it; the other pole is -(p + damping).
+
+        Raises
+        ------
+        InputError
+            As `beta`.
+        """
+        beta, half = np.asarray(self.beta), np.asarray(self.damping) / 2.0
+        slowed = self.mu_alpha / (half + np.hypot(half, beta))  # without a difference
+        return plain(np.where(half == 0.0, beta, slowed))
+
+    @property
+    def pole_symbol(self) -> str:
+        """How tables and figures call the `pole`: beta, or p where there is damping."""
+        return "p" if np.any(self.damping) else "beta"
+
+    @property
     def B(self) -> float | FloatArray:
         """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2)."""
         return self.mu_alpha / self.mu_delta
 
     @property
     def K1(self) -> float | FloatArray:
-        """K1 = (beta + b2)/(beta + b1), eq (15b); `InputError` for a stable vehicle."""
-        return (self.beta + self.b2) / (self.beta + self.b1)
+        """K1 = (p + b2)/(p + b1), p being the `pole`, eq (15b); `InputError` if it is stable."""
+        return (self.pole + self.b2) / (self.pole + self.b1)
 
 
 _CHECKS = (
@@ -208,4 +233,5 @@ _CHECKS = (
     ("b1", finite, "1/s"),
     ("b2", finite, "1/s"),
     ("q", nonnegative, "1/s^2"),
+    ("damping", nonnegative, "1/s"),
 )

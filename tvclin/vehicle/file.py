@@ -10,6 +10,7 @@ from tvclin.base.errors import InputError, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
+from tvclin.vehicle.damping import QUANTITIES, damping_of
 from tvclin.vehicle.vehicle import Vehicle
 
 _ALWAYS = {
@@ -32,7 +33,7 @@ _OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
 
 VEHICLE_TABLE = Table(
     "[vehicle]",
-    _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL,
+    _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES,
     words=("name",),
     required=tuple(_ALWAYS),
 )
@@ -121,7 +122,7 @@ def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehic
         As `load_vehicle`, but for the file.
     """
     table = replace(VEHICLE_TABLE, heading=heading)
-    values = table.read(given)
+    values = damping_of(table.read(given), table)
     aerodynamic = values.keys() & _AERODYNAMICS
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle

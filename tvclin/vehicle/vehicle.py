@@ -1,4 +1,4 @@
-"""The vehicle: the nine numbers of Table I, and nothing derived from them."""
+"""The vehicle: the nine numbers of Table I, a damping, and nothing derived from them."""
 
 from __future__ import annotations
 
@@ -66,6 +66,9 @@ class Vehicle:
     control_force_slope : array_like, optional
         Control force per deflection [N/rad], positive; the thrust where it is not given (a
         gimballed engine). Give it for aerodynamic surfaces and for reaction control.
+    pitch_damping : array_like
+        Moment against the attitude rate M_q [N m s/rad], aerodynamic and of the jet, in either
+        plane; zero or positive, and zero where it is not given, as in the report.
 
     Raises
     ------
@@ -91,6 +94,7 @@ class Vehicle:
     name: str = ""
     time: float | FloatArray | None = None
     control_force_slope: float | FloatArray | None = None
+    pitch_damping: float | FloatArray = 0.0
 
     def __post_init__(self) -> None:
         text("name", self.name)
@@ -107,6 +111,7 @@ class Vehicle:
 
     def quantities(self) -> list[Quantity]:
         """Return its numbers as tables show them, the attitude in degrees."""
+        damping = self.pitch_damping if np.any(self.pitch_damping) else None
         every = (
             Quantity("weight", "gross weight W", self.weight, "N"),
             Quantity("thrust", "thrust T", self.thrust, "N"),
@@ -119,6 +124,7 @@ class Vehicle:
             Quantity("attitude_deg", "attitude Theta_n", np.degrees(self.attitude), "deg"),
             Quantity("time", "time of flight", self.time, "s"),
             Quantity("control_slope", "control force slope", self.control_force_slope, "N/rad"),
+            Quantity("damping", "pitch damping M_q", damping, "N m s/rad"),
         )
         return [one for one in every if one.value is not None]
 
@@ -224,4 +230,5 @@ _CHECKS = (
     ("axial_force", nonnegative, "N"),
     ("velocity", positive, "m/s"),
     ("attitude", _attitude, "rad"),
+    ("pitch_damping", nonnegative, "N m s/rad"),
 )

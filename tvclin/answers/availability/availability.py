@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by
-from tvclin.answers.availability.judge import BOTH, SPARE, STOPS, Judge, Needs
+from tvclin.answers.availability.judge import BOTH, STOPS, Judge, Needs
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
@@ -24,7 +24,6 @@ from tvclin.base.errors import (
     number,
     one_of,
     single,
-    whole_number,
 )
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -32,7 +31,6 @@ from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 
 FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _CLOSE = 0.02
 """Needs with calm and with a strong wind that differ by more than this part are not compared."""
@@ -54,7 +52,6 @@ def availability(
     known_to: float | None = None,
     utc_offset: float | None = None,
     confidence: float = 0.95,
-    looks: int = 200,
     progress: Callable[[int, int], None] | None = None,
 ) -> Availability:
     """Return on how many days of an archive a limit is enough.
@@ -91,9 +88,6 @@ def availability(
         Local time less UTC [h], by which months are counted; that of the archive if not given.
     confidence : float
         Of intervals, in (0, 1).
-    looks : int
-        So many soundings near the limit, or fewer, are judged again with the trim law flown, which
-        takes about a tenth of a second for each plane and azimuth.
     progress : callable, optional
         Is told how many soundings are done, and how many there are.
 
@@ -136,7 +130,6 @@ def availability(
     growth = _growth(persistence)
     capability = number("limit", limit, nonnegative, "rad")
     trusted = fraction("confidence", confidence)
-    most_flown = whole_number("looks", looks)
     if utc_offset is not None:
         soundings = soundings.local(utc_offset)
     judge = Judge.of(
@@ -150,9 +143,8 @@ def availability(
         known_to=None if known_to is None else number("known_to", known_to, between(0, 1e5), "m"),
     ).used_to(soundings)
     needs = judge.needs(soundings, progress)
-    known = needs.alone == needs.least
-    added, told = _added(growth, needs.least, needs.alone, soundings)
-    needs, flown, near = _looked_at_again(judge, soundings, needs, capability - added, most_flown)
+    added, told = _added(growth, needs.least, needs.most, soundings)
+    needs, near = _flown_where_that_decides(judge, soundings, needs, capability - added)
     least, most = (one + added[:, np.newaxis] for one in (needs.least, needs.most))
     one = np.ndim(azimuth) == 0
     return Availability(
@@ -163,8 +155,7 @@ def availability(
         model=model,
         least=least[0] if one else least,
         most=most[0] if one else most,
-        known=known[0] if one else known,
-        flown=flown,
+        known=needs.known[0] if one else needs.known,
         persistence=added,
         confidence=trusted,
         notes=(*soundings.notes, *told, *near, *_seasons(soundings, needs.why)),
@@ -185,31 +176,21 @@ def _growth(asked: Any) -> float | WindGrowth | PairGrowth:
     return number("persistence", asked, between(0.0, _LARGEST), "rad")
 
 
-def _looked_at_again(
-    judge: Judge, soundings: Soundings, needs: Needs, limit: FloatArray, looks: int
-) -> tuple[Needs, BoolArray, list[str]]:
-    """The needs with those near a limit [rad], ``(a,)``, flown; which these are; and notes."""
-    least, most, alone = needs.least.copy(), needs.most.copy(), needs.alone
+def _flown_where_that_decides(
+    judge: Judge, soundings: Soundings, needs: Needs, limit: FloatArray
+) -> tuple[Needs, list[str]]:
+    """The needs, with the trim law flown where a limit [rad], ``(a,)``, lies between them."""
     room = limit[:, np.newaxis]
     with np.errstate(invalid="ignore"):  # NaN where nothing can be said
-        near = (alone <= room) & (room < np.maximum(most, (1.0 + SPARE) * alone))
-        where = np.flatnonzero(near.any(axis=0))
-        closest = np.argsort(np.where(near, room - alone, np.inf).min(axis=0)[where], kind="stable")
-    again = np.sort(where[closest[:looks]])
-    flown = np.zeros(len(soundings), dtype=bool)
-    flown[again] = True
-    if again.size:
-        found = judge.needs(soundings[again], flown=True)
-        least[:, again], most[:, again] = found.least, found.most
-    told = []
-    if again.size:
-        told.append(f"{again.size} soundings near the limit were judged again with trim flown")
-    if where.size > again.size:
-        told.append(
-            f"{where.size - again.size} more near the limit were not judged again, and are unknown"
-            " where flights may take more than the limit: looks"
-        )
-    return replace(needs, least=least, most=most), flown, told
+        open_ = np.any(needs.known & (needs.least <= room) & (room < needs.most), axis=0)
+    again = np.flatnonzero(open_)
+    if not again.size:
+        return needs, []
+    found = judge.needs(soundings[again], flown=True)
+    least, most = needs.least.copy(), needs.most.copy()
+    least[:, again], most[:, again] = found.least, found.most
+    told = f"in {again.size} soundings near the limit, which meet it more than once, trim was flown"
+    return replace(needs, least=least, most=most), [told]
 
 
 def _added(

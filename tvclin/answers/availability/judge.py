@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.availability.flown import flown_need
 from tvclin.answers.availability.growth import WindGrowth
 from tvclin.answers.availability.met import FlownPath, KnownWinds, on_lines
-from tvclin.answers.availability.needs import most_returning, needs_of_winds
+from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
+from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.vehicle.coefficients import PLANES
@@ -38,13 +38,11 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
     "its wind is faster than the flight can meet",
     "it ends below known_to",
 )
-_AT_ONCE = 40_000
-"""Levels of soundings that are looked at together."""
-SPARE = 0.02
-"""All that leave less than this part of their need below the limit are looked at again."""
-_SMOOTH, _RETURNS = 1.003, 1.25
-"""Winds that return, by `most_returning`, with no more than the first ask for (4b), and others for
-at most the second times what that says; docs/availability.md has how far that was measured."""
+_AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000
+"""Levels of soundings that are looked at together; those to be flown are a part of theirs."""
+_RETURNS = 1.2
+"""Of what a wind asks for that meets the limit more than once, where the path drifts: so much a
+flight may need, as far as docs/availability.md says that this was measured."""
 _GUST_PARTS = 64
 _HEIGHTS = 40
 """Of a flight, at which the strength of winds in an archive is looked at."""
@@ -58,17 +56,17 @@ class Needs:
     ----------
     least, most : ndarray
         With calm, and with a strong wind, where it is not known [rad], ``(a, n)`` for
-        azimuths and soundings; NaN where nothing can be said. If trim is not flown, `most` holds
-        what flights may take more.
-    alone : ndarray
-        As `most`, without what flights may take more.
+        azimuths and soundings; NaN where nothing can be said. Where the limit is met more than
+        once, and the law is not flown, `most` holds what a flight may need more.
+    known : ndarray of bool
+        Whether the wind is known wherever it may count, ``(a, n)``.
     why : list of str
         Why it cannot, ``(n,)``; empty where it can.
     """
 
     least: FloatArray
     most: FloatArray
-    alone: FloatArray
+    known: BoolArray
     why: list[str]
 
 
@@ -135,8 +133,9 @@ class Judge:
         progress: Callable[[int, int], None] | None = None,
         flown: bool = False,
     ) -> Needs:
-        """Return what soundings ask for, trim flown or not, and tell how many are done."""
-        least, most, alone = np.full((3, self.azimuths.size, len(soundings)), np.nan)
+        """Return what soundings ask for, flown where that says more; tell how many are done."""
+        least, most = np.full((2, self.azimuths.size, len(soundings)), np.nan)
+        known_all = np.ones(least.shape, dtype=bool)
         why = [one and f"{UNUSABLE}: {one}" for one in soundings.why]
         index = np.flatnonzero(soundings.usable)
         for reason, holds in self._left_out(soundings):
@@ -147,25 +146,27 @@ class Judge:
         known = KnownWinds.of(soundings[index], self.path)
         ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
         last = len(soundings) - index.size
-        for part in np.split(np.arange(index.size), np.searchsorted(ends, _cuts(ends))):
+        at_once = _FLOWN_AT_ONCE if flown else _AT_ONCE
+        cuts = np.arange(at_once, ends.max(initial=0), at_once)
+        for part in np.split(np.arange(index.size), np.searchsorted(ends, cuts)):
             if part.size:
                 winds, those = known.some(part), index[part]
                 low, high = self._needs(winds, held=False, flown=flown)
-                least[:, those], most[:, those], alone[:, those] = low, high, low
+                least[:, those], most[:, those] = low, high
                 open_ = winds.incomplete(self.path)
                 if np.any(open_):
                     some = winds.some(np.flatnonzero(open_))
                     held, higher = self._needs(some, held=True, flown=flown)
+                    known_all[:, those[open_]] = low[:, open_] == held
                     least[:, those[open_]] = np.minimum(low[:, open_], held)
-                    alone[:, those[open_]] = np.maximum(low[:, open_], held)
                     most[:, those[open_]] = np.maximum(high[:, open_], higher)
                 last += part.size
             if progress is not None:
                 progress(last, len(soundings))
         fast = np.isnan(least + most).any(axis=0)
-        least[:, fast] = most[:, fast] = alone[:, fast] = np.nan
+        least[:, fast] = most[:, fast] = np.nan
         why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
-        return Needs(least, most, alone, why)
+        return Needs(least, most, known_all, why)
 
     def _left_out(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
         """Of which soundings nothing can be said, and why."""
@@ -181,7 +182,7 @@ class Judge:
         return reasons
 
     def _needs(self, known: KnownWinds, held: bool, flown: bool) -> FloatArray:
-        """The needs in all azimuths, and the most with flights, ``(2, a, n)``, of both planes."""
+        """The least and the most needs in all azimuths, ``(2, a, n)``, of both planes."""
         height = known.knots(self.path, held)
         times = np.interp(height, self.path.height, self.path.time)
         fine = self.path.finer(times)
@@ -211,7 +212,7 @@ class Judge:
         rows: TableRows,
         flown: bool,
     ) -> FloatArray:
-        """What winds [m/s] at heights and times ask for to one side, and the most with flights.
+        """What winds [m/s] at heights and times ask for to one side, at the least and the most.
 
         ``(2, n)``; NaN where too fast.
         """
@@ -222,13 +223,13 @@ class Judge:
         angle = np.where(lost[:, np.newaxis], 0.0, angle)
         if fine is not times:
             angle = on_lines(times, angle, fine)
-        need, leaves = self._on_lines(plane, fine, angle, rows, flown and self.gust is None)
+        need, at_limit = self._on_lines(plane, fine, angle, rows, flown)
         if self.gust is not None:
             top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
             blows = np.max(angle, axis=1) > 0.0
             gusty = [
                 self._on_lines(plane, *_with_gust(self.gust, fine, angle, at), None, flown)[0]
-                for at in (top, leaves)
+                for at in (top, at_limit)
             ]
             need = np.where(blows, np.maximum(*gusty), need)
         return np.where(lost, np.nan, need)
@@ -241,27 +242,24 @@ class Judge:
         rows: TableRows | None,
         flown: bool,
     ) -> tuple[FloatArray, FloatArray]:
-        """The same of wind angles [rad], ``(2, n)``, and when trim takes what (4b) asks for."""
+        """The same of wind angles [rad], ``(2, n)``, and when trim and demand are that large."""
         tables = self.tables[plane]
-        need, leaves = needs_of_winds(tables, times, angle, rows)
-        if flown:
-            lines = zip(times, angle, need.tolist(), strict=True)
-            both = [flown_need(self.flight, self.model, plane, *line) for line in lines]
-            return np.array([both, both]), leaves
-        more = most_returning(tables, times, angle, rows)
-        more = np.where(more > _SMOOTH, _RETURNS * more, 1.0)
-        return np.stack([need, more * need]), leaves
+        found = needs_of_winds(tables, times, angle, rows)
+        doubted = found.returns & (tables.order > 0)
+        low, high = found.limit.copy(), np.where(doubted, _RETURNS, 1.0) * found.limit
+        if flown and np.any(doubted):
+            steps = flight_steps(tables.mode)
+            both = np.broadcast_to(steps, (int(doubted.sum()), steps.size))
+            winds = on_lines(times[doubted], angle[doubted], both)
+            low[doubted] = trim_law_needs(tables.mode, steps, winds, found.limit[doubted])
+            high[doubted] = low[doubted]
+        return np.stack([low, high]), found.at
 
 
 @lru_cache(maxsize=8)
 def _tables(flight: FlightSchedule, model: str, plane: str) -> FlightTables:
     """Return the tables of a flight, kept for the next question about it."""
     return flight_tables(GrowingMode(flight, model, plane, flight.span))
-
-
-def _cuts(ends: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Levels at which work is cut into parts."""
-    return np.arange(_AT_ONCE, ends[-1] if ends.size else 0, _AT_ONCE)
 
 
 def _with_gust(

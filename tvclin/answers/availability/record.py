@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_NOT_FLOWN = "it comes back, and trim was not flown in it: looks"
+_BETWEEN = "it meets the limit more than once, and trim was not flown: ask for this limit"
 _LESS = 1.0 - 1e-9
 """Needs that differ by less than this part are the same."""
 
@@ -80,13 +80,10 @@ class Availability:
         As they were asked for.
     least, most : ndarray
         What each sounding asks for [rad], with what persistence adds, ``(n,)``: with calm, and with
-        a strong wind, where it did not see it. NaN where nothing can be said. Where trim is not
-        flown `least` is that of (4b), and `most` holds what a flight may take more in a wind that
-        comes back.
+        a strong wind, where it did not see it. NaN where nothing can be said. Where the limit is
+        met more than once, and trim was not flown, `most` holds what a flight may need more.
     known : ndarray of bool
-        Whether (4b) alone asks for the same with calm and with a strong wind, as `least`.
-    flown : ndarray of bool
-        Of which soundings trim was flown, ``(n,)``: both then hold what that takes.
+        Whether the need is the same with calm and with a strong wind, ``(n,)``.
     persistence : ndarray
         The angle [rad] that is in them, for each azimuth ``(a,)``.
     confidence : float
@@ -107,7 +104,6 @@ class Availability:
     least: FloatArray
     most: FloatArray
     known: NDArray[np.bool_]
-    flown: NDArray[np.bool_]
     persistence: FloatArray
     confidence: float
     notes: tuple[str, ...]
@@ -130,7 +126,7 @@ class Availability:
         open_: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
         both = zip(self.reasons, open_, strict=True)
         known = np.all(np.atleast_2d(self.known), axis=0).tolist()
-        words = [_NOT_FLOWN if one else "it does not know the wind far enough" for one in known]
+        words = [_BETWEEN if one else "it does not know the wind far enough" for one in known]
         return tuple(one or said * lost for (one, lost), said in zip(both, words, strict=True))
 
     def part(self) -> Any:
@@ -181,7 +177,7 @@ class Availability:
         """
         instance("profile", profile, WindProfile, "see read_sounding")
         one = Soundings.from_profiles([profile], ["2000-01-01"])
-        needs = self.judge.needs(one, flown=True)
+        needs = self.judge.needs(one)
         found = []
         for a, most in enumerate(np.atleast_2d(self.most)):
             least, high = (float(x[a, 0] + self.persistence[a]) for x in (needs.least, needs.most))

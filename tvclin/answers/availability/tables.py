@@ -24,12 +24,16 @@ from numpy.typing import NDArray
 
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
 from tvclin.base.errors import InputError
+from tvclin.boundary.limit import leading_pole
+from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
 
 _STEP = 5e-4
 """Between the times of a table, over the time in which the fastest mode grows by e: straight lines
 between them are then off by a part of _STEP^2/8, 3e-8."""
+_LOOKS = 200
+"""Times of a flight at which pairs of poles are looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,16 +46,20 @@ class FlightTables:
         First time and the time between two [s].
     rows : ndarray
         For each time one row, ``(n, c)``: of the wind to come G0 and G1, from the end on; 1/(m
-        reach); -B; and, each as long as the path has states: G0 and G1 of the path, l.Psi/reach,
-        and the trim deflection of Psi. Signs are such that a limit is positive.
+        reach); -B; each as long as the path has states: G0 and G1 of the path, l.Psi/reach, and the
+        trim deflection of Psi; and 1 where two modes grow together as a pair. Signs are such that a
+        limit is positive.
     order : int
         States of the path.
+    mode : GrowingMode
+        The flight itself.
     """
 
     start: float
     step: float
     rows: FloatArray
     order: int
+    mode: GrowingMode
 
     def at(self, times: FloatArray) -> TableRows:
         """Return the rows at times [s] within the flight, straight lines between them."""
@@ -87,8 +95,13 @@ class TableRows:
 
     def trim(self, wind: FloatArray, path: FloatArray) -> FloatArray:
         """Return the trim deflection [rad] in a wind [rad]."""
-        drifted = self.rows[..., 4 + 3 * self.order :]
+        drifted = self.rows[..., 4 + 3 * self.order : 4 + 4 * self.order]
         return np.asarray(self.rows[..., 3] * wind + np.sum(drifted * path, axis=-1))
+
+    @property
+    def paired(self) -> NDArray[np.bool_]:
+        """Whether two modes grow together: trim must then never be limited."""
+        return np.asarray(self.rows[..., -1] > 0.0)
 
 
 def flight_tables(mode: GrowingMode) -> FlightTables:
@@ -113,6 +126,8 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
         raise InputError(
             "flight must be one whose B keeps its sign: trim deflects to one side all the way"
         )
+    looks = np.linspace(start, stop, _LOOKS)
+    held = Plant.from_vehicle(mode.schedule.held(looks), mode.model, mode.plane)
     growth = np.exp(_from_the_end(row[0], step))
     driven = np.asarray(np.einsum("jt,tj->t", row, inputs[:, :, 1]), dtype=float)
     ahead = _from_the_end(growth * driven, step)
@@ -127,8 +142,9 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
         _from_the_start(first, step),
         -side * np.einsum("jt,tjk->tk", row[2:], Psi) / reach[:, np.newaxis],
         side * to_path[:, 0],
+        np.interp(times, looks, leading_pole(held)[1])[:, np.newaxis],
     ]
-    return FlightTables(start, step, np.concatenate(columns, axis=-1), Psi.shape[-1])
+    return FlightTables(start, step, np.concatenate(columns, axis=-1), Psi.shape[-1], mode)
 
 
 def _path_under_trim(mode: GrowingMode, times: FloatArray) -> FloatArray:

@@ -203,7 +203,7 @@ _POSITIVE = (
 )
 _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bool_]]], ...] = (
     (_POSITIVE, lambda value, _: value > 0.0),
-    (("normal_force_slope", "axial_force"), lambda value, _: value >= 0.0),
+    (("normal_force_slope", "axial_force", "pitch_damping"), lambda value, _: value >= 0.0),
     (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),
     (("attitude", "wind_peak"), lambda value, _: np.abs(value) < np.pi / 2),
 )

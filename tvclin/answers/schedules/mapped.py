@@ -45,6 +45,7 @@ _QUANTITIES = {
     "angle_of_attack": "angle",
     "altitude": "length",
     "nominal_deflection": "angle",
+    "pitch_damping": "damping moment",
 }
 """What may be mapped: the names of vehicle files, and what arms and forces are made of."""
 _UNITS = UNITS | {"mass": {"kg": 1.0, "lb": WRITTEN["mass"]["lb"], "slug": WRITTEN["mass"]["slug"]}}
@@ -227,9 +228,8 @@ def _is_coefficient(heading: Heading) -> bool:
 
 def _vehicle(flight: Flight) -> dict[str, Column]:
     have = flight.columns
-    made = {
-        name: have[name] for name in (*_PLAIN, "altitude", "nominal_deflection") if name in have
-    }
+    plain = (*_PLAIN, "altitude", "nominal_deflection", "pitch_damping")
+    made = {name: have[name] for name in plain if name in have}
     for name in _EITHER:
         if name in have:
             made[name] = have[name]

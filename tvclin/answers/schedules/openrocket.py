@@ -16,7 +16,14 @@ from tvclin.answers.schedules.build import (
 )
 from tvclin.answers.schedules.checks import check_slope
 from tvclin.answers.schedules.flight import Flight, powered
-from tvclin.answers.schedules.openrocket_columns import columns_of, free, rounded, table_of, unread
+from tvclin.answers.schedules.openrocket_columns import (
+    columns_of,
+    free,
+    rounded,
+    table_of,
+    trusted_damping,
+    unread,
+)
 from tvclin.answers.schedules.slopes import Slope, slope_over_mach
 from tvclin.answers.schedules.table import Column
 from tvclin.answers.sizing.schedule import FlightSchedule
@@ -77,7 +84,9 @@ def read_openrocket(
     -----
     Arms from stations: l_a = x_CG - x_CP, l_c = x_gimbal - x_CG. N = q S dC_N/dalpha, eq (B1d),
     with q = rho V^2/2 or, where there is no density, 0.7 p M^2. OpenRocket's drag force is that
-    along the axis. Its coefficient C_N is never taken for a slope, nor divided by the angle.
+    along the axis. Its coefficient C_N is never taken for a slope, nor divided by the angle. The
+    column Damping moment coefficient, where it is there, becomes the `pitch_damping`; where it is
+    negative anywhere it is left out, and a note says why.
 
     Examples
     --------
@@ -96,7 +105,9 @@ def read_openrocket(
     flight = powered(flight, free(table, flight), start, stop)
     slope = _slope(flight, normal_force_coefficient_slope)
     made = _vehicle(flight, gimbal, slope, reference_area)
-    flight = flight.noted(*unread(table), *rounded(table, flight), *_wind(flight))
+    damping, told = trusted_damping(flight, made["control_arm"])
+    made |= damping
+    flight = flight.noted(*unread(table), *told, *rounded(table, flight), *_wind(flight))
     return schedule_of_flight(flight, made, "OpenRocket simulation", most_rows)
 
 

@@ -29,7 +29,7 @@ _NEEDED = {
 """What is read: the quantity, and the name of its column."""
 _SLOPE = "Normal force coefficient derivative"
 _COEFFICIENT = "Normal force coefficient"
-_DAMPING = ("Damping moment coefficient", "Pitch damping coefficient")
+_DAMPING, _UNREAD = "Damping moment coefficient", "Pitch damping coefficient"
 _ROD = re.compile(r"Event LAUNCHROD occurred at t=([\d.eE+-]+) s")
 _ROUGH = 5e-3
 """An inertia that is rounded by more is told."""
@@ -68,7 +68,7 @@ def columns_of(table: Table, ground: float | None, own_slope: bool) -> dict[str,
         For a column that is not there, is there twice, or has no known unit.
     """
     found = {name: _column(table, name) for name in _NEEDED}
-    found |= _air(table) | _attitude(table) | _altitude(table, ground)
+    found |= _air(table) | _attitude(table) | _altitude(table, ground) | _damping(table)
     return found | _own_slope(table) if own_slope else found
 
 
@@ -140,10 +140,50 @@ def _own_slope(table: Table) -> dict[str, Column]:
     )
 
 
+def _damping(table: Table) -> dict[str, Column]:
+    """The damping of air and jet, where it is there."""
+    heading = table.find(_DAMPING)
+    return {} if heading is None else {"damping": table.numbers(heading, "damping moment")}
+
+
 def unread(table: Table) -> list[str]:
-    """Return what to say of columns that the model has no use for."""
-    found = [one for one in map(table.find, _DAMPING) if one is not None]
-    return [f"not read: column {one.text}; damping is not part of the model" for one in found]
+    """Return what to say of columns that are not read."""
+    one = table.find(_UNREAD)
+    if one is None:
+        return []
+    return [f"not read: column {one.text}, for it does not say per which rate it is"]
+
+
+def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
+    """Return the damping of a flight, unless its jet has the wrong sign, and what to say of it.
+
+    OpenRocket's is that of the air and of the jet, m' l_e^2, which before August 2026 it took away.
+
+    Parameters
+    ----------
+    flight : Flight
+        The rows.
+    exit_arm : Column
+        l_e [m].
+    """
+    if "damping" not in flight.columns:
+        return {}, []
+    found = flight.columns["damping"]
+    jet = -np.gradient(flight["mass"], flight["time"]) * exit_arm.values**2
+    least = int(np.argmin(found.values))
+    if found.values[least] < 0.0:
+        return {}, [
+            f"not read: {found.origin}, for it is negative at {flight['time'][least]:g} s:"
+            " OpenRocket before August 2026 takes the damping of the jet away where it adds; the"
+            " damping is left out"
+        ]
+    doubted = ""
+    if np.median(found.values - jet) < 0.0:
+        doubted = ", and here it is mostly less than that of the jet alone: take a newer one"
+    return {"pitch_damping": found}, [
+        f"the damping is that of {found.origin}; OpenRocket before August 2026 takes that of the"
+        f" jet away where it adds{doubted}"
+    ]
 
 
 def rounded(table: Table, flight: Flight) -> list[str]:

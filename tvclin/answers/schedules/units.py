@@ -43,6 +43,10 @@ WRITTEN: dict[str, dict[str, float]] = {
         **{"N/rad": 1.0, "kN/rad": 1e3, "lbf/rad": POUND_FORCE},
         **{"N/deg": 1.0 / DEGREE, "lbf/deg": POUND_FORCE / DEGREE},
     },
+    "damping moment": {
+        **{"kg·m²/s": 1.0, "N·m·s": 1.0, "N·m·s/rad": 1.0, "N·m·s/deg": 1.0 / DEGREE},
+        **{"lbf·ft·s": POUND_FORCE * FOOT, "lbf·ft·s/rad": POUND_FORCE * FOOT},
+    },
     "per angle": {"": 1.0, "1/rad": 1.0, "1/deg": 1.0 / DEGREE},
     "number": {"": 1.0},
 }

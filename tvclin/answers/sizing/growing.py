@@ -8,7 +8,8 @@ p.x is the part of the state that grows. It goes to zero in the end exactly when
 
 which for constant parameters, p = e^(-s t) times the left eigenvector, is eq (4b). Integrated
 backwards, every solution turns into the one of the growing direction. It is kept as
-p = m(t) (s, 1, ...) with m' = -s m, so that nothing overflows: s is the pole of the moment.
+p = m(t) (s, s/(s + d), ...) with m' = -s m, so that nothing overflows: s is the pole of the moment,
+and d its damping.
 """
 
 from __future__ import annotations
@@ -107,6 +108,7 @@ class GrowingMode:
                 f" {stop:.6g} s"
             )
         A, inputs, _, _ = plant.matrices()
+        damping = float(plant.coefficients.damping)
         fastest = float(real.max())
         if fastest * (stop - start) > _LONGEST:
             raise InputError(
@@ -115,7 +117,7 @@ class GrowingMode:
                 f" {stop - start:.4g} s: shorten the winds"
             )
         row = left_vector(A, fastest)
-        row = row / row[1]
+        row = row / row[1] * (fastest / (fastest + damping))  # its first part is the pole
         end = np.append(row, row @ inputs[:, 0] / row[0])
 
         def rates(t: float, y: FloatArray) -> FloatArray:

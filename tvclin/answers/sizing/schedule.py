@@ -192,6 +192,8 @@ class FlightSchedule:
         columns["attitude_deg"] = np.degrees(columns["attitude_deg"])
         if self.vehicle.control_force_slope is not None:
             columns["control_force_slope_N_per_rad"] = np.asarray(self.vehicle.control_force_slope)
+        if np.any(self.vehicle.pitch_damping):
+            columns["pitch_damping_N_m_s_per_rad"] = np.asarray(self.vehicle.pitch_damping)
         if np.any(self.nominal_deflection):
             columns["nominal_deflection_deg"] = np.degrees(self.nominal_deflection)
         if self.altitude is not None:

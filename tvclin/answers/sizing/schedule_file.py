@@ -13,7 +13,7 @@ from tvclin.base.errors import InputError, path, shown
 from tvclin.base.files import called, exists, tables_of
 from tvclin.base.tables import Table
 from tvclin.flights.condition import load_flight_condition
-from tvclin.vehicle.file import build_vehicle, parse_vehicle, vehicle_text
+from tvclin.vehicle.file import VEHICLE_TABLE, build_vehicle, parse_vehicle, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
@@ -87,7 +87,7 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
-    for place, row in rows:
+    for place, row in _with_inertia_rates(rows):
         try:
             others.append(_taken(row))
             vehicles.append(build_vehicle(row))
@@ -107,6 +107,29 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     nominal, altitude = zip(*others, strict=True)
     known = None if altitude[0] is None else altitude
     return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known)
+
+
+def _with_inertia_rates(rows: list[Row]) -> list[Row]:
+    """The rows, with the rate of the inertia that the damping of a jet needs, where not given."""
+    keys = VEHICLE_TABLE.keys
+    values = [
+        {keys[key][0]: value * keys[key][1] for key, value in row.items() if key in keys}
+        for _, row in rows
+        if all(isinstance(value, float | int) for key, value in row.items() if key in keys)
+    ]
+    whole = len(values) == len(rows) and all(
+        {"time", "moment_of_inertia"} <= set(v) for v in values
+    )
+    if not whole or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
+        return rows
+    times, inertias = (
+        np.array([v[name] for v in values]) for name in ("time", "moment_of_inertia")
+    )
+    if not np.all(np.diff(times) > 0.0):
+        return rows
+    (key,) = VEHICLE_TABLE.write({"inertia_rate": 0.0})
+    rates = np.gradient(inertias, times).tolist()
+    return [(place, row | {key: rate}) for (place, row), rate in zip(rows, rates, strict=True)]
 
 
 def _taken(row: dict[str, Any]) -> tuple[float, float | None]:

@@ -190,15 +190,16 @@ def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> Froz
 def _varying(
     mode: GrowingMode, wind: PlacedWind, frozen: FrozenNeed, bands: FloatArray
 ) -> VaryingNeed:
-    """With varying parameters; what is required beyond (4b) is taken in the frozen proportion."""
+    """With varying parameters; for K < 1 what exceeds (4b) is taken in the frozen proportion."""
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
         return VaryingNeed(needs, np.full(bands.shape, needs), needs)
-    along = varying_need(mode, wind.in_flight, bands)
+    along = varying_need(mode, wind.in_flight, bands, wind.whole)
     if frozen.paired:
         with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
             return replace(along, required=along.trim / bands)
-    return replace(along, required=np.maximum(along.required * frozen.beyond, along.minimum))
+    beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
+    return replace(along, required=np.maximum(along.required * beyond, along.minimum))
 
 
 def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:

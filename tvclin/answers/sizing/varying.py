@@ -6,6 +6,17 @@ Held from the time a on, after trim, the limit that brings the growing part to z
 
 with the state x that trim has left, the wind still to come in units of the growing part, and the
 reach of a unit deflection. With constant parameters it is the demand behind `boundary_limit`.
+
+It is the mean, weighted by p.b, of all trim that is still to come. A law that trims up to a limit L
+and lets go of it when the attitude is back is lost in the end exactly when at some time both
+
+    trim(t) > L    and    delta_max(t) > L.
+
+For the weighted integral G of trim - L from t on has its least value at a time from which on all
+means are above L, and trim with them; where there is no such time the limit, held, brings the
+attitude back before the wind is over. So the law needs the largest min(trim, delta_max) of all
+times, for winds of both signs on either side, exactly on a fixed path. With drift the path that a
+limited flight leaves is not that of trim: a law that meets its limit again is flown (`flown`).
 """
 
 from __future__ import annotations
@@ -18,6 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
 from tvclin.flights.closed_loop.continuous import smooth_piece
 from tvclin.winds.histories import History
@@ -38,8 +50,8 @@ class VaryingNeed:
     trim : float
         Largest |B(t) alpha_w(t)|, ideal trim without drift.
     required : ndarray
-        What (4b) asks of the control at each dead band, ``(k,)``; NaN for a wind that changes its
-        sign.
+        What the control needs at each dead band, ``(k,)``: for K = 1 of a law that lets go, for the
+        others what (4b) asks for; NaN for a wind that changes its sign.
     minimum : float
         The whole wind being known: least peak that leaves nothing of the fastest growing part.
     """
@@ -49,7 +61,9 @@ class VaryingNeed:
     minimum: float
 
 
-def varying_need(mode: GrowingMode, wind: History, dead_bands: FloatArray) -> VaryingNeed:
+def varying_need(
+    mode: GrowingMode, wind: History, dead_bands: FloatArray, whole: History | None = None
+) -> VaryingNeed:
     """Return what a wind asks of a vehicle whose parameters vary.
 
     Parameters
@@ -60,13 +74,15 @@ def varying_need(mode: GrowingMode, wind: History, dead_bands: FloatArray) -> Va
         One wind in flight time, within the span of `mode`.
     dead_bands : ndarray
         K, ``(k,)``.
+    whole : History, optional
+        The wind with what blows to the other side, where `wind` is its part to one side: a law with
+        K = 1 meets both.
 
     Notes
     -----
     The dead band is left when the trim deflection reaches K times the limit, as in a flight.
     """
-    times = np.unique(wind.probe_times(_BETWEEN))
-    times = times[(times >= wind.onset) & (times < wind.end)]
+    times = _times(wind)
     course = _Course.of(mode, wind)
     trim = np.abs(mode.trim_per_wind(times) * wind(times))
     minimum = abs(course.demand(float(wind.onset)))
@@ -77,7 +93,44 @@ def varying_need(mode: GrowingMode, wind: History, dead_bands: FloatArray) -> Va
     else:
         driver = np.array([side * course.trim(t) for t in times.tolist()])
         required = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
+        flown = _flown(course, times, (side,))
+        if whole is not None:
+            flown = max(flown, _flown(_Course.of(mode, whole), _times(whole), (side, -side)))
+        required = np.where(dead_bands == 1.0, np.maximum(required, flown), required)
     return VaryingNeed(float(trim.max()), required, minimum)
+
+
+def _times(wind: History) -> FloatArray:
+    """Return the times at which a wind is looked at while it blows."""
+    times = np.unique(wind.probe_times(_BETWEEN))
+    return np.asarray(times[(times >= wind.onset) & (times < wind.end)])
+
+
+def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> float:
+    """The largest min(trim, demand) [rad] to a side: at one of the times, or where both meet.
+
+    Where trim is above it more than once and the path drifts, the law is flown.
+    """
+    from scipy.optimize import brentq
+
+    trim = np.array([course.trim(t) for t in times.tolist()])
+    demand = np.array([course.demand(t) for t in times.tolist()])
+
+    def over(t: float) -> float:
+        return course.trim(t) - course.demand(t)
+
+    most = max(float(np.max(np.minimum(side * trim, side * demand))) for side in sides)
+    turns = np.flatnonzero((trim[:-1] - demand[:-1]) * (trim[1:] - demand[1:]) < 0.0)
+    for k in turns.tolist():
+        ends = np.stack([trim[k : k + 2], demand[k : k + 2]])
+        if max(np.max(side * ends, axis=-1).min() for side in sides) > most:
+            meets = brentq(over, float(times[k]), float(times[k + 1]), xtol=1e-12)
+            most = max(most, *(side * course.demand(meets) for side in sides))
+    above = np.abs(trim) > most
+    if course.mode.model == "fixed-path" or above[0] + np.sum(above[1:] & ~above[:-1]) < 2:
+        return most
+    steps = flight_steps(course.mode)
+    return float(trim_law_needs(course.mode, steps, course.wind(steps)[np.newaxis], most)[0])
 
 
 def _boundary(

@@ -22,7 +22,7 @@ def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     """Return the autopilot with a0 = 2B and a1 = B/beta.
 
     On eq (5), without actuator and delay, the closed loop is s^2 + beta s + beta^2: natural
-    frequency beta, damping ratio 0.5.
+    frequency beta, damping ratio 0.5. A damping d of the vehicle comes on top: (beta + d) s.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def design_gains(
 ) -> Autopilot:
     """Return the autopilot that gives eq (5) the poles asked for.
 
-    Without actuator and delay the closed loop is
-    s^2 + mu_delta a1 s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.
+    Without actuator and delay, d being the vehicle's own damping, the closed loop is
+    s^2 + (mu_delta a1 + d) s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def design_gains(
     Raises
     ------
     InputError
-        For numbers that are not positive.
+        For numbers that are not positive, and for less damping than the vehicle has by itself.
     """
     stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
     return Autopilot(attitude_gain=stiffness, rate_gain=rate, **options)
@@ -242,4 +242,12 @@ def _stiffness(
     )
     with np.errstate(over="ignore"):
         stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
-        return plain(stiffness), plain(np.asarray(2.0 * ratio * frequency / c.mu_delta))
+        wanted, own = np.broadcast_arrays(2.0 * ratio * frequency, c.damping)
+        if np.any(wanted < own):
+            short = np.unravel_index(np.argmin(wanted - own), wanted.shape)
+            raise InputError(
+                "2 damping natural_frequency must not be below the vehicle's own damping M_q/I ="
+                f" {own[short]:.6g} 1/s: the rate feedback would be positive; got"
+                f" {wanted[short]:.6g} 1/s"
+            )
+        return plain(stiffness), plain(np.asarray((wanted - own) / c.mu_delta))

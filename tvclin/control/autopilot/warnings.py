@@ -32,7 +32,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     own = np.where((stiffness != 0.0) & (np.asarray(autopilot.alpha_gain) == 0.0), 0.0, own)
     gains: list[tuple[str, Any, Any, str]] = [
         (name, stiffness, own, "holds"),
-        ("rate_gain", np.asarray(autopilot.rate_gain), 0.0, "damps"),
+        ("rate_gain", np.asarray(autopilot.rate_gain), plant.coefficients.damping, "damps"),
     ]
     if np.any(autopilot.integral_gain):
         gains.append(("integral_gain", np.asarray(autopilot.integral_gain), 0.0, ""))

@@ -25,8 +25,9 @@ class DeadBandLaw(TrimLaw):
     plant : Plant
         The plant it is designed on.
     gain : float
-        Gain of the feedback on z, over that of trim. One places the poles where the canonical
-        gains do; with more, the attitude feedback undoes the lean that the dead band is for.
+        Gain of the feedback on z, over that of trim. One places the poles about where
+        the canonical gains do; with more, the attitude feedback undoes the lean that the dead band
+        is for.
     dead_band : float
         K, from 0.01 to one.
 

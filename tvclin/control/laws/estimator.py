@@ -27,7 +27,7 @@ _DAMPING = 0.7
 class WindEstimator:
     """An observer of the attitude rate and of d = gamma + alpha_w, without a vane.
 
-        q^' = mu_alpha (theta - d^) - mu_delta delta + 2 zeta w (q - q^)
+        q^' = mu_alpha (theta - d^) - mu_delta delta - damping q + 2 zeta w (q - q^)
         d^' = -(w^2/mu_alpha) (q - q^),        zeta = 0.7
 
     The error of d^ follows d' like a second-order system of natural frequency w. The angle of
@@ -71,4 +71,5 @@ class WindEstimator:
         G = np.zeros((2, 5))
         G[0, 0], G[0, 4] = mu_alpha, -float(c.mu_delta)
         G[:, 1] = gains
+        G[0, 1] -= float(c.damping)
         return F, G

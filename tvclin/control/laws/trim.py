@@ -22,8 +22,9 @@ class TrimLaw(Law):
     """Ideal trim and attitude feedback, limited: delta = B (alpha + gain z).
 
     z is the coordinate of the fastest unstable mode of the plant it is designed on; on a fixed
-    path it is theta + theta'/beta. Until the limit is reached the mode stays at rest, so without
-    drift the boundary of this law is the report's with K = 1, eq (12).
+    path it is theta + theta'/(p + d), with the pole p and the damping d. Until the limit is reached
+    the mode stays at rest, so without drift the boundary of this law is the report's with K = 1,
+    eq (12).
 
     Parameters
     ----------

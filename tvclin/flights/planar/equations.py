@@ -4,11 +4,12 @@
                    - N alpha sin(Theta - gamma) - W sin gamma
     m V gamma'   = T sin(Theta - gamma + delta) - F_A sin(Theta - gamma)
                    + N alpha cos(Theta - gamma) - W cos gamma
-    I Theta''    = N l_a alpha - T l_c sin delta
+    I Theta''    = N l_a alpha - T l_c sin delta - M_q Theta'
 
 In the yaw plane gravity has no part across the path but that of a path turned away from it,
 W sin(Theta_n) sin(sigma), and Theta, gamma are the yaw angle and the heading of the path. A
-deviation is what the equations give beyond the nominal flight, so rest is a solution.
+deviation is what the equations give beyond the nominal flight, so rest is a solution. The report
+has no damping M_q; where parameters vary it stays, as the inertia does.
 """
 
 from __future__ import annotations
@@ -96,6 +97,7 @@ class PlanarMotion:
         found[0] = x[1]
         found[1] = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
         found[1] -= v.control_force * v.control_arm * np.sin(deflection)
+        found[1] -= v.pitch_damping * x[1]
         found[1] /= v.moment_of_inertia
         if self.drift:
             actual = self._path(now, x[0], x[2], now.speed * (1.0 + x[3]), alpha, ratio, deflection)

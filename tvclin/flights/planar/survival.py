@@ -42,14 +42,14 @@ def planar_verdict(
         As `fly_planar`, and for an aerodynamically stable vehicle.
     """
     check_frozen(frozen, condition)
-    beta = float(Coefficients.from_vehicle(vehicle, plane).beta)
-    span = (float(wind.onset), watched_until(wind, beta))
+    pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
+    span = (float(wind.onset), watched_until(wind, pole))
     case = planar_case(vehicle, wind, span, plane=plane, drift=drift, condition=condition)
     command = command_of(control, span[0], actuator, rate_limit)
 
     def survives(limit: float) -> bool:
         flown = case.flown(command, limit)
         rate = flown.rows(np.array([min(flown.end, span[1])]))[1, 0]
-        return has_survived(float(rate), wind, beta, lets_go(command.control))
+        return has_survived(float(rate), wind, pole, lets_go(command.control))
 
     return survives

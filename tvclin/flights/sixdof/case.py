@@ -100,7 +100,8 @@ class SixDof:
                 )
         step = within("step", self.step, _SHORTEST, _LONGEST, "s")
         object.__setattr__(self, "step", number("step", step))
-        pace = abs(float(self.coefficients.mu_alpha)) ** 0.5
+        c = self.coefficients
+        pace = abs(float(c.mu_alpha)) ** 0.5 + float(c.damping)
         if self.step * pace > _PER_STEP:
             raise InputError(
                 f"step must be at most {_PER_STEP / pace:.3g} s for a vehicle that moves with"

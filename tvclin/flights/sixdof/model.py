@@ -48,9 +48,10 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: Departure | Non
 
     Thrust, part of which is turned by the deflection, acts l_c aft of the centre of gravity; the
     normal force N alpha and the axial force act l_a ahead of it, and alpha is that of the body
-    axes. Two more forces freeze the flight: one holds the nominal flight straight against its
-    weight, the other cancels what would change the speed. From a departure on nothing is frozen:
-    aerodynamic forces go with the dynamic pressure, and the mass falls.
+    axes. A damping acts against the rates of pitch and yaw. Two more forces freeze the flight: one
+    holds the nominal flight straight against its weight, the other cancels what would change the
+    speed. From a departure on nothing is frozen but inertia and damping: aerodynamic forces go with
+    the dynamic pressure, and the mass falls.
 
     Parameters
     ----------
@@ -125,6 +126,11 @@ def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
     for name, force in forces.items():
         axis = SubElement(aerodynamics, "axis", name=name)
         _function(axis, force, name=f"tvclin/aerodynamic-{name.lower()}-lbs")
+    damping = -float(vehicle.pitch_damping) / (POUND_FORCE * FOOT)
+    rates = {"PITCH": "velocities/q-rad_sec", "YAW": "velocities/r-rad_sec"}
+    for name, rate in rates.items() if damping else ():
+        axis = SubElement(aerodynamics, "axis", name=name)
+        _function(axis, ("product", damping, rate), name=f"tvclin/damping-{name.lower()}-lbsft")
     SubElement(aerodynamics, "axis", name="ROLL")  # or JSBSim remarks that there is no moment
 
 

@@ -38,12 +38,12 @@ def sixdof_verdict(
     """
     check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)
-    beta, begin = float(case.coefficients.beta), float(wind.onset)
-    air = case.air(wind, min(0.0, begin) if frozen else begin, watched_until(wind, beta))
+    pole, begin = float(case.coefficients.pole), float(wind.onset)
+    air = case.air(wind, min(0.0, begin) if frozen else begin, watched_until(wind, pole))
     command = command_of(control, begin, actuator, rate_limit)
 
     def survives(limit: float) -> bool:
         late = case.flown(case.steering(command, limit, air), air)[-1, 1]
-        return has_survived(float(late), wind, beta, lets_go(command.control))
+        return has_survived(float(late), wind, pole, lets_go(command.control))
 
     return survives

@@ -135,11 +135,11 @@ def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
 
 
 def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
-    """y_BR by eq (7), (12) or (16), at once; NaN for other plants than those on a fixed path."""
+    """y_BR by eq (7), (12) or (16) with its pole, at once; NaN for plants not on a fixed path."""
     c = plant.coefficients
     if float(c.mu_alpha) <= 0.0 or plant.model != "fixed-path":
         return np.nan
-    x = c.beta * np.asarray(duration)
+    x = c.pole * np.asarray(duration)
     return rectangular_limit(x) if shape == "rectangular" else triangular_limit(x, dead_band)
 
 
@@ -198,7 +198,7 @@ def _samples(plant: Plant, duration: float) -> tuple[FloatArray, float]:
     A flight that is asked for at its very samples is quick.
     """
     beta = float(np.sqrt(np.abs(np.asarray(plant.coefficients.mu_alpha))))
-    rate = SAMPLE_RATE * max(1.0, beta)
+    rate = SAMPLE_RATE * max(1.0, beta + float(plant.coefficients.damping))
     after = min(_AFTER / beta, _LONGEST_AFTER) if beta else _LONGEST_AFTER
     return np.arange(np.ceil((duration + after) * rate) + 1.0) * (1.0 / rate), rate
 

@@ -61,11 +61,12 @@ def assumptions(found: Findings) -> Section:
 
 
 def _left_out(found: Findings) -> str:
+    damped = "" if found.study.coefficients.damping else ", damping of the attitude rate"
     if found.plan.structure is None:
-        return "Bending, slosh and sensor noise are left out."
+        return f"Bending, slosh{damped} and sensor noise are left out."
     return (
         "Bending and slosh count for the autopilot alone, and are left out of all else; sensor"
-        " noise is left out."
+        f" noise{damped} is left out."
     )
 
 

@@ -185,6 +185,9 @@ def _coefficients(found: Findings) -> list[tuple[str, Line]]:
     rows: list[tuple[str, Line]] = []
     if c.mu_alpha > 0.0:
         rows.append(("beta", significant("coefficients.beta", c.beta, 6, "1/s")))
+        if c.damping:
+            rows.append(("damping", significant("coefficients.damping", c.damping, 6, "1/s")))
+            rows.append(("pole p", significant("coefficients.pole", c.pole, 6, "1/s")))
         rows.append(("K1", significant("coefficients.K1", c.K1, 6)))
     rows += [
         ("B", significant("coefficients.B", c.B, 6, "deg/deg")),

@@ -1,0 +1,110 @@
+"""What the trim law needs along a flight with parameters that vary: it is flown there.
+
+    delta = -(A_2.x + w_2 alpha_w + gain mu_alpha z)/b_2,    z = theta + theta' l_2/l_1,
+
+within the limit, for x' = A x + b delta + w alpha_w and the row l of `GrowingMode`: the moment is
+trimmed, and the growing part of the attitude brought back. Many winds and limits at once, by Heun's
+rule.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.answers.sizing.growing import GrowingMode
+
+FloatArray = NDArray[np.float64]
+
+_GAIN = 10.0
+"""Of the attitude feedback over that of trim; as of `TrimLaw`."""
+_STEP = 0.03
+"""Between steps, over the time in which the fastest mode grows by e; the rule is off by a part of
+(_GAIN _STEP)^2/6 in the feedback, a sixtieth of what it settles in."""
+_TRIES, _ROUNDS = 6, 3
+"""Limits in a round, each round in the step where the one before found the edge."""
+_MORE = 1e-6
+"""Above the largest trim deflection, with which the law is not limited."""
+
+
+def flight_steps(mode: GrowingMode) -> FloatArray:
+    """Return the times [s] of a flight at which `trim_law_needs` asks for winds, ``(t,)``."""
+    start, stop = mode.span
+    fastest = float(np.max(mode.at(np.linspace(start, stop, 200))[0][0]))
+    return np.linspace(start, stop, max(math.ceil((stop - start) * fastest / _STEP), 2) + 1)
+
+
+def trim_law_needs(
+    mode: GrowingMode, times: FloatArray, winds: FloatArray, expected: ArrayLike
+) -> FloatArray:
+    """Return the least limits [rad] above which all that are tried survive, ``(r,)``.
+
+    Parameters
+    ----------
+    mode : GrowingMode
+        The flight.
+    times : ndarray
+        `flight_steps`.
+    winds : ndarray
+        Wind angles [rad] at these, ``(r, t)``.
+    expected : array_like
+        What each needs at the least [rad], ``(r,)``.
+    """
+    low = np.broadcast_to(np.asarray(expected, dtype=float), winds.shape[:1])
+    high = np.maximum(_largest_trim(mode, times, winds) * (1.0 + _MORE), low)
+    parts, everyone = np.linspace(0.0, 1.0, _TRIES), np.arange(low.size)
+    for _ in range(_ROUNDS):
+        tried = low[:, np.newaxis] + parts * (high - low)[:, np.newaxis]
+        lost = _lost(mode, times, winds, tried)
+        last = np.where(lost.any(axis=1), _TRIES - 1 - np.argmax(lost[:, ::-1], axis=1), -1)
+        high = tried[everyone, np.minimum(last + 1, _TRIES - 1)]
+        low = tried[everyone, np.maximum(last, 0)]
+    return high
+
+
+def _lost(
+    mode: GrowingMode, times: FloatArray, winds: FloatArray, limits: FloatArray
+) -> NDArray[np.bool_]:
+    """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""
+    A, inputs = mode.matrices(times)
+    row, reach = mode.at(times)
+    to, moved = A[:, 1] / inputs[:, 1, :1], np.swapaxes(A, -1, -2)
+    back = _GAIN * A[:, 1, 0] / inputs[:, 1, 0]
+    felt = inputs[:, 1, 1] / inputs[:, 1, 0]
+    step = float(times[1] - times[0])
+
+    def rates(k: int, x: FloatArray) -> FloatArray:
+        wind = winds[:, k, np.newaxis]
+        z = x[..., 0] + x[..., 1] * (row[1, k] / row[0, k])
+        command = -(x @ to[k] + felt[k] * wind + back[k] * z)
+        delta = np.clip(command, -limits, limits)
+        driven = delta[..., np.newaxis] * inputs[k, :, 0] + wind[..., np.newaxis] * inputs[k, :, 1]
+        return np.asarray(x @ moved[k] + driven)
+
+    x = np.zeros((*limits.shape, A.shape[-1]))
+    for k in range(times.size - 1):
+        first = rates(k, x)
+        x = x + 0.5 * step * (first + rates(k + 1, x + step * first))
+    return np.asarray(np.abs(x @ row[:, -1]) > limits * abs(reach[-1]))
+
+
+def _largest_trim(mode: GrowingMode, times: FloatArray, winds: FloatArray) -> FloatArray:
+    """The largest deflection of ideal trim [rad], with what drift adds or relieves, ``(r,)``."""
+    A, inputs = mode.matrices(times)
+    x, most = np.zeros((winds.shape[0], A.shape[-1] - 2)), np.zeros(winds.shape[0])
+    step = float(times[1] - times[0])
+
+    def trim(k: int, x: FloatArray) -> FloatArray:
+        return np.asarray(-(x @ A[k, 1, 2:] + inputs[k, 1, 1] * winds[:, k]) / inputs[k, 1, 0])
+
+    def rates(k: int, x: FloatArray) -> FloatArray:
+        both = np.stack([trim(k, x), winds[:, k]], axis=-1)
+        return np.asarray(x @ A[k, 2:, 2:].T + both @ inputs[k, 2:].T)
+
+    for k in range(times.size - 1):
+        most = np.maximum(most, np.abs(trim(k, x)))
+        first = rates(k, x)
+        x = x + 0.5 * step * (first + rates(k + 1, x + step * first))
+    return np.maximum(most, np.abs(trim(times.size - 1, x)))

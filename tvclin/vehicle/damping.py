@@ -1,0 +1,179 @@
+"""The damping of the attitude rate M_q [N m s/rad], from what tables and motors give.
+
+    aerodynamic:  M_q = -C_mq q S L^2/(f V),    f = 2 where C_mq is per q L/(2V), 1 where per q L/V
+    of the jet:   M_q = m' l_e^2 + I'
+
+C_mq is negative where it damps; what the rate of the angle of attack adds (C_m alpha-dot) may be
+added to it. m' is the mass flow, l_e the arm from the centre of gravity aft to the nozzle's exit,
+and I' the rate of the moment of inertia, negative while propellant leaves: it takes its own angular
+momentum along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, finite, nonnegative, one_of, plain, positive, together
+from tvclin.base.tables import Table
+
+FloatArray = NDArray[np.float64]
+
+RATES = {"qL/2V": 2.0, "qL/V": 1.0}
+"""The rates of which tables give the coefficient, and f: of aircraft and DATCOM, of missiles."""
+
+QUANTITIES = {
+    "pitch_damping": "damping moment",
+    "pitch_damping_coefficient": "damping coefficient",
+    "reference_length": "length",
+    "jet_mass_flow": "mass flow",
+    "inertia_rate": "inertia rate",
+    "exit_arm": "length",
+}
+"""Keys of vehicle files, by name; a coefficient is read as one per q L/V."""
+_PARTS = ("pitch_damping_coefficient", "jet_mass_flow")
+_BESIDE = {"reference_length": _PARTS[0], "inertia_rate": _PARTS[1], "exit_arm": _PARTS[1]}
+
+
+def aerodynamic_damping(
+    coefficient: ArrayLike,
+    per: str,
+    *,
+    dynamic_pressure: ArrayLike,
+    reference_area: ArrayLike,
+    reference_length: ArrayLike,
+    velocity: ArrayLike,
+) -> Any:
+    """Return the damping that the air gives, for the `pitch_damping` of `Vehicle`.
+
+    Parameters
+    ----------
+    coefficient : array_like
+        C_mq, zero or negative, about the centre of gravity.
+    per : {"qL/2V", "qL/V"}
+        The rate that it is per, q being the attitude rate [rad/s]: tables of aircraft and DATCOM
+        have the first, those of missiles mostly the second. They differ by a factor of two.
+    dynamic_pressure : array_like
+        Dynamic pressure [Pa], positive.
+    reference_area, reference_length : array_like
+        S [m^2] and L [m] of the coefficient, positive.
+    velocity : array_like
+        Speed relative to the air [m/s], positive.
+
+    Returns
+    -------
+    float or ndarray
+        M_q [N m s/rad]; the arguments broadcast.
+
+    Raises
+    ------
+    InputError
+        For a positive coefficient, which drives, another rate, and numbers out of range.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> air = {"dynamic_pressure": 4e4, "reference_area": 0.02, "velocity": 250.0}
+    >>> tv.aerodynamic_damping(-50.0, "qL/V", reference_length=0.16, **air)
+    4.096
+    """
+    C = finite("coefficient", coefficient)
+    if np.any(C > 0.0):
+        raise InputError(
+            "the pitch damping coefficient must be zero or negative: C_mq below zero damps; got"
+            f" {C.max():.6g}"
+        )
+    f = RATES[one_of("per", per, RATES)]
+    given = {
+        "dynamic_pressure": positive("dynamic_pressure", dynamic_pressure, "Pa"),
+        "reference_area": positive("reference_area", reference_area, "m^2"),
+        "reference_length": positive("reference_length", reference_length, "m"),
+        "velocity": positive("velocity", velocity, "m/s"),
+    }
+    together(coefficient=C, **given)
+    pressure, area, length, speed = given.values()
+    return plain(np.asarray(np.abs(C) * pressure * area * length**2 / (f * speed)))
+
+
+def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLike) -> Any:
+    """Return the damping that the jet gives, for the `pitch_damping` of `Vehicle`.
+
+    Parameters
+    ----------
+    mass_flow : array_like
+        m' [kg/s], zero or positive.
+    exit_arm : array_like
+        l_e [m], from the centre of gravity aft to the nozzle's exit, positive.
+    inertia_rate : array_like
+        I' [kg m^2/s], zero or negative while propellant leaves. Zero gives an upper bound.
+
+    Returns
+    -------
+    float or ndarray
+        M_q [N m s/rad]; the arguments broadcast.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, and an inertia that falls so fast that nothing damps.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tv.jet_damping(2.0, 1.5, inertia_rate=-0.5)
+    4.0
+    """
+    flow = nonnegative("mass_flow", mass_flow, "kg/s")
+    arm = positive("exit_arm", exit_arm, "m")
+    rate = finite("inertia_rate", inertia_rate, "kg m^2/s")
+    together(mass_flow=flow, exit_arm=arm, inertia_rate=rate)
+    found = np.asarray(flow * arm**2 + rate)
+    if np.any(found < 0.0):
+        raise InputError(
+            "mass_flow times exit_arm squared must be at least what the moment of inertia loses,"
+            f" -inertia_rate: the jet would drive, with {found.min():.6g} N m s/rad (check the"
+            " units, and that exit_arm reaches to the nozzle's exit)"
+        )
+    return plain(found)
+
+
+def damping_of(values: Mapping[str, Any], table: Table) -> dict[str, Any]:
+    """Return what a table says of a vehicle, its `QUANTITIES` put together as pitch_damping.
+
+    Raises
+    ------
+    InputError
+        For a damping that is given in whole and in parts, a part that lacks a key, and as
+        `aerodynamic_damping` and `jet_damping`.
+    """
+    found = {name: value for name, value in values.items() if name not in QUANTITIES}
+    given = [name for name in _PARTS if name in values]
+    if "pitch_damping" in values:
+        if given:
+            raise InputError(
+                f"{table.heading} has both pitch_damping and {given[0]}; keep one"
+                " (pitch_damping is that of air and jet together)"
+            )
+        found["pitch_damping"] = values["pitch_damping"]
+    for name, part in _BESIDE.items():
+        if name in values and part not in values:
+            raise InputError(f"{name} in {table.heading} needs {table.spelled(part)} beside it")
+    parts = []
+    if "pitch_damping_coefficient" in given:
+        names = ("dynamic_pressure", "reference_area", "reference_length", "velocity")
+        table.need(values, names)
+        air = {name: values[name] for name in names}
+        parts.append(aerodynamic_damping(values[given[0]], "qL/V", **air))
+    if "jet_mass_flow" in given:
+        if "inertia_rate" not in values:
+            raise InputError(
+                f"jet_mass_flow in {table.heading} needs {table.spelled('inertia_rate')}, the rate"
+                " of the moment of inertia: negative while propellant leaves, and 0 for an upper"
+                " bound of the damping"
+            )
+        arm = values.get("exit_arm", values["control_arm"])
+        parts.append(jet_damping(values["jet_mass_flow"], arm, values["inertia_rate"]))
+    return found | ({"pitch_damping": sum(parts)} if parts else {})
