@@ -934,7 +934,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "known_to": 12e3,
                 "utc_offset": -5.0,
                 "confidence": 0.9,
-                "looks": 5,
                 "progress": None,
             },
         ),
