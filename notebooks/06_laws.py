@@ -38,12 +38,14 @@ print(f"wind known {known:.3f}; no forecast {blind:.3f}; trim {trim:.3f}")
 
 # %% [markdown]
 # The recoverable-attitude law leans into the wind that it feels, but only as far as it could
-# still come back from if the wind stopped at this moment.
+# still come back from if the wind stopped at this moment. Half relief is three constant gains that
+# turn it by half of the wind.
 
 # %%
 laws = {
     "trim": tv.TrimLaw(plant),
     "dead band 0.5": tv.DeadBandLaw(plant, dead_band=0.5),
+    "half relief": tv.SaturatedLaw(tv.half_relief_gains(plant.coefficients)),
     "recoverable attitude": tv.RecoverableAttitudeLaw(plant, design_peak=peak),
 }
 needs = {

@@ -56,8 +56,8 @@ def fly(
     law: Annotated[
         str | None,
         typer.Option(
-            help="report, trim, dead-band, saturated or recoverable. Without it report; of"
-            " --engine linear saturated, with the gains below."
+            help="report, trim, dead-band, saturated, half-relief or recoverable. Without it"
+            " report; of --engine linear saturated, with the gains below."
         ),
     ] = None,
     dead_band: Annotated[
