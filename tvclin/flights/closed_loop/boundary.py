@@ -2,8 +2,8 @@
 
 Survival need not grow with the limit (a law that leans further may be further out when the wind
 turns), so limits are scanned, and the edge is that above the highest limit that does not survive
-(see `edges`). To survive is to be brought back from the wind (see `fly_many`); a slow mode which
-the law then lets creep away is told apart from it.
+(see `edges`). To survive is to be brought back from the wind, with a nozzle that comes to rest (see
+`fly_many`); a slow mode which the law then lets creep away is told apart from it.
 """
 
 from __future__ import annotations

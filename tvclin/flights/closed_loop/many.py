@@ -73,7 +73,7 @@ class FlownCases:
         Part of the flight in which the whole limit was asked for.
     status : ndarray of str
         "survived", "lost", "undecided", or "no flight" where a case cannot be flown; "rings" where
-        a flexible vehicle is brought back, and an oscillation then grows from nothing.
+        a vehicle is brought back and its nozzle goes on swinging, see `fly_many`.
     """
 
     peak_attitude: FloatArray
@@ -151,10 +151,11 @@ def fly_many(
     -------
     FlownCases
         Largest values and outcomes. A flight is lost when after its wind it leaves the recoverable
-        set of its unstable modes, and survives when it has settled well inside. A flexible vehicle
-        rings where it does so, but an oscillation of its loop grows near rest, of bending or slosh
-        most often: then the nozzle will swing from stop to stop. A case whose
-        limit is not positive, or whose wind is nothing, never ends or lasts for more than a million
+        set of its unstable modes, and survives when it has settled well inside. One that does
+        so rings where an oscillation of its loop grows near rest, of bending or slosh most often,
+        for then the nozzle will swing from stop to stop; and a flexible vehicle also where its
+        nozzle, flown on in still air, does not come to rest between its limits. A case whose limit
+        is not positive, or whose wind is nothing, never ends or lasts for more than a million
         samples, is "no flight", and so is one that could never be decided; the others go on.
 
     Raises
