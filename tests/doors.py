@@ -322,6 +322,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "until": 0.1,
                 "outputs": ("required", "flight"),
                 "flight": tv.Flight(deflection_limit=0.01),
+                "structure": structure,
+                "gains": tv.GainsAsked(natural_frequency=1.0),
             },
         ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
@@ -666,6 +668,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.StudyPlan,
             {
                 "vehicle": booster,
+                "structure": structure,
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
@@ -804,6 +807,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "probability": 0.9,
                 "confidence": 0.9,
                 "method": "plain",
+                "structure": structure,
             },
         ),
         "drift_minimum_gains": Door(

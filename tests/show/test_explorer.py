@@ -284,6 +284,20 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
         tv.explore(own.replace(thrust=np.array([3e7, 4e7])))
 
 
+def test_a_vehicle_with_structure_is_said_to_be_rigid_here() -> None:
+    pytest.importorskip("ipywidgets")
+    from tvclin.show.explorer.panel import Panel
+
+    panel, plant = Panel("made-up-booster"), tv.load_structure("made-up-booster")
+    moved = tv.FlexiblePlant.from_vehicle(
+        tv.load_vehicle("made-up-booster"), plant, "drift-exact"
+    ).shift()
+    assert "of the rigid vehicle, without the structure in its file" in panel.notes.value
+    assert f"asks for by {moved.trim_price:+.2f} percent" in panel.notes.value
+    panel.controls["vehicle"].value = "configuration-i"
+    assert "structure" not in panel.notes.value
+
+
 def test_a_missing_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
 

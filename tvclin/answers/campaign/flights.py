@@ -27,6 +27,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_rate_limit
 from tvclin.flights.closed_loop.fly import fly
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -151,7 +152,7 @@ class Flight:
         return _DESIGNS[self.law](plant, peak)
 
 
-def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "TimeResponseData":
+def flight_response(flight: Flight, law: Law, plant: AnyPlant, wind: History) -> "TimeResponseData":
     """Return the flight of one case at the samples of its law, until some time after its wind.
 
     Raises
@@ -159,7 +160,7 @@ def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "T
     InputError
         As `fly`.
     """
-    poles = np.real(unstable_modes(plant).poles)
+    poles = np.real(unstable_modes(plant.rigid).poles)
     end = float(wind.end) + (_PATIENCE / float(poles.max()) if poles.size else 0.0)
     count = int(np.ceil((end - float(wind.onset)) * flight.sample_rate)) + 1
     return fly(
