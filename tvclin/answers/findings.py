@@ -17,16 +17,21 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
+    from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
+    from tvclin.control.margins.record import Margins
 
 Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
@@ -47,7 +52,10 @@ class Findings:
     trials : tuple of LawTrial
         The laws, each in each wind; none where none were asked for.
     comparison : TrimComparison or None
-        The autopilot in the wind, with its margins.
+        The autopilot in the wind, with its margins, both of the rigid vehicle.
+    flexible : FlexibleAnswer or None
+        The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
+        asked for.
     dispersed : DispersedStudy or None
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
@@ -62,6 +70,7 @@ class Findings:
     study: Study
     trials: tuple[LawTrial, ...]
     comparison: TrimComparison | None
+    flexible: FlexibleAnswer | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
     reasons: dict[str, str]
@@ -75,11 +84,19 @@ class Findings:
         return self.plan.criteria or CRITERIA["classic"]
 
     @property
+    def margins(self) -> Margins | BandMargins | None:
+        """The margins that are judged: those by band of a flexible vehicle."""
+        if self.flexible is not None:
+            return self.flexible.bands
+        return None if self.comparison is None else self.comparison.margins
+
+    @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
-        return sha256(
-            json.dumps(asdict(self.plan), sort_keys=True, default=_plain).encode()
-        ).hexdigest()
+        asked = asdict(self.plan)
+        if self.plan.structure is None:
+            del asked["structure"]  # the seals of rigid vehicles stay what they were
+        return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
 
 
 def blown(study: Study) -> History:
@@ -115,6 +132,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
         wanted = {
             "trials": plan.laws,
             "comparison": plan.gains or plan.criteria,
+            "flexible": plan.structure and (plan.gains or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
         }
@@ -141,6 +159,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             study=study,
             trials=part("trials", _trials) or (),
             comparison=part("comparison", _comparison),
+            flexible=part("flexible", _flexible),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
             reasons=reasons,
@@ -153,25 +172,62 @@ def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
-    laws, winds = standard_laws(plant, peak), standard_winds(peak, study.wind.duration)
+    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
+    laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
+    nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
+    if plan.structure is not None:
+        from tvclin.answers.flexible import nozzle_of, with_filters
+
+        gains = gains_of(plan)
+        plant = _bending(plan, asked.model)
+        laws = {name: with_filters(law, gains) for name, law in laws.items()}
+        nozzle = nozzle_of(gains, asked.sample_rate)
     return law_trials(
         plant,
         {name: laws[name] for name in asked.names},
         {name: winds[name] for name in asked.winds},
-        sample_rate=asked.sample_rate,
         loads=False,
         progress=told,
+        **nozzle,
     )
 
 
-def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
+def gains_of(plan: StudyPlan) -> GainsAsked:
+    """Return the autopilot that a plan asks for; the canonical one where it says nothing."""
     from tvclin.control.autopilot.rules import GainsAsked
-    from tvclin.control.comparison.trim import compare_with_trim
 
-    asked = plan.gains or GainsAsked()
-    plant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
-    return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+    return plan.gains or GainsAsked()
+
+
+def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
+    from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.control.comparison.trim import compare_with_trim
+    from tvclin.control.margins.criteria import CRITERIA
+
+    asked, wind = gains_of(plan), blown(study)
+    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
+    whole = plant
+    if plan.structure is not None:
+        whole = _bending(plan, asked.model)
+    autopilot = autopilot_asked(asked, whole, wind, plan.criteria or CRITERIA["classic"])
+    return compare_with_trim(plant.rigid, autopilot, wind)
+
+
+def _flexible(plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
+    from tvclin.answers.flexible import flexible_answer
+    from tvclin.control.margins.criteria import CRITERIA
+
+    asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
+    plant = _bending(plan, asked.model)
+    return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
+
+
+def _bending(plan: StudyPlan, model: str) -> FlexiblePlant:
+    """The plant of a plan whose vehicle has a structure."""
+    from tvclin.answers.flexible import flexible_plant
+
+    assert plan.structure is not None
+    return flexible_plant(plan.vehicle, plan.structure, plan.plane, model)
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
@@ -192,4 +248,5 @@ def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:
         seed=plan.seed,
         probability=plan.probability,
         confidence=plan.confidence,
+        structure=plan.structure,
     )

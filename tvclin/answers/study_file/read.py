@@ -17,6 +17,7 @@ from tvclin.base.errors import InputError, instance, path
 from tvclin.base.files import called, tables_of
 from tvclin.vehicle.file import COEFFICIENTS, parse_vehicle, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
+from tvclin.vehicle.structure_file import parse_structure
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
@@ -49,7 +50,7 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     if COEFFICIENTS in document and "vehicle" not in document:
         return StudyPlan(vehicle=load_any_vehicle(source))
     if "vehicle" in document and not {"study", "campaign"} & document.keys():
-        return StudyPlan(vehicle=parse_vehicle(text, name))
+        return StudyPlan(vehicle=parse_vehicle(text, name), structure=parse_structure(text, name))
     from tvclin.answers.study_file.parse import parse_study
 
     try:
