@@ -72,6 +72,19 @@ def test_the_boundary_is_that_of_the_library(shape: str, model: str, plane: str)
     assert found.boundary[20] == pytest.approx(answer(longer).required, rel=1e-12)
 
 
+def test_a_pulse_without_a_closed_form_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
+        return tv.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
+
+    monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
+    booster = tv.load_vehicle("configuration-i")
+    found = parts.boundary_point(booster, "pitch", "fixed-path", "sawtooth", 1.0, 7.5).value
+    c = tv.Coefficients.from_vehicle(booster)
+    x = float(c.beta) * 7.5
+    # Trim up to t0, then its limit y = t0/tau for ever: (4b) gives e^(-beta t0) = (1 + x) e^-x.
+    assert found == pytest.approx(float(c.B) * (1.0 - np.log1p(x) / x), rel=1e-12)
+
+
 @pytest.mark.parametrize("factor", [0.999, 1.001])
 def test_the_verdict_changes_on_the_boundary(factor: float) -> None:
     c = asked(dead_band=0.5)

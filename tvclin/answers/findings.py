@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -181,9 +182,8 @@ def gains_of(plan: StudyPlan) -> GainsAsked:
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
-    asked = gains_of(plan)
-    plant = Plant(study.coefficients, asked.model)
-    return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+    plant = Plant(study.coefficients, gains_of(plan).model)
+    return compare_with_trim(plant, _autopilot(plan, study, plant), blown(study))
 
 
 def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
@@ -193,7 +193,17 @@ def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
     asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
     assert plan.structure is not None
     plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
-    return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
+    autopilot = _autopilot(plan, study, plant.rigid)
+    return flexible_answer(plant, autopilot, criteria, blown(study), plan.limit)
+
+
+def _autopilot(plan: StudyPlan, study: Study, plant: Plant) -> Autopilot:
+    """The autopilot that is asked for, designed on a rigid plant; what is asked of modes waits."""
+    from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.control.margins.criteria import CRITERIA
+
+    criteria = (plan.criteria and plan.criteria.without_modes) or CRITERIA["classic"]
+    return autopilot_asked(gains_of(plan), plant, blown(study), criteria)
 
 
 def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:

@@ -69,19 +69,19 @@ class FlexibleAnswer:
 
 def flexible_answer(
     plant: FlexiblePlant,
-    asked: GainsAsked,
+    autopilot: Autopilot,
     criteria: Criteria,
     wind: History,
     limit: float | None,
 ) -> FlexibleAnswer:
-    """Return what an autopilot does with a flexible vehicle; its gains are for the rigid one.
+    """Return what an autopilot does with a flexible vehicle.
 
     Parameters
     ----------
     plant : FlexiblePlant
         One plant.
-    asked : GainsAsked
-        The autopilot.
+    autopilot : Autopilot
+        One, designed on the rigid plant.
     criteria : Criteria
         What detuned modes are held to.
     wind : History
@@ -94,10 +94,9 @@ def flexible_answer(
     InputError
         As `Autopilot.band_margins` and `closed_loop_boundary`.
     """
-    autopilot = asked.autopilot(plant.rigid)
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
-    nozzle = nozzle_of(asked)
+    nozzle = nozzle_of(autopilot)
     bends, rigid = (closed_loop_boundary(one, law, wind, **nozzle) for one in (plant, plant.rigid))
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, start + _LONG * (end - start), _POINTS)
@@ -118,7 +117,7 @@ def flexible_answer(
     )
 
 
-def nozzle_of(asked: GainsAsked, rate: float = _RATE) -> dict[str, Any]:
+def nozzle_of(asked: GainsAsked | Autopilot, rate: float = _RATE) -> dict[str, Any]:
     """Return actuator and delay of an autopilot, and at least so many samples [Hz] for flights."""
     servo = asked.actuator
     least = 0.0 if servo is None else _PER_ACTUATOR * float(servo.natural_frequency)

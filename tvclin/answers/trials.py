@@ -40,13 +40,14 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-STANDARD_LAWS = (
-    "attitude and rate",
-    "trim",
-    "dead band 0.5",
-    "half relief",
-    "recoverable attitude",
-)
+_DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
+    "attitude and rate": lambda plant, _: SaturatedLaw(canonical_gains(plant.coefficients)),
+    "trim": lambda plant, _: TrimLaw(Plant.from_coefficients(plant.coefficients)),
+    "dead band 0.5": lambda plant, _: DeadBandLaw(Plant.from_coefficients(plant.coefficients)),
+    "half relief": lambda plant, _: SaturatedLaw(half_relief_gains(plant.coefficients)),
+    "recoverable attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
+}
+STANDARD_LAWS = tuple(_DESIGNS)
 """Names of the laws of the trials."""
 LAWS_TABLE = Table(
     "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
@@ -166,16 +167,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     with drift they would let its slow mode creep away.
     """
     instance("plant", plant, Plant, RIGID)
-    gains = canonical_gains(plant.coefficients)
-    fixed = Plant.from_coefficients(plant.coefficients)
-    laws = (
-        SaturatedLaw(gains),
-        TrimLaw(fixed),
-        DeadBandLaw(fixed),
-        SaturatedLaw(half_relief_gains(plant.coefficients)),
-        RecoverableAttitudeLaw(plant, design_peak=peak),
-    )
-    return dict(zip(STANDARD_LAWS, laws, strict=True))
+    return {name: design(plant, peak) for name, design in _DESIGNS.items()}
 
 
 def law_trials(

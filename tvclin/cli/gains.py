@@ -10,6 +10,7 @@ import typer
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.filters import Filter
 
@@ -40,8 +41,8 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum or"
-            " lqr; canonical if nothing is given."
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
+            " lqr, or for tvclin autopilot least-nozzle; canonical if nothing is given."
         ),
     ] = None
     natural_frequency: Annotated[
@@ -68,6 +69,10 @@ class GainOptions:
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
+        return self.asked().autopilot(plant)
+
+    def asked(self, **others: Any) -> "GainsAsked":
+        """Return what the options ask for, with other fields of `GainsAsked` beside them."""
         from tvclin.base.errors import nonnegative, number
         from tvclin.control.autopilot.rules import GainsAsked
 
@@ -76,7 +81,7 @@ class GainOptions:
         asked["filters"] = filters_of(notches or (), passes or ())
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
         number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
-        return GainsAsked(delay=delay / 1000.0, **asked).autopilot(plant)
+        return GainsAsked(delay=delay / 1000.0, **(asked | others))
 
 
 def filters_of(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":

@@ -1,5 +1,6 @@
 """Flights of a law with limits in every case: the law is designed on the nominal plant."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +37,12 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-LAWS = ("autopilot", "trim", "dead-band", "recoverable-attitude")
+_DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
+    "trim": lambda plant, _: TrimLaw(plant),
+    "dead-band": lambda plant, _: DeadBandLaw(plant),
+    "recoverable-attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
+}
+LAWS = ("autopilot", *_DESIGNS)
 FLIGHT_TABLE = Table(
     "[flight]",
     {
@@ -143,9 +149,7 @@ class Flight:
         """Return the law, designed on a plant and for a peak [rad], or with these gains."""
         if self.law == "autopilot":
             return SaturatedLaw(Autopilot(**gains))
-        if self.law == "recoverable-attitude":
-            return RecoverableAttitudeLaw(plant, design_peak=peak)
-        return {"trim": TrimLaw, "dead-band": DeadBandLaw}[self.law](plant)
+        return _DESIGNS[self.law](plant, peak)
 
 
 def flight_response(flight: Flight, law: Law, plant: AnyPlant, wind: History) -> "TimeResponseData":

@@ -77,7 +77,8 @@ def equations(found: Findings) -> Section:
     for name in s.boundaries:
         drifts = name != "fixed-path"
         used["(B8)" if drifts else "(5)"] = f"the {name} model"
-        used[_BY_SHAPE[s.shape, drifts]] = f"the boundary, {name}"
+        if (s.shape, drifts) in _BY_SHAPE:
+            used[_BY_SHAPE[s.shape, drifts]] = f"the boundary, {name}"
         if drifts:
             used["(15b)"] = "K1"
     texts = {one["id"]: _as_it_should_read(one) for one in every_equation()}
