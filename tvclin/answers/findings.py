@@ -17,7 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -183,27 +183,34 @@ def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
     plant = Plant(study.coefficients, gains_of(plan).model)
-    return compare_with_trim(plant, _autopilot(plan, study, plant), blown(study))
+    flying = plant if plan.structure is None else _flexible_plant(plan)
+    return compare_with_trim(plant, _autopilot(plan, study, flying), blown(study))
 
 
 def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
-    from tvclin.answers.flexible import flexible_answer, flexible_plant
+    from tvclin.answers.flexible import flexible_answer
     from tvclin.control.margins.criteria import CRITERIA
 
-    asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
-    assert plan.structure is not None
-    plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
-    autopilot = _autopilot(plan, study, plant.rigid)
+    plant, criteria = _flexible_plant(plan), plan.criteria or CRITERIA["classic"]
+    autopilot = _autopilot(plan, study, plant)
     return flexible_answer(plant, autopilot, criteria, blown(study), plan.limit)
 
 
-def _autopilot(plan: StudyPlan, study: Study, plant: Plant) -> Autopilot:
-    """The autopilot that is asked for, designed on a rigid plant; what is asked of modes waits."""
+def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:
+    from tvclin.answers.flexible import flexible_plant
+
+    assert plan.structure is not None
+    return flexible_plant(plan.vehicle, plan.structure, plan.plane, gains_of(plan).model)
+
+
+def _autopilot(plan: StudyPlan, study: Study, plant: AnyPlant) -> Autopilot:
+    """The autopilot that is asked for; gains that are sought meet the criteria."""
     from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.control.margins.criteria import CRITERIA
 
-    criteria = (plan.criteria and plan.criteria.without_modes) or CRITERIA["classic"]
-    return autopilot_asked(gains_of(plan), plant, blown(study), criteria)
+    return autopilot_asked(
+        gains_of(plan), plant, blown(study), plan.criteria or CRITERIA["classic"]
+    )
 
 
 def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:

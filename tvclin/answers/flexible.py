@@ -76,6 +76,8 @@ def flexible_answer(
 ) -> FlexibleAnswer:
     """Return what an autopilot does with a flexible vehicle.
 
+    Gains that are sought, such as those for the least nozzle, are sought with the structure.
+
     Parameters
     ----------
     plant : FlexiblePlant
