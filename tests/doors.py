@@ -322,6 +322,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "until": 0.1,
                 "outputs": ("required", "flight"),
                 "flight": tv.Flight(deflection_limit=0.01),
+                "structure": structure,
+                "gains": tv.GainsAsked(natural_frequency=1.0),
             },
         ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
@@ -575,6 +577,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust}),
         "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
+        "MeasuredWind.samples": Door(tv.MeasuredWind(sampled).samples, {"vehicle": booster}),
         "MeasuredWind.to_both_sides": Door(
             tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
@@ -665,6 +668,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.StudyPlan,
             {
                 "vehicle": booster,
+                "structure": structure,
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
@@ -803,6 +807,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "probability": 0.9,
                 "confidence": 0.9,
                 "method": "plain",
+                "structure": structure,
             },
         ),
         "drift_minimum_gains": Door(
@@ -1043,7 +1048,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "known_to": 12e3,
                 "utc_offset": -5.0,
                 "confidence": 0.9,
-                "looks": 5,
                 "progress": None,
             },
         ),

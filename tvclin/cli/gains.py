@@ -15,6 +15,25 @@ if TYPE_CHECKING:
     from tvclin.vehicle.filters import Filter
 
 
+NotchHz = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="F,ZEROS,POLES",
+        help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
+        " poles, as in 12,0.05,0.5; may be given several times. Lead-lag and rational filters are"
+        " for study files, in [[autopilot.filter]].",
+    ),
+]
+LowPassHz = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="F[,DAMPING]",
+        help="Low-pass filter there: frequency in Hz, of second order with a damping; may be"
+        " given several times.",
+    ),
+]
+
+
 @dataclass(frozen=True)
 class GainOptions:
     """The options in one place; `takes_gains` gives them to a command."""
@@ -45,22 +64,8 @@ class GainOptions:
     delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
         0.0
     )
-    notch_hz: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="F,ZEROS,POLES",
-            help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
-            " poles, as in 12,0.05,0.5; may be given several times.",
-        ),
-    ] = None
-    low_pass_hz: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="F[,DAMPING]",
-            help="Low-pass filter there: frequency in Hz, of second order with a damping; may be"
-            " given several times.",
-        ),
-    ] = None
+    notch_hz: NotchHz = None
+    low_pass_hz: LowPassHz = None
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
@@ -73,13 +78,14 @@ class GainOptions:
 
         asked = dict(vars(self))
         notches, passes = asked.pop("notch_hz"), asked.pop("low_pass_hz")
-        asked["filters"] = _filters(notches or (), passes or ())
+        asked["filters"] = filters_of(notches or (), passes or ())
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
         number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
         return GainsAsked(delay=delay / 1000.0, **(asked | others))
 
 
-def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+def filters_of(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+    """Return the filters of `NotchHz` and `LowPassHz`."""
     from tvclin.vehicle.filters import Filter
 
     made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]

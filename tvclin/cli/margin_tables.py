@@ -71,7 +71,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
 
     pairs, whole = shown(found.autopilot.rows()), found.whole
     if isinstance(found.plant, FlexiblePlant):
-        typer.echo(_lines(parts_line(found.plant.structure)))
+        typer.echo(lines(parts_line(found.plant.structure)))
     elif found.autopilot.sample_rate is None:
         pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
@@ -82,12 +82,12 @@ def print_margins(title: str, found: MarginsFound) -> None:
         print_table("", headings, rows)
         print_bounds(found.autopilot, found.plant)
     else:
-        typer.echo(_lines(f"NO MARGINS: {whole.reason}"))
+        typer.echo(lines(f"NO MARGINS: {whole.reason}"))
     if found.bands is not None:
         print_bands(found.bands, found.asked)
     if whole.stable:
         for note in whole.notes:
-            typer.echo(_lines(f"Note: {note}"))
+            typer.echo(lines(f"Note: {note}"))
         typer.echo(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
         if not found.met:
             typer.echo("Other gains: --natural-frequency and --damping, or gains of your own.")
@@ -97,7 +97,7 @@ def print_bounds(autopilot: "Autopilot", plant: "AnyPlant") -> None:
     """Print what no autopilot around a plant with this nozzle and delay can have."""
     found = _bounds(autopilot, plant)
     if found is not None and found.sentence:
-        typer.echo(_lines(f"Bounds: {found.sentence}."))
+        typer.echo(lines(f"Bounds: {found.sentence}."))
 
 
 def _bounds(autopilot: "Autopilot", plant: "AnyPlant") -> "MarginBounds | None":
@@ -124,7 +124,7 @@ def poles(autopilot: "Autopilot", plant: Any) -> str:
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 
 
-def _lines(text: str) -> str:
+def lines(text: str) -> str:
     """Return a text in lines that fit a terminal."""
     return textwrap.fill(text, width=80, subsequent_indent="  ", break_on_hyphens=False)
 

@@ -25,6 +25,7 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plane,
     Plot,
+    Rigid,
     Vehicle,
     Wind,
 )
@@ -48,9 +49,6 @@ ModeGainDb = Annotated[
 ]
 ModePhaseDeg = Annotated[
     float | None, typer.Option(help="Asked of each mode that is phase-stabilised, in deg.")
-]
-Rigid = Annotated[
-    bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
 ]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
@@ -119,11 +117,10 @@ def margins(
     moved = detuned_of(found) if detuned else None
     case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
     fine = flown and found.whole.stable
-    in_wind = case.margins(loaded, plane, frame, autopilot) if fine else None
+    in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
     in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, case)
-    rigid_part = "the flown margins" if in_wind is not None else "the margins in the box"
-    if plant is not frame and (in_wind, in_box) != (None, None):
-        note_structure(vehicle, loaded, plane, rigid_part)
+    if plant is not frame and in_box is not None:
+        note_structure(loaded, getattr(plant, "structure", None), plane, "the margins in the box")
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:

@@ -11,12 +11,12 @@ from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.rules import LEAST_NOZZLE, GainsAsked
 from tvclin.control.margins.criteria import Criteria
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
 
 def autopilot_asked(
-    asked: GainsAsked, plant: Plant, wind: History, criteria: Criteria
+    asked: GainsAsked, plant: AnyPlant, wind: History, criteria: Criteria
 ) -> Autopilot:
     """Return the autopilot that is asked for; of a wind and criteria where its rule needs them.
 
@@ -26,13 +26,13 @@ def autopilot_asked(
         As `GainsAsked.autopilot` and `least_asked`.
     """
     if asked.design != LEAST_NOZZLE:
-        return asked.autopilot(plant)
+        return asked.autopilot(plant.rigid)
     return least_asked(asked, plant, wind, criteria).autopilot
 
 
 def least_asked(
     asked: GainsAsked,
-    plant: Plant,
+    plant: AnyPlant,
     winds: History | Sequence[History],
     criteria: Criteria,
     **options: Any,
