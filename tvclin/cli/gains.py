@@ -21,7 +21,7 @@ NotchHz = Annotated[
         metavar="F,ZEROS,POLES",
         help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
         " poles, as in 12,0.05,0.5; may be given several times. Lead-lag and rational filters are"
-        " for study files, in [[autopilot.filter]].",
+        " for study files, under autopilot.filter.",
     ),
 ]
 LowPassHz = Annotated[
