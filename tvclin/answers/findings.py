@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -176,10 +177,10 @@ def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
     laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
     nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
     if plan.structure is not None:
-        from tvclin.answers.flexible import nozzle_of, with_filters
+        from tvclin.answers.flexible import flexible_plant, nozzle_of, with_filters
 
         gains = gains_of(plan)
-        plant = _bending(plan, asked.model)
+        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
         laws = {name: with_filters(law, gains) for name, law in laws.items()}
         nozzle = nozzle_of(gains, asked.sample_rate)
     return law_trials(
@@ -200,34 +201,37 @@ def gains_of(plan: StudyPlan) -> GainsAsked:
 
 
 def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
-    from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.control.comparison.trim import compare_with_trim
-    from tvclin.control.margins.criteria import CRITERIA
 
-    asked, wind = gains_of(plan), blown(study)
-    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
-    whole = plant
-    if plan.structure is not None:
-        whole = _bending(plan, asked.model)
-    autopilot = autopilot_asked(asked, whole, wind, plan.criteria or CRITERIA["classic"])
-    return compare_with_trim(plant.rigid, autopilot, wind)
+    plant = Plant.from_vehicle(plan.vehicle, gains_of(plan).model, plan.plane)
+    flying = plant if plan.structure is None else _flexible_plant(plan)
+    return compare_with_trim(plant, _autopilot(plan, study, flying), blown(study))
 
 
 def _flexible(plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
     from tvclin.control.margins.criteria import CRITERIA
 
-    asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
-    plant = _bending(plan, asked.model)
-    return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
+    plant, criteria = _flexible_plant(plan), plan.criteria or CRITERIA["classic"]
+    autopilot = _autopilot(plan, study, plant)
+    return flexible_answer(plant, autopilot, criteria, blown(study), plan.limit)
 
 
-def _bending(plan: StudyPlan, model: str) -> FlexiblePlant:
-    """The plant of a plan whose vehicle has a structure."""
+def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:
     from tvclin.answers.flexible import flexible_plant
 
     assert plan.structure is not None
-    return flexible_plant(plan.vehicle, plan.structure, plan.plane, model)
+    return flexible_plant(plan.vehicle, plan.structure, plan.plane, gains_of(plan).model)
+
+
+def _autopilot(plan: StudyPlan, study: Study, plant: AnyPlant) -> Autopilot:
+    """The autopilot that is asked for; gains that are sought meet the criteria."""
+    from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.control.margins.criteria import CRITERIA
+
+    return autopilot_asked(
+        gains_of(plan), plant, blown(study), plan.criteria or CRITERIA["classic"]
+    )
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
