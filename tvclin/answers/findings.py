@@ -17,7 +17,6 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
     from tvclin.control.margins.record import Margins
+    from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
 Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
