@@ -77,6 +77,9 @@ class Plant:
         """Return the plant of a vehicle in the pitch or the yaw plane."""
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
 
+    def _repr_html_(self) -> str:
+        return self.coefficients._repr_html_().replace("Coefficients", f"Plant, {self.model}", 1)
+
     @property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.cards import table
 from tvclin.base.errors import missing, one_of
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
@@ -115,6 +116,16 @@ class Sizing:
     edge: FloatArray
     said: tuple[str, ...]
     notes: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, np.degrees(worst.deflection), worst.time, worst.wind)
+            for name, worst in self.worst.items()
+        ]
+        span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
+        title = f"{self.schedule.vehicle.name or 'Sizing'}, {self.model}, {self.plane}: {span}"
+        columns = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
+        return table(title, columns, rows)
 
     @property
     def known(self) -> NDArray[np.bool_]:
