@@ -15,6 +15,14 @@
 #
 # The plant is unstable, so a margin has two sides: too much gain and too little. And good margins
 # say nothing about stops.
+#
+# With the loop $L(s)$, broken at the deflection command, the closed loop is
+#
+# $$1 + L(s) = 0, \qquad L(s) = (a_0 + a_1 s)\,\frac{\mu_\delta}{s^2 - \mu_\alpha}\,
+# F(s)\,e^{-s T},$$
+#
+# on a fixed path, with the actuator $F$ and the delay $T$. At low frequency $|L|$ must stay *above*
+# one ($a_0 > B$, the aero margin), at high frequency *below* it.
 
 # %%
 import numpy as np
@@ -40,7 +48,7 @@ autopilot
 
 # %%
 margins = autopilot.margins(plant)
-margins.stable, margins.status
+print(f"status: {margins.status}")
 
 # %%
 print(f"aero margin      {margins.aero_margin_dB:5.1f} dB: the gain may fall by so much")
@@ -49,10 +57,10 @@ print(f"phase margin     {margins.phase_margin_deg:5.1f} deg")
 print(f"delay margin     {margins.delay_margin:5.2f} s")
 
 # %%
-nichols_chart(autopilot, plant)
+_ = nichols_chart(autopilot, plant)
 
 # %%
-bode_chart(autopilot, plant)
+_ = bode_chart(autopilot, plant)
 
 # %% [markdown]
 # A review asks for numbers against a rule.
@@ -68,7 +76,7 @@ for one in tv.CRITERIA["aircraft"].judge(margins):
 # %%
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 beside = tv.compare_with_trim(plant, autopilot, wind)
-comparison_chart(beside)
+_ = comparison_chart(beside)
 
 # %% [markdown]
 # **Try:** half the attitude gain, `0.5 * gains.attitude_gain`: a third of the aero margin is gone,

@@ -1,21 +1,24 @@
 """Every notebook asks, runs to its answer, and says what the stored one beside it says."""
 
 import os
-import sys
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 
 import nbformat
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "docs"))
-
-import notebooks  # noqa: E402
-
-SOURCES = notebooks.sources()
+SOURCES = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
 every = pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.stem)
+
+
+@pytest.fixture
+def notebooks(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(ROOT / "notebooks")
+    return import_module("execute")
 
 
 @cache
@@ -24,7 +27,9 @@ def stored(source: Path):
 
 
 @every
-def test_a_notebook_says_what_it_said_when_it_was_stored(source: Path, monkeypatch) -> None:
+def test_a_notebook_says_what_it_said_when_it_was_stored(
+    notebooks: ModuleType, source: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
     new = notebooks.executed(source)
@@ -39,7 +44,7 @@ def test_a_notebook_says_what_it_said_when_it_was_stored(source: Path, monkeypat
 
 
 @every
-def test_a_stored_notebook_is_made_of_its_source(source: Path) -> None:
+def test_a_stored_notebook_is_made_of_its_source(notebooks: ModuleType, source: Path) -> None:
     shown, text = stored(source), notebooks.cells_of(source)
 
     assert [cell.source for cell in shown.cells] == [cell.source for cell in text.cells]
@@ -48,7 +53,9 @@ def test_a_stored_notebook_is_made_of_its_source(source: Path) -> None:
 
 
 @every
-def test_a_stored_notebook_is_small_and_shows_no_machine_and_no_address(source: Path) -> None:
+def test_a_stored_notebook_is_small_and_shows_no_machine_and_no_address(
+    notebooks: ModuleType, source: Path
+) -> None:
     raw = source.with_suffix(".ipynb").read_text(encoding="utf-8")
     said = "\n".join(text for cell in stored(source).cells for text in notebooks.texts(cell))
 
@@ -75,7 +82,7 @@ def test_a_notebook_has_its_question_an_equation_a_picture_something_to_try_and_
 
 
 def test_there_is_a_stored_notebook_for_each_source_and_no_other() -> None:
-    assert {path.stem for path in notebooks.FOLDER.glob("*.ipynb")} == {s.stem for s in SOURCES}
+    assert {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")} == {s.stem for s in SOURCES}
 
 
 @pytest.mark.parametrize(
@@ -88,7 +95,9 @@ def test_there_is_a_stored_notebook_for_each_source_and_no_other() -> None:
         ("off by 2.9e+01", "off by 7.5e+03", float("inf")),
     ],
 )
-def test_numbers_agree_within_what_is_shown_and_what_is_allowed(one, other, error) -> None:
+def test_numbers_agree_within_what_is_shown_and_what_is_allowed(
+    notebooks, one, other, error
+) -> None:
     assert notebooks.agree(one, other, error)
 
 
@@ -105,5 +114,5 @@ def test_numbers_agree_within_what_is_shown_and_what_is_allowed(one, other, erro
         ("0.5", "nan", 0.0),
     ],
 )
-def test_what_is_different_is_told(one, other, error) -> None:
+def test_what_is_different_is_told(notebooks, one, other, error) -> None:
     assert not notebooks.agree(one, other, error)

@@ -102,13 +102,16 @@ def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name,
     import matplotlib.pyplot as plt
 
     before = dict(mpl.rcParams)
-    plot = CHARTS[name](*make())
+    autopilot, plant = make()
+    plot = CHARTS[name](autopilot, plant)
 
     assert dict(mpl.rcParams) == before
     assert len(plt.get_fignums()) == 1
     assert isinstance(plot, control.ControlPlot)
     assert plots.curves_of(plot).name == name
-    assert plots.curves_of(plot).csv().startswith(f"# {name}: model ")
+    first = plots.curves_of(plot).csv().splitlines()[0]
+    vehicle = f"{plant.coefficients.name}, " if plant.coefficients.name else ""
+    assert first.startswith(f"# {name}: {vehicle}model ")
     verdict = "unstable closed loop" if make in UNSTABLE.values() else "stable closed loop"
     assert f": {verdict}" in heading(plot)
     for axes in plot.axes[-1]:

@@ -1,7 +1,7 @@
 """The notebooks: executed and kept small, `make notebooks`; and whether two runs of one agree.
 
-The text, `notebooks/*.py`, is the source. What stands beside it, `notebooks/*.ipynb`, is written
-from it with its outputs, so that it can be read where it cannot be run.
+The text, `01_poles.py` and so on, is the source. What stands beside it, `01_poles.ipynb`, is
+written from it with its outputs, so that it can be read where it cannot be run.
 """
 
 import base64
@@ -12,7 +12,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-FOLDER = Path(__file__).parents[1] / "notebooks"
+FOLDER = Path(__file__).parent
 COLOURS = 64
 """So many are kept of a figure: lines and their edges look the same, in a third of the bytes."""
 ROUNDING = 1e-9
@@ -56,7 +56,9 @@ def executed(source: Path) -> Any:
     from nbclient import NotebookClient
 
     notebook = cells_of(source)
-    NotebookClient(notebook, timeout=600, kernel_name="python3", record_timing=False).execute()
+    NotebookClient(
+        notebook, timeout=600, kernel_name="python3", record_timing=False, coalesce_streams=True
+    ).execute()
     notebook.metadata.language_info = {"name": "python"}  # else with the version that ran it
     for cell in notebook.cells:
         for output in cell.get("outputs", []):
