@@ -37,7 +37,7 @@ _TRIMS = "numba, for the flights of the trim law behind each curve"
 FLOORS = {
     "study --plot study.png": f"{_TRIMS}; pyplot",
     "report configuration-ii": f"{_TRIMS}; pyplot, two figures",
-    "report": "flights of four laws, 2,000 cases, five figures",
+    "report": "flights of five laws, 2,000 cases, five figures",
 }
 
 

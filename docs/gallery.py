@@ -196,7 +196,7 @@ def _lines(parts: dict[str, list[Figure]], folder: Path) -> Iterator[str]:
             yield f"![{one.words or one.name}](figures/{one.name}.png)"
             if (folder / f"{one.name}.csv").exists():
                 yield from ("", f"{{download}}`Its numbers <figures/{one.name}.csv>` (CSV)")
-    yield from ("", "What four laws with limits need is drawn in [](../laws.md).", "")
+    yield from ("", "What five laws with limits need is drawn in [](../laws.md).", "")
 
 
 def _is_old(picture: Path) -> bool:

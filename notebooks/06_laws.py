@@ -44,12 +44,14 @@ print(f"wind known {known:.3f}; no forecast {blind:.3f}; trim {trim:.3f}")
 # |Z| \le \min\big(r D,\ k \max(A, 1.1\,|w|) - \kappa D\big), \qquad D = \delta_{max}/B .$$
 #
 # $z$ is the coordinate of the growing mode, $w$ the wind that is felt and $Z$ the lean; $r$ is the
-# part of the recoverable set that is used, $A$ the design peak and $\kappa$ the trust.
+# part of the recoverable set that is used, $A$ the design peak and $\kappa$ the trust. Half
+# relief is three constant gains that turn the vehicle by half of the wind.
 
 # %% tags=["within 2e-3"]
 laws = {
     "trim": tv.TrimLaw(plant),
     "dead band 0.5": tv.DeadBandLaw(plant, dead_band=0.5),
+    "half relief": tv.SaturatedLaw(tv.half_relief_gains(plant.coefficients)),
     "recoverable attitude": tv.RecoverableAttitudeLaw(plant, design_peak=peak),
 }
 needs = {

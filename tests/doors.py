@@ -31,6 +31,8 @@ ANSWERS = {
     "FlownCases",
     "FlownMargin",
     "FlownMargins",
+    "FlownPlaneLimit",
+    "FlownPlanes",
     "ForecastFreeLimit",
     "LawTrial",
     "LeftOver",
@@ -129,6 +131,7 @@ def doors(folder: Path) -> dict[str, Door]:
     climb = tv.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
     dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
     shaped = tv.ShapedWind("triangular", 0.09, 7.5)
+    slanting = tv.ShapedWind("triangular", 0.09, 7.5, heading=1.0)
     campaign = tv.Campaign(vehicle=booster, wind=shaped, dispersions=dispersions, cases=8, chunk=4)
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
@@ -346,6 +349,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Criteria.own": Door(
             tv.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
         ),
+        "EstimatedLaw": Door(tv.EstimatedLaw, {"law": law, "estimator": estimator, "plant": plant}),
         "FilteredLaw": Door(
             tv.FilteredLaw,
             {
@@ -533,7 +537,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
         "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
-        "ShapedWind": Door(tv.ShapedWind, {"shape": "triangular", **pulse}),
+        "ShapedWind": Door(tv.ShapedWind, {"shape": "triangular", **pulse, "heading": 1.0}),
+        "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
+        "ShapedWind.peaks": Door(slanting.peaks, {"attitude": 0.8}),
         "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
         "Sizing.not_sized": Door(sizing.not_sized, {"name": "K = 1"}),
         "Sizing.worst_in": Door(sizing.worst_in, {"wind": sizing.winds[0]}),
@@ -579,6 +585,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "yaw",
                 "switch": "report",
                 "gust": gust,
+                "heading": 1.0,
+                "stop": ellipse,
             },
         ),
         "StudyPlan": Door(
@@ -587,11 +595,12 @@ def doors(folder: Path) -> dict[str, Door]:
                 "vehicle": booster,
                 "model": "drift",
                 "plane": "yaw",
-                "wind": shaped,
+                "wind": slanting,
                 "gust": gust,
                 "limit": 0.01,
                 "dead_band": 0.5,
                 "switch": "report",
+                "nozzle_stop": "square",
                 "laws": tv.LawsAsked(),
                 "gains": tv.GainsAsked(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],
@@ -755,6 +764,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "deflection_limit": 0.01,
                 "sample_rate": 60.0,
                 "delay": 0.01,
+                "gain": 1.0,
                 **hardware,
             },
         ),
@@ -811,6 +821,35 @@ def doors(folder: Path) -> dict[str, Door]:
                 "delay": 0.01,
                 "gain": 1.0,
                 **hardware,
+            },
+        ),
+        "fly_planes": Door(
+            tv.fly_planes,
+            {
+                "plant": exact,
+                "law": law,
+                "wind": veering,
+                "deflection_limit": 0.01,
+                "stop": ellipse,
+                "saturate": "radial",
+                "sample_rate": 60.0,
+                "delay": 0.01,
+                "yaw_plant": exact,
+                "rate_limit": 1.0,
+                "actuator": tv.Actuator(natural_frequency=25.0, damping=None),
+            },
+        ),
+        "flown_plane_limit": Door(
+            tv.flown_plane_limit,
+            {
+                "plant": exact,
+                "law": law,
+                "wind": veering,
+                "stop": ellipse,
+                "saturate": "radial",
+                "sample_rate": 20.0,
+                "lowest": 0.5,
+                "highest": 1.5,
             },
         ),
         "fly_planar": Door(
@@ -875,6 +914,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "load_campaign": Door(tv.load_campaign, {"path": campaign_file}),
+        "half_relief_gains": Door(tv.half_relief_gains, {"coefficients": coefficients, **options}),
         "load_minimum_gains": Door(
             tv.load_minimum_gains, {"coefficients": coefficients, **poles, **options}
         ),
@@ -1010,6 +1050,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "dead_bands": [1.0],
                 "model": "drift-exact",
                 "plane": "pitch",
+                "stop": "round",
                 "progress": None,
                 "placing": "peak",
                 "window": 20.0,

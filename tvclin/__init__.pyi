@@ -76,6 +76,7 @@ from .control.autopilot.detuning import detuned as detuned
 from .control.autopilot.gains import canonical_gains as canonical_gains
 from .control.autopilot.gains import design_gains as design_gains
 from .control.autopilot.gains import drift_minimum_gains as drift_minimum_gains
+from .control.autopilot.gains import half_relief_gains as half_relief_gains
 from .control.autopilot.gains import load_minimum_gains as load_minimum_gains
 from .control.autopilot.gains import relief_gains as relief_gains
 from .control.autopilot.optimal import lqr_gains as lqr_gains
@@ -87,6 +88,7 @@ from .control.comparison.trim import TrimComparison as TrimComparison
 from .control.comparison.trim import compare_with_trim as compare_with_trim
 from .control.laws.attitude import SaturatedLaw as SaturatedLaw
 from .control.laws.dead_band import DeadBandLaw as DeadBandLaw
+from .control.laws.estimated import EstimatedLaw as EstimatedLaw
 from .control.laws.estimator import WindEstimator as WindEstimator
 from .control.laws.filtered import FilteredLaw as FilteredLaw
 from .control.laws.law import Law as Law
@@ -114,6 +116,10 @@ from .flights.closed_loop.flown_record import FlownMargins as FlownMargins
 from .flights.closed_loop.fly import fly as fly
 from .flights.closed_loop.many import FlownCases as FlownCases
 from .flights.closed_loop.many import fly_many as fly_many
+from .flights.closed_loop.planes import FlownPlaneLimit as FlownPlaneLimit
+from .flights.closed_loop.planes import FlownPlanes as FlownPlanes
+from .flights.closed_loop.planes import flown_plane_limit as flown_plane_limit
+from .flights.closed_loop.planes import fly_planes as fly_planes
 from .flights.control import ReportControl as ReportControl
 from .flights.flown_boundary import FlownBoundary as FlownBoundary
 from .flights.flown_boundary import flown_boundary as flown_boundary

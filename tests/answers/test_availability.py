@@ -23,7 +23,7 @@ STRAIGHT = 1e-5
 """Trim and demand are looked at where the wind has knots, and where they meet; within half a second
 between knots trim alone may be higher by some parts of a million."""
 EDGE = 4e-3
-"""Limits are tried in steps of 1/125 of what lies between a need and the largest trim, here less
+"""Limits are tried in steps of 1/625 of what lies between a need and the largest trim, here less
 than half of it."""
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin.boundary.closed_forms import triangular_limit
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
@@ -145,3 +146,33 @@ def test_a_model_that_leaves_out_what_the_exact_one_needs_says_so(
         assert f"unstable modes that {model} leaves out" in said
     assert "leaves out, and" not in _notes(vehicle, 7.5, 1.0, "drift-exact")
     assert "leaves out, and" not in _notes(configuration_i, 7.5, 1.0, "fixed-path")
+
+
+@pytest.mark.parametrize(
+    ("duration", "dead_band", "damping", "told"),
+    [
+        (20.0, 0.5, 0.0, True),
+        (20.0, 0.5, 0.024, False),  # it has one
+        (20.0, 1.0, 0.0, False),  # a slower pole asks for less
+        (4.5, 0.5, 0.0, False),  # tau*beta = 2.4
+        (7.0, 0.5, 0.0, False),  # 3.7: below 4.09 a slower pole asks for less
+        (9.0, 0.5, 0.0, True),  # 4.8
+        (7.0, 0.0, 0.0, True),
+    ],
+)
+def test_a_study_tells_where_leaving_damping_out_promises_too_much(
+    configuration_i, duration, dead_band, damping, told
+) -> None:
+    """Where what is required with a pole four percent slower is more, and by how much."""
+    vehicle = configuration_i.replace(pitch_damping=damping * configuration_i.moment_of_inertia)
+    said = _notes(vehicle, duration, dead_band, "fixed-path")
+    assert ("no pitch_damping is given" in said) == told
+    if told:
+        x = duration * float(tv.Coefficients.from_vehicle(vehicle).beta)
+        more = 100 * (triangular_limit(0.96 * x, dead_band) / triangular_limit(x, dead_band) - 1)
+        assert f"would need {more:.1f} percent more" in said
+
+
+def test_a_stable_vehicle_is_told_nothing_of_damping(configuration_i) -> None:
+    stable = configuration_i.replace(aerodynamic_arm=-1.0)
+    assert "damping" not in _notes(stable, 20.0, 0.5, "fixed-path")

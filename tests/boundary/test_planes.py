@@ -509,3 +509,39 @@ def test_planes_of_other_models_are_served_together():
 def test_the_optimum_is_of_one_wind():
     with pytest.raises(InputError, match="got a batch of shape"):
         tv.plane_optimum(PLANT, PlaneWind.veering(triangle(4.0), [0.0, 1.0], 0.1))
+
+
+@pytest.mark.parametrize("time", [66.0, 97.0, 112.0])
+def test_slow_poles_far_below_the_fast_ones_have_no_say_in_the_minimum(time) -> None:
+    """Late in the flight the slow modes are served when the fast ones are long settled.
+
+    Then the least is that of the fast modes, as for each plane alone; the planes are almost equal,
+    so it is the norm of both.
+    """
+    vehicle = tv.load_schedule("configuration-i").at(time)
+    gust = tv.TriangularWind(peak=0.08, duration=7.5)
+    wind = PlaneWind.towards(gust, np.radians(55))
+    pitch, yaw = (tv.Plant.from_vehicle(vehicle, "drift-exact", p) for p in ("pitch", "yaw"))
+    best = tv.plane_optimum(pitch, wind, yaw_plant=yaw)
+    assert best.certificate.gap < 1e-4
+    assert best.certificate.residual < 1e-12
+    alone = [tv.optimum_deflection(p, w).peak for p, w in ((pitch, wind.pitch), (yaw, wind.yaw))]
+    assert best.peak <= np.hypot(*alone) * (1.0 + 1e-4)
+    assert best.certificate.dual >= np.hypot(*alone) * (1.0 - 1e-4)
+
+
+def test_where_trim_grows_a_turning_wind_has_no_dead_band() -> None:
+    """With b1 < 0 what trims the wind drives the path on; a straight wind has its scalar answer."""
+    c = tv.Coefficients.from_beta(beta=0.5, B=0.1).replace(b1=-0.02, b2=0.01)
+    plant, gust = tv.Plant.from_coefficients(c, "drift-exact"), triangle(4.0)
+    turning = PlaneWind.veering(gust, angle=0.0, rate=0.2)
+    with pytest.raises(tv.InputError, match="needs plants with b1 of zero or more"):
+        tv.plane_limit(plant, turning)
+    assert tv.plane_limit(plant, turning, dead_band=0.0).limit > 0.0
+    straight = tv.plane_limit(plant, PlaneWind.towards(gust, 0.4))
+    assert straight.limit == pytest.approx(tv.boundary_limit(plant, gust).limit, rel=1e-12)
+
+
+def test_a_cluster_that_cannot_trim_its_own_jammed_engine_is_refused() -> None:
+    with pytest.raises(tv.InputError, match="engines must"):
+        tv.Cluster([tv.ClusterEngine(at=1, state="stuck", deflection=1), tv.ClusterEngine(at=-1)])

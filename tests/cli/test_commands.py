@@ -38,6 +38,26 @@ def test_the_study_prints_the_report_numbers() -> None:
         assert number in result.output
 
 
+def test_a_damped_vehicle_is_shown_with_its_pole(tmp_path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text(template() + "\n", encoding="utf-8")
+    undamped = run("study", str(mine))
+    assert "damping" not in undamped.output.replace("pitch_damping is given", "")
+    line = "# pitch_damping_N_m_s_per_rad = 5.0e6"
+    mine.write_text(template().replace(line, line[2:]), encoding="utf-8")
+    shown = run("study", str(mine))
+    c = tv.Coefficients.from_vehicle(tv.load_vehicle(mine))
+    for said in ("pitch damping M_q", f"{c.pole:.4f}", f"{c.damping:.5f}", f"{c.beta:.4f}"):
+        assert said in shown.output
+    document = json.loads(run("study", str(mine), "--json").output)
+    assert document["coefficients"]["pole_per_s"] == c.pole
+    assert document["coefficients"]["damping"] == c.damping
+    assert "tau*p" in run("boundary", str(mine)).output
+    assert "tau*beta" in run("boundary", "configuration-i").output
+    for source, key in ((str(mine), "tau_p"), ("configuration-i", "tau_beta")):
+        assert key in json.loads(run("boundary", source, "--json").output)
+
+
 def test_json_equals_the_library() -> None:
     document = json.loads(run("study", "configuration-ii", "--limit-deg", "0.2", "--json").output)
     expected = tv.Study.from_vehicle(

@@ -262,3 +262,25 @@ def test_the_response_is_two_unlike_exponentials():
     np.testing.assert_allclose(
         found, sp.lambdify(t, c.subs(numbers) - 1)(times), rtol=1e-11, atol=1e-15
     )
+
+
+@pytest.mark.parametrize(
+    ("tau_pole", "more"), [(2.0, False), (3.5, True), (4.4, True), (6.0, False)]
+)
+def test_the_bound_without_forecast_turns_twice(tau_pole, more):
+    """From 2.51 to 4.46 it is that of a wind that goes on, W(0); beyond, half the largest W."""
+    plant = tv.Plant(tv.Coefficients.from_beta(beta=1.0, B=0.1))
+    now, slower = (
+        tv.forecast_free_limit(plant, tv.TriangularWind(peak=PEAK, duration=part * tau_pole)).limit
+        for part in (1.0, 0.96)
+    )
+    assert (slower > now) == more
+
+
+def test_what_a_pole_four_percent_slower_changes_is_what_the_page_says():
+    """The table of docs/limits.md, from eq (12)."""
+    page = {1.0: (0.6885, 0.6786, 0.9010, 0.8969), 0.5: (0.5588, 0.5580, 0.2843, 0.2957)}
+    page[0.0] = (0.3738, 0.3793, 0.1426, 0.1485)
+    for K_, numbers in page.items():
+        found = triangular_limit(np.array([4.0, 0.96 * 4.0, 14.0, 0.96 * 14.0]), K_)
+        np.testing.assert_allclose(found, numbers, atol=5e-5)

@@ -300,6 +300,17 @@ def test_margins_can_be_read_from_the_map():
     assert np.all(chart.growth < 0.0)
 
 
+def test_filters_of_a_law_are_in_its_margins():
+    """Far from the stop those of the filtered loop; a bilinear filter is exact at its frequency."""
+    shelf = tv.Filter.low_pass(6.0, 0.7)
+    law = tv.FilteredLaw(LAWS["attitude and rate"], filters=(shelf,))
+    found = tv.flown_margins(PLANT, law, WIND, limit=300.0 * TRIM, actuator=SERVO)
+    linear = replace(GAINS, filters=(shelf,), actuator=SERVO, delay=0.005).margins(PLANT)
+    assert found.gain_fall.value == pytest.approx(linear.aero_margin, rel=2e-3)
+    assert found.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)
+    assert found.delay.value == pytest.approx(linear.delay_margin, abs=1e-4)
+
+
 def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
     law = tv.RecoverableAttitudeLaw(PLANT, reach=1.0, gain=6.0)
     wind = tv.SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))

@@ -165,6 +165,22 @@ def test_the_boundary_moves_about_as_the_price_of_trim():
     assert abs(moved) < 5.0
 
 
+def test_a_map_of_boundaries_is_of_the_flexible_vehicle_too():
+    """Each of its boundaries by flights of the plant with that gain and delay, filters and all."""
+    law = tv.FilteredLaw(
+        tv.TrimLaw(PLANT.rigid, gain=1.0), filters=(tv.Filter.low_pass(30.0, 0.7),)
+    )
+    nozzle = {"actuator": SERVO, "sample_rate": RATE}
+    chart = tv.boundary_map(PLANT, law, WIND, [0.9, 1.2], [0.0, 0.05], **nozzle)
+    moment = float(PLANT.coefficients.B) * WIND.peak
+    for gain, row in zip(chart.gains, chart.limit, strict=True):
+        for delay, limit in zip(chart.delays, row, strict=True):
+            tried = np.array([0.998, 1.002, 1.1]) * limit * moment
+            options = {"gain": gain, "delay": delay, "deflection_limit": tried, **nozzle}
+            flown = tv.fly_many(PLANT, law, WIND, **options)
+            assert (flown.status == "survived").tolist() == [False, True, True]
+
+
 BOOSTER = tv.FlexiblePlant.from_vehicle(
     tv.load_vehicle("made-up-booster"), tv.load_structure("made-up-booster"), "drift-exact"
 )

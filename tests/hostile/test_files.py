@@ -181,7 +181,7 @@ def test_a_long_command_shows_a_bar_on_a_terminal_alone() -> None:
     shown = CliRunner().invoke(app, command, env={"FORCE_COLOR": "1"})
 
     assert quiet.stderr == ""
-    assert "48 flights" in shown.stderr  # four laws, four scans, the wind and two stops
+    assert "60 flights" in shown.stderr  # five laws, four scans, the wind and two stops
     assert quiet.stdout == shown.stdout
 
 

@@ -95,7 +95,7 @@ NAMES = (
     *("literal", "canonical", "poles", "drift-minimum", "load-minimum", "lqr", "classic"),
     *("aircraft", "nichols", "bode", "nyquist", "root-locus", "planar", "trim", "dead-band"),
     *("saturated", "recoverable", "flown", "K = 1", "", " ", ".", "..", "/", "none.toml", "~"),
-    *(LONG, f"{LONG}.toml"),
+    *(LONG, f"{LONG}.toml", "half-relief"),
 )
 numbers = st.one_of(
     st.sampled_from(NUMBERS),

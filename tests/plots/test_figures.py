@@ -114,6 +114,32 @@ def test_boundary_chart_of_a_vehicle_includes_its_drift(configuration_i):
     assert found.column("triangular, K = 1")[1] == pytest.approx(0.66484, abs=5e-6)
 
 
+def test_with_damping_durations_are_in_times_of_the_pole_and_say_so(configuration_i):
+    """On the axis, in the legend and in the numbers; without it nothing is called otherwise."""
+    damped = configuration_i.replace(pitch_damping=0.3 * configuration_i.moment_of_inertia)
+    c, plain = (tv.Coefficients.from_vehicle(one) for one in (damped, configuration_i))
+    plant, x, peak = tv.Plant(c, "drift"), np.array([2.0, 4.0]), 0.08
+    expected = [
+        tv.boundary_limit(plant, tv.TriangularWind(peak=peak, duration=b / c.pole), 0.5).limit
+        for b in x
+    ]
+    chart = plots.boundary_chart(x, [0.5], c).curves
+    np.testing.assert_allclose(chart.column("triangular, K = 0.5"), expected, rtol=1e-12)
+    figure = plots.figure_5(x, [0.5], [damped]).curves
+    np.testing.assert_allclose(figure.columns[1].values, expected, rtol=1e-12)
+    laws = plots.laws_chart(plant, {}, peak, x).curves
+    wind = tv.TriangularWind(peak=peak, duration=4.0 / c.pole)
+    needed = tv.required_deflection(plant, wind).limit
+    assert laws.column("required, K = 1")[1] == pytest.approx(needed, rel=1e-12)
+    for found in (chart, figure, laws):
+        assert "tau*p" in found.abscissa_label
+        assert "beta" not in found.parameters
+    assert "tau*beta" in plots.boundary_chart(x, [0.5], plain).curves.abscissa_label
+    figures = plots.figure_6(damped, tau_beta=[4.0], points=11)
+    assert set(figures.curves.panels) == {"tau*p = 4"}
+    assert "(B9)" not in "".join(text.get_text() for text in figures.figure.texts)
+
+
 @pytest.mark.parametrize(("draw", "K"), [(plots.figure_3, 1.0), (plots.figure_4, 0.5)])
 @pytest.mark.parametrize("factor", [0.8, 0.9, 1.1, 1.2])
 def test_figures_3_and_4_are_equation_13(draw, K, factor):

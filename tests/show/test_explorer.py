@@ -23,7 +23,15 @@ from tvclin.cli.app import app
 from tvclin.kernels.choice import pinned
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import GAINS, LAWS, RECOVERABLE, REPORT, TRIM, Choices
+from tvclin.show.explorer.choices import (
+    GAINS,
+    HALF_RELIEF,
+    LAWS,
+    RECOVERABLE,
+    REPORT,
+    TRIM,
+    Choices,
+)
 from tvclin.show.explorer.notebook import notebook_text
 from tvclin.show.explorer.parts import law_of
 from tvclin.show.explorer.picture import new_picture, round_up
@@ -114,6 +122,17 @@ def test_a_flight_and_its_outcome_are_those_of_the_kernels(law: str, limit: floa
     assert found.survived is (str(outcome.status) == "survived")
 
 
+@pytest.mark.parametrize("shape", ["triangular", "rectangular"])
+def test_the_curve_of_a_damped_vehicle_is_that_of_its_pole(shape: str) -> None:
+    booster = tv.load_vehicle("configuration-i")
+    damped = booster.replace(pitch_damping=0.3 * booster.moment_of_inertia)
+    found = parts.boundary_point(damped, "pitch", "fixed-path", shape, 0.5, 9.0).value
+    kind = tv.TriangularWind if shape == "triangular" else tv.RectangularWind
+    plant = tv.Plant.from_vehicle(damped)
+    needed = tv.boundary_limit(plant, kind(peak=0.1, duration=9.0), 0.5)
+    assert found == pytest.approx(abs(needed.deflection) / 0.1, rel=1e-12)
+
+
 def test_what_did_not_change_is_not_computed_again() -> None:
     c = asked(peak=0.031)
     answer(c)
@@ -145,7 +164,7 @@ def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
     assert all(len(note.split()) > 3 for note in found.notes)
     if arm < 0.0:
         assert found.verdict.startswith("No deflection is needed")
-        assert bool(found.notes) is (law in (TRIM, "dead band", RECOVERABLE))
+        assert bool(found.notes) is (law in (TRIM, "dead band", HALF_RELIEF, RECOVERABLE))
     else:
         assert found.verdict.startswith("No answer")
         assert "mu_alpha other than zero" in found.notes[0]

@@ -72,7 +72,7 @@ def _asked(found: Findings) -> Iterator[Question]:
 
 
 def _wind(found: Findings) -> Question:
-    need, by = found.study.required_deflection, found.study.requirement.governs
+    need, by = found.study.required_deflection, found.study.governs
     needed = degrees("asked.required", need, unit="deg")
     line: Line = ("this wind needs ", *needed, f", by {by}")
     if not need:

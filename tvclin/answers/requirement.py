@@ -168,7 +168,7 @@ def required_deflection(
     least = np.max(list(needs.values()), axis=0)
     beaten = (least > needs[BOUNDARY] * (1.0 + ROUNDING)) | (whole is not None)
     can = (K == 1.0) & _can_fly(plant) & np.isfinite(least)
-    flies = can & (_path_counts(plant) | _comes_back(wind) | beaten)
+    flies = can & (path_counts(plant) | _comes_back(wind) | beaten)
     if plant.model != "fixed-path" and np.any(can & ~flies):
         flies = flies | _lost(plant, blows, _LITTLE * least, can & ~flies)
     needs[TRIM_LAW] = _trim_law_flown(plant, blows, flies, least)
@@ -288,8 +288,8 @@ def _comes_back(wind: History) -> NDArray[np.bool_]:
     return np.asarray(np.any(fallen & (change > ROUNDING * size), axis=-1))
 
 
-def _path_counts(plant: Plant) -> NDArray[np.bool_]:
-    """Whether the path has a say beside the fastest mode: in a second one, or by its own pace."""
+def path_counts(plant: Plant) -> NDArray[np.bool_]:
+    """Return whether the path has a say beside the fastest mode: in a second, or by its pace."""
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:
         return np.zeros(plant.batch, dtype=bool)

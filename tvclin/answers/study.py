@@ -11,6 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.planes import PlanesNeeded, planes_needed
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.cards import Row, card
 from tvclin.base.errors import InputError, between, instance, number, one_of, positive, single
@@ -19,13 +20,15 @@ from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING, BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.boundary.stops import CircularStop, Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import MODELS, Plant, available_models
-from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import PULSES, pulse
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.shaped import PULSES, ShapedWind, part_in, pulse
 
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
@@ -44,7 +47,9 @@ TRUSTS = "trusts a forecast"
 """Of a wind and of a dead band, in the notes of a study."""
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-STUDY_TABLE = Table("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
+STUDY_TABLE = Table(
+    "[study]", words=("vehicle", "model", "plane", "dead_band", "switch", "nozzle_stop")
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +97,13 @@ class Study:
     notes : tuple of str
         What the reader should know before believing the numbers; often nothing.
     gust : History or None
-        What blows on top of the wind, in its time.
+        What blows on top of the wind, in its time; its part in the plane.
+    slanting : ShapedWind or None
+        The wind with its direction, where that is known; `wind` is its part in the plane.
+    planes : PlanesNeeded or None
+        What such a wind asks of both planes at the dead band and model of the verdict.
+    in_both : bool
+        Whether the verdict is on both planes.
     """
 
     vehicle: Vehicle
@@ -115,6 +126,9 @@ class Study:
     minima: dict[str, float]
     notes: tuple[str, ...] = ()
     gust: History | None = None
+    slanting: ShapedWind | None = None
+    planes: PlanesNeeded | None = None
+    in_both: bool = False
 
     @classmethod
     def from_vehicle(
@@ -130,6 +144,8 @@ class Study:
         plane: str = "pitch",
         switch: str = "literal",
         gust: History | None = None,
+        heading: float | None = None,
+        stop: Stop | str | None = None,
     ) -> Self:
         """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
 
@@ -142,7 +158,7 @@ class Study:
         duration : float
             Duration tau [s].
         peak : float
-            Wind angle of attack alpha_w,max [rad].
+            Wind angle of attack alpha_w,max [rad]; with a heading the size of the vector.
         limit : float, optional
             Deflection capability delta_max [rad], positive, to be judged.
         dead_band : float
@@ -155,12 +171,19 @@ class Study:
             What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
         gust : History, optional
             A gust that is added to the wind, in its time, such as `OneMinusCosineGust`; see
-            `History.shift`.
+            `History.shift`. With a heading it is along the wind.
+        heading : float, optional
+            Direction [rad] from which a horizontal wind blows, clockwise from that of the flight:
+            pi is a tail wind, pi/2 one from the right. The study is of its part in the plane.
+        stop : Stop or str, optional
+            What the nozzle can do in both planes, as of `size`: then the verdict is on both. It
+            needs a heading.
 
         Raises
         ------
         InputError
-            For a batch of vehicles or gusts, a wind and gust whose sum changes its sign, an unknown
+            For a stop without a heading, a wind that does nothing in the plane, and
+            for a batch of vehicles or gusts, a wind and gust whose sum changes its sign, an unknown
             shape, model or plane, and numbers out of range.
 
         Examples
@@ -178,9 +201,22 @@ class Study:
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
         coefficients = Coefficients.from_vehicle(vehicle, plane)
         single("vehicle", coefficients.batch)
+        shape = None if stop is None else stop_of(stop)
+        if gust is not None:
+            instance("gust", gust, History, "such as OneMinusCosineGust")
+            single("gust", gust.batch)
+        planes = slanting = None
+        if heading is not None:
+            slanting = ShapedWind(wind, peak, duration, heading)
+            planes = _both_planes(vehicle, model, slanting, gust, shape, dead_band)
+            alone_peak = slanting.in_plane(plane, float(np.asarray(vehicle.attitude))).peak
+            gust = None if gust is None else gust * (alone_peak / peak)
+            peak = alone_peak
+        elif shape is not None:
+            raise InputError("stop needs a heading: a wind without a direction has one plane")
         plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
         alone = pulse("wind", wind, peak, duration)
-        history = alone if gust is None else _with_gust(alone, gust)
+        history = alone if gust is None else alone + gust
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
@@ -196,7 +232,12 @@ class Study:
             *_forecast_trusted(required, dead_band, free),
             *_undamped(plant, history, required, dead_band),
             *_doubts(vehicle, plane, peak),
+            *_of_planes(planes, plane, shape),
         )
+        if planes is not None and shape is not None:
+            judged = _judged(planes.deflection, planes.peak, limit)
+        else:
+            judged = _judged(abs(float(required.deflection)), float(history.peak), limit)
         return cls(
             vehicle=vehicle,
             plane=plane,
@@ -213,14 +254,26 @@ class Study:
             limit=limit,
             notes=notes,
             gust=gust,
+            slanting=slanting,
+            planes=planes,
+            in_both=shape is not None,
             **needed,
-            **_judged(required, history, limit),
+            **judged,
         )
 
     @property
     def required_deflection(self) -> float:
         """The deflection [rad] that is required at the verdict's model and dead band, a size."""
+        if self.planes is not None and self.in_both:
+            return self.planes.deflection
         return abs(float(self.requirement.deflection))
+
+    @property
+    def governs(self) -> str:
+        """What the required deflection is governed by, in words."""
+        if self.planes is not None and self.in_both:
+            return self.planes.governs
+        return self.requirement.governs
 
     @property
     def needs(self) -> dict[str, dict[str, float]]:
@@ -243,19 +296,13 @@ class Study:
             ("wind", f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s", ""),
             ("dead band", self.dead_band, "-"),
             ("required deflection", deg(self.required_deflection), "deg"),
-            ("governed by", self.requirement.governs, ""),
+            ("governed by", self.governs, ""),
             ("ideal trim", deg(self.trim_deflection), "deg"),
         ]
         if self.limit is not None:
             word = "sufficient" if self.sufficient else "NOT sufficient"
             rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
         return card(self.vehicle.name or "Study", rows)
-
-
-def _with_gust(wind: History, gust: History) -> History:
-    instance("gust", gust, History, "such as OneMinusCosineGust")
-    single("gust", gust.batch)
-    return wind + gust
 
 
 def _capability(limit: float) -> float:
@@ -275,12 +322,44 @@ def _needed(
     }
 
 
-def _judged(required: RequiredDeflection, wind: History, limit: float | None) -> dict[str, Any]:
+def _both_planes(
+    vehicle: Vehicle,
+    model: str,
+    wind: ShapedWind,
+    gust: History | None,
+    stop: Stop | None,
+    dead_band: float,
+) -> PlanesNeeded:
+    """What a wind with a heading asks of both planes, with a round stop where none is given."""
+    peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
+    plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
+    both = PlaneWind(**{plane: part_in(wind, peaks, plane, gust) for plane in PLANES})
+    return planes_needed(plants, both, stop or CircularStop(), dead_band)
+
+
+def _of_planes(planes: PlanesNeeded | None, plane: str, stop: Stop | None) -> Iterator[str]:
+    """What a wind with a direction changes."""
+    if planes is None:
+        return
+    missing = 100.0 * planes.misses(plane)
+    if stop is None:
+        yield (
+            f"this wind blows in both planes: with a round stop they need"
+            f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone asks for"
+            f" {missing:.0f} % too little (--stop, nozzle_stop judge both)"
+        )
+        return
+    yield (
+        f"the verdict is on both planes with one stop, of whose requirement the {plane} plane alone"
+        f" asks for {missing:.0f} % too little; all else is of that plane"
+    )
+
+
+def _judged(needed: float, peak: float, limit: float | None) -> dict[str, Any]:
     """Whether a limit is enough, and what it survives; None without one."""
     if limit is None:
         return {"sufficient": None, "survivable_peak": None}
-    needed = abs(float(required.deflection))
-    survived = float(wind.peak) * limit / needed if needed else np.inf
+    survived = peak * limit / needed if needed else np.inf
     return {"sufficient": bool(covers(limit, needed)), "survivable_peak": survived}
 
 

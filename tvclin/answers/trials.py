@@ -24,7 +24,7 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.base.tables import Table
-from tvclin.control.autopilot.gains import canonical_gains
+from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law
@@ -40,7 +40,13 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-STANDARD_LAWS = ("attitude and rate", "trim", "dead band 0.5", "recoverable attitude")
+STANDARD_LAWS = (
+    "attitude and rate",
+    "trim",
+    "dead band 0.5",
+    "half relief",
+    "recoverable attitude",
+)
 """Names of the laws of the trials."""
 LAWS_TABLE = Table(
     "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
@@ -190,6 +196,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
         SaturatedLaw(gains),
         TrimLaw(fixed),
         DeadBandLaw(fixed),
+        SaturatedLaw(half_relief_gains(plant.coefficients)),
         RecoverableAttitudeLaw(plant, design_peak=peak),
     )
     return dict(zip(STANDARD_LAWS, laws, strict=True))

@@ -22,6 +22,7 @@ from tvclin.base.errors import (
     between,
     finite,
     number,
+    one_of,
     shown,
     whole_number,
     within,
@@ -35,6 +36,8 @@ _GRID, _ROUNDS = 17, 16
 """Points of a grid that is laid into two cells of the one before: after 16 rounds, 4e-15 of it."""
 _MOST_CORNERS = 10_000
 _LARGEST = 1e100
+_NOTHING = 1e-290
+"""A vector that is shorter has no direction."""
 _ROUNDING = 1e-12
 _SIDES = 360
 _SMALL, _LARGE = 1e-6, 1e6
@@ -171,7 +174,8 @@ class CircularStop(Stop):
     def farthest(self, direction: ArrayLike) -> Vectors:
         """Return the point of the shape that is furthest along vectors."""
         d = vectors("direction", direction)
-        return np.asarray(d / np.where(d == 0.0, 1.0, np.abs(d)))
+        size = np.abs(d)
+        return np.asarray(d / np.where(size < _NOTHING, 1.0, size))
 
 
 @dataclass(frozen=True)
@@ -217,7 +221,7 @@ class EllipticStop(Stop):
         """Return the point of the shape that is furthest along vectors."""
         d = vectors("direction", direction)
         grown = self.pitch**2 * np.real(d) + 1j * self.yaw**2 * np.imag(d)
-        return np.asarray(grown / np.where(d == 0.0, 1.0, self.support(d)))
+        return np.asarray(grown / np.where(np.abs(d) < _NOTHING, 1.0, self.support(d)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,3 +298,22 @@ class SquareStop(PolygonStop):
         PolygonStop.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit(angle)
         )
+
+
+_WORDS: dict[str, Callable[[], Stop]] = {
+    "round": CircularStop,
+    "round-each-plane": lambda: CircularStop().each_plane(),
+    "square": SquareStop,
+    "square-45": lambda: SquareStop(np.pi / 4.0),
+}
+STOPS = tuple(_WORDS)
+"""Stops that files and options name."""
+
+
+def stop_of(stop: Stop | str) -> Stop:
+    """Return a stop itself, or that of a word of `STOPS`; raise `InputError` for anything else."""
+    if isinstance(stop, Stop):
+        return stop
+    if not isinstance(stop, str):
+        raise InputError(f"stop must be one of {', '.join(STOPS)}, or a Stop; got {shown(stop)}")
+    return _WORDS[one_of("stop", stop, STOPS)]()

@@ -57,7 +57,7 @@ def boundary(
                 "vehicle": name or None,
                 "wind": wind,
                 "model": model if vehicle else "fixed-path",
-                "tau_beta": x,
+                axis.replace("*", "_"): x,
                 "dead_band": K,
                 "limit": limits.limit,
                 "status": limits.status.tolist(),

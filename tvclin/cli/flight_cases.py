@@ -15,6 +15,7 @@ LAWS = {
     "trim": "trim",
     "dead-band": "dead band 0.5",
     "saturated": "attitude and rate",
+    "half-relief": "half relief",
     "recoverable": "recoverable attitude",
 }
 """What the laws of `tvclin laws` are called here."""

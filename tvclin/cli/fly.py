@@ -44,7 +44,7 @@ def fly(
         str, typer.Option(help="planar: nonlinear, one plane; sixdof: JSBSim, six degrees.")
     ] = "planar",
     law: Annotated[
-        str, typer.Option(help="report, trim, dead-band, saturated or recoverable.")
+        str, typer.Option(help="report, trim, dead-band, saturated, half-relief or recoverable.")
     ] = "report",
     dead_band: Annotated[
         float | None, typer.Option(help="Dead band K: of report (1) or of dead-band (0.5).")

@@ -21,8 +21,8 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, poles, drift-minimum, load-minimum or lqr;"
-            " canonical if nothing is given."
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum or"
+            " lqr; canonical if nothing is given."
         ),
     ] = None
     natural_frequency: Annotated[

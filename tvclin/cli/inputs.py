@@ -74,19 +74,44 @@ def note_structure(
 
 
 def peak_angle(
-    vehicle: "Vehicle", plane: str, peak_deg: float | None, peak_speed: float | None
+    vehicle: "Vehicle",
+    plane: str,
+    peak_deg: float | None,
+    peak_speed: float | None,
+    heading: float | None = None,
 ) -> float:
-    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was."""
+    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was.
+
+    With a heading [rad] it is the size of the vector of both planes.
+    """
     import numpy as np
 
     from tvclin.base.errors import InputError
-    from tvclin.winds.speed import angle_in_plane
+    from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
     if peak_speed is None:
         return float(np.radians(5.0 if peak_deg is None else peak_deg))
     if peak_deg is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
+    if heading is not None:
+        at = float(np.asarray(vehicle.velocity)), float(np.asarray(vehicle.attitude))
+        return float(np.hypot(*angles_from_speed(peak_speed, *at, heading)))
     return float(angle_in_plane(peak_speed, vehicle.velocity, vehicle.attitude, plane))
+
+
+def heading_given(wind_direction_deg: float | None, azimuth_deg: float | None) -> float | None:
+    """Return the heading of the wind [rad] that options give; None without --wind-direction-deg."""
+    import numpy as np
+
+    from tvclin.base.errors import number
+    from tvclin.winds.file import heading_of
+
+    names = ("--wind-direction-deg", "--azimuth-deg")
+    direction, azimuth = (
+        None if value is None else float(np.radians(number(name, value)))
+        for name, value in zip(names, (wind_direction_deg, azimuth_deg), strict=True)
+    )
+    return heading_of(direction, azimuth, names)
 
 
 def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":
@@ -110,6 +135,7 @@ def changed_plan(
     peak: tuple[float | None, float | None],
     limit_deg: float | None,
     given: dict[str, Any],
+    heading: float | None = None,
 ) -> "StudyPlan":
     """Return the plan with what the options say in place of the file."""
     from dataclasses import replace
@@ -121,8 +147,10 @@ def changed_plan(
     changes = {name: value for name, value in given.items() if value is not None}
     if limit_deg is not None:
         changes["limit"] = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
-    asked: dict[str, Any] = {"shape": wind, "duration": duration}
+    asked: dict[str, Any] = {"shape": wind, "duration": duration, "heading": heading}
+    blows = plan.wind.heading if heading is None else heading
     if peak != (None, None):
-        asked["peak"] = peak_angle(plan.vehicle, changes.get("plane", plan.plane), *peak)
+        plane = changes.get("plane", plan.plane)
+        asked["peak"] = peak_angle(plan.vehicle, plane, *peak, heading=blows)
     asked = {name: value for name, value in asked.items() if value is not None}
     return replace(plan, wind=replace(plan.wind, **asked), **changes)

@@ -43,7 +43,7 @@ def laws(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Fly four laws in the standard winds and print the deflection limit that each needs.
+    """Fly five laws in the standard winds and print the deflection limit that each needs.
 
     It takes about a second for each law and wind, and a minute more for a figure.
 
@@ -144,7 +144,7 @@ def _print(
 
 def _loads(one: "LawTrial") -> str:
     found = one.limit <= one.highest
-    return f"{one.peak_angle_of_attack:.2f} / {one.peak_attitude:.2f}" if found else "-"
+    return f"{one.peak_angle_of_attack:.2f}/{one.peak_attitude:.2f}" if found else "-"
 
 
 def _limit(one: "LawTrial") -> str:

@@ -24,6 +24,28 @@ LimitDeg = Annotated[
 OtherPlane = Annotated[
     str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
 ]
+Planes = Annotated[
+    str | None,
+    typer.Option(help="Plane of the motion: pitch (as without), yaw, or both with one stop."),
+]
+StopShape = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SHAPE",
+        help="What the nozzle can do in both planes: round (as without), round-each-plane, square"
+        " or square-45.",
+    ),
+]
+WindDirectionDeg = Annotated[
+    float | None,
+    typer.Option(
+        help="Where the wind blows from, in deg from north, clockwise; the peak is then that of the"
+        " vector. With --azimuth-deg."
+    ),
+]
+AzimuthDeg = Annotated[
+    float | None, typer.Option(help="Direction of flight, in deg from north, clockwise.")
+]
 Until = Annotated[float, typer.Option(help="Length in units of the wind's duration.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]

@@ -10,19 +10,35 @@ if TYPE_CHECKING:
     from tvclin.base.lines import Row
 
 
+_BESIDE = 3
+"""Blanks beside a column of a table, at the most."""
+
+
 def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print one table: the first column to the left, numbers to the right."""
+    """Print one table: the first column to the left, numbers to the right.
+
+    Words stay in one piece where the terminal is wide enough for all of them.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     table = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    for column, heading in enumerate(headings):
-        table.add_column(Text(heading), justify="right" if column else "left", overflow="fold")
+    console, rows = Console(highlight=False), list(rows)
+    words = [" ".join(column).split() for column in zip(headings, *rows, strict=True)]
+    widths = [max(map(len, column), default=0) for column in words]
+    fits = sum(widths) + _BESIDE * len(widths) <= console.width
+    for k, (heading, width) in enumerate(zip(headings, widths, strict=True)):
+        table.add_column(
+            Text(heading),
+            justify="right" if k else "left",
+            overflow="fold",
+            min_width=width if fits else None,
+        )
     for row in rows:
         table.add_row(*map(Text, row))
-    Console(highlight=False).print(table)
+    console.print(table)
 
 
 def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) -> None:

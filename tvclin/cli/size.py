@@ -5,16 +5,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of
+from tvclin.cli.inputs import gust_of, heading_given
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
+    AzimuthDeg,
     Gust,
     LimitDeg,
-    OtherPlane,
     PeakDeg,
     PeakSpeed,
+    Planes,
     Plot,
+    StopShape,
+    WindDirectionDeg,
 )
 from tvclin.cli.progress import bar
 
@@ -49,10 +52,8 @@ def size(
         list[Path] | None,
         typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
     ] = None,
-    azimuth_deg: Annotated[
-        float | None,
-        typer.Option(help="Direction of flight through soundings, in deg from north, clockwise."),
-    ] = None,
+    azimuth_deg: AzimuthDeg = None,
+    wind_direction_deg: WindDirectionDeg = None,
     window: Annotated[
         float | None,
         typer.Option(help="Of a sounding counts only so much about each flight time, in s."),
@@ -72,7 +73,8 @@ def size(
     model: Annotated[
         str | None, typer.Option(help=f"Model: {MODELS_HELP} drift-exact, as without a study file.")
     ] = None,
-    plane: OtherPlane = None,
+    plane: Planes = None,
+    stop: StopShape = None,
     law: Annotated[
         str | None,
         typer.Option(
@@ -122,11 +124,20 @@ def size(
     from dataclasses import replace
 
     from tvclin.answers.study_file.read import load_sizing
+    from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
     from tvclin.cli.size_tables import print_sizing, sizing_document
 
+    if azimuth_deg is not None and not winds and wind_direction_deg is None:
+        raise InputError(
+            "--azimuth-deg is for soundings and for a wind with a direction; name one with --winds,"
+            " or give --wind-direction-deg"
+        )
     asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
-    asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed)
+    heading = None
+    if wind_direction_deg is not None:
+        heading = heading_given(wind_direction_deg, azimuth_deg)
+    asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed, heading)
     given = {
         "gust": _gust(asked, gust),
         "window": window,
@@ -136,6 +147,7 @@ def size(
         "dead_bands": tuple(dead_band) if dead_band else None,
         "model": model,
         "plane": plane,
+        "nozzle_stop": stop,
         "law": law,
         "varying": varying or None,
         "limit": _radians("--limit-deg", limit_deg),
@@ -171,6 +183,7 @@ def _with_pulse(
     duration: float | None,
     peak_deg: float | None,
     peak_speed: float | None,
+    heading: float | None,
 ) -> "SizingAsked":
     """What was asked, with the first pulse as the options have it; none where none is named."""
     from dataclasses import replace
@@ -180,7 +193,7 @@ def _with_pulse(
 
     if peak_deg is not None and peak_speed is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
-    given: dict[str, Any] = {"shape": shape, "duration": duration}
+    given: dict[str, Any] = {"shape": shape, "duration": duration, "heading": heading}
     given["peak"] = _radians("--peak-deg", peak_deg, -90.0)
     given = {name: value for name, value in given.items() if value is not None}
     if not given and peak_speed is None:
@@ -202,8 +215,6 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
 
     if files and azimuth_deg is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
-    if not files and azimuth_deg is not None:
-        raise InputError("--azimuth-deg is for soundings; name one with --winds")
     azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0))
     names = [file.name for file in files]
     return {
@@ -230,6 +241,7 @@ def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | 
 def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
     from tvclin.answers.campaign.quick import disperse_study
+    from tvclin.answers.planes import BOTH
     from tvclin.answers.study import Study
     from tvclin.base.errors import InputError
 
@@ -238,6 +250,8 @@ def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
     if counted not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
     worst = found.worst[counted]
+    if found.plane == BOTH:
+        raise InputError("--disperse knows one plane; give --dispersion in its place")
     if not asked.pulses or worst.wind != found.winds[0] or asked.gust is not None:
         raise InputError(
             f"--disperse knows pulses without a gust, and the worst wind is {worst.wind}; give"

@@ -16,12 +16,15 @@ def print_sizing(
     from tvclin.answers.sizing.record import VARYING
 
     name = found.schedule.vehicle.name or source
-    typer.echo(f"{name}, {found.model}, {found.plane}: {', '.join(found.winds)}\n")
+    planes = "both planes, one stop" if found.alone else found.plane
+    typer.echo(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
     frozen = [name for name in found.required if not name.endswith(VARYING)]
     _print_required(found, "Required deflection [deg]", frozen)
     if len(frozen) < len(found.required):
         rest = [name for name in found.required if name not in frozen]
         _print_required(found, "The same, parameters varying while the wind blows [deg]", rest)
+    if found.alone:
+        _print_planes(found, counted)
     if not (found.steady.all() and found.known.all()) or found.beyond_one_pole.any():
         typer.echo(
             "1: beyond one pole; ~: parameters change meanwhile; +: beyond the schedule;"
@@ -48,6 +51,25 @@ def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
         for i, time in enumerate(found.times.tolist())
     ]
     print_table(title, ["time [s]", *(name.removesuffix(VARYING) for name in names), ""], rows)
+
+
+def _print_planes(found: "Sizing", counted: str) -> None:
+    """What each plane by itself asks for in the wind that is worst for both."""
+    import numpy as np
+
+    from tvclin.cli.output import print_table
+
+    both, rows = found.required[counted], []
+    for i, time in enumerate(found.times.tolist()):
+        if np.all(np.isnan(both[i])):
+            rows.append([f"{time:g}", "-", "-", "-", "-"])
+            continue
+        j = int(np.nanargmax(both[i]))
+        alone = [_cell(np.degrees(one.required[counted][i, j])) for one in found.alone.values()]
+        missing = 100.0 * found.pitch_misses[counted][i, j]
+        rows.append([f"{time:g}", _cell(np.degrees(both[i, j])), *alone, f"{missing:.0f}"])
+    headings = ["time [s]", "both", *(f"{plane} alone" for plane in found.alone)]
+    print_table(f"{counted} by planes [deg]", [*headings, "pitch alone is too little by [%]"], rows)
 
 
 def _print_by_wind(found: "Sizing", names: list[str], counted: str) -> None:
@@ -126,6 +148,18 @@ def sizing_document(found: "Sizing", total: "DeflectionTotal", said: list[str]) 
         "winds": found.winds,
         "times_s": found.times,
         "required_deg": {name: deg(values) for name, values in found.required.items()},
+        **(
+            {}
+            if not found.alone
+            else {
+                "stop": repr(found.stop),
+                "alone_deg": {
+                    plane: {name: deg(values) for name, values in one.required.items()}
+                    for plane, one in found.alone.items()
+                },
+                "pitch_alone_misses": found.pitch_misses,
+            }
+        ),
         "begins_s": found.begins,
         "ends_s": found.ends,
         "change": found.change,

@@ -4,17 +4,20 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import changed_plan, gust_of, note_structure
+from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure
 from tvclin.cli.options import (
     MODELS_HELP,
     VEHICLE_HELP,
     AsJson,
+    AzimuthDeg,
     Gust,
     LimitDeg,
     OtherPlane,
     PeakDeg,
     PeakSpeed,
     Plot,
+    StopShape,
+    WindDirectionDeg,
 )
 
 
@@ -48,6 +51,9 @@ def study(
     limit_deg: LimitDeg = None,
     model: Annotated[str | None, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = None,
     plane: OtherPlane = None,
+    wind_direction_deg: WindDirectionDeg = None,
+    azimuth_deg: AzimuthDeg = None,
+    stop: StopShape = None,
     switch: Annotated[
         str | None,
         typer.Option(help="What leaves the dead band: report (the wind) or literal (trim)."),
@@ -91,10 +97,11 @@ def study(
         "switch": switch,
         "cases": cases,
         "seed": seed,
+        "nozzle_stop": stop,
     }
-    plan = changed_plan(
-        load_study(source), wind, duration, (peak_deg, peak_speed), limit_deg, given
-    )
+    heading = heading_given(wind_direction_deg, azimuth_deg)
+    asked = load_study(source)
+    plan = changed_plan(asked, wind, duration, (peak_deg, peak_speed), limit_deg, given, heading)
     note_structure(source, plan.vehicle, plan.plane)
     if gust_at is not None and gust is None:
         raise InputError("--gust-at needs --gust")
@@ -112,9 +119,10 @@ def study(
     if disperse and dispersed is None:
         raise InputError(found.reasons["dispersed"])
     if plot is not None:
-        from tvclin.plots import save_figure, study_chart
+        from tvclin.plots import save_figure, study_chart, study_planes_chart
 
-        save_figure(study_chart(result), plot)
+        chart = study_planes_chart if result.in_both else study_chart
+        save_figure(chart(result), plot)
     if as_json:
         extra = {} if dispersed is None else {"dispersed": dispersed_document(dispersed)}
         print_json(study_document(result) | extra | questions_document(found))

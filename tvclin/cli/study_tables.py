@@ -69,6 +69,7 @@ def study_document(result: "Study") -> dict[str, Any]:
             "begins_s": result.gust.onset,
             "ends_s": result.gust.end,
         },
+        **({} if result.planes is None else {"planes": _planes_document(result)}),
         "unstable_poles_per_s": {name: m.poles.tolist() for name, m in result.modes.items()},
         "trim_deflection_deg": deg(result.trim_deflection),
         "boundaries": {
@@ -91,7 +92,7 @@ def study_document(result: "Study") -> dict[str, Any]:
             "model": result.model,
             "dead_band": result.dead_band,
             "required_deflection_deg": deg(result.required_deflection),
-            "governed_by": result.requirement.governs,
+            "governed_by": result.governs,
             "requirements_deg": {k: deg(v) for k, v in result.requirement.needs.items()},
             "limit_deg": None if result.limit is None else deg(result.limit),
             "sufficient": result.sufficient,
@@ -99,6 +100,24 @@ def study_document(result: "Study") -> dict[str, Any]:
             if result.survivable_peak is None
             else abs(deg(result.survivable_peak)),
         },
+    }
+
+
+def _planes_document(result: "Study") -> dict[str, Any]:
+    """What both planes need in a wind with a direction."""
+    import numpy as np
+
+    planes, wind = result.planes, result.slanting
+    assert planes is not None
+    assert wind is not None
+    return {
+        "heading_deg": None if wind.heading is None else np.degrees(wind.heading),
+        "peak_deg": np.degrees(planes.peak),
+        "stop": repr(planes.stop),
+        "required_deflection_deg": np.degrees(planes.deflection),
+        "alone_deg": {plane: np.degrees(one) for plane, one in planes.alone.items()},
+        "pitch_alone_misses": planes.misses("pitch"),
+        "judged": result.in_both,
     }
 
 
@@ -232,7 +251,9 @@ def _governed(result: "Study") -> str:
     from tvclin.answers.requirement import NOTHING
     from tvclin.boundary.limit import BOUNDARY
 
-    by = result.requirement.governs
+    by = result.governs
+    if result.in_both:
+        return f"of both planes, {by}"
     if by == NOTHING:
         return "none is needed"
     if by == BOUNDARY and result.switch == "literal":

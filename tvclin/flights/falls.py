@@ -6,6 +6,7 @@ that is high enough a law brings it back; the limit held for ever turns it to th
 
 from tvclin.control.laws.law import Law
 from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
 
 _PATIENCE = 12.0
 """A flight is watched for so long after the wind, over its pole: what is off has grown by e^12."""
@@ -13,7 +14,7 @@ _STILL = 0.1
 """A late rate below this part of the pole times the wind's peak is no fall."""
 
 
-def watched_until(wind: History, pole: float) -> float:
+def watched_until(wind: History | PlaneWind, pole: float) -> float:
     """Return the time [s] at which a flight is judged, if it has not left its model before."""
     return float(wind.end) + _PATIENCE / pole
 
@@ -21,6 +22,11 @@ def watched_until(wind: History, pole: float) -> float:
 def lets_go(control: object) -> bool:
     """Return whether a control lets go of the limit when the work is done."""
     return isinstance(control, Law)
+
+
+def has_fallen(rate: float, peak: float, pole: float) -> bool:
+    """Return whether a late attitude rate [rad/s] is a fall, after a wind of a peak [rad]."""
+    return rate > _STILL * pole * abs(peak)
 
 
 def has_survived(rate: float, wind: History, pole: float, let_go: bool) -> bool:
@@ -31,4 +37,4 @@ def has_survived(rate: float, wind: History, pole: float, let_go: bool) -> bool:
     """
     peak = float(wind.peak)
     with_the_wind = -rate if peak > 0.0 else rate
-    return (abs(rate) if let_go else with_the_wind) <= _STILL * pole * abs(peak)
+    return not has_fallen(abs(rate) if let_go else with_the_wind, peak, pole)

@@ -20,10 +20,12 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.flights.control import ReportControl
 from tvclin.flights.planar.survival import planar_verdict
+from tvclin.flights.sixdof.planes import planes_verdict
 from tvclin.flights.sixdof.survival import sixdof_verdict
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
 
 Verdict = Callable[[float], bool]
 """Takes a deflection limit [rad] and says whether its flight survives."""
@@ -64,7 +66,7 @@ class FlownBoundary:
 
 def flown_boundary(
     vehicle: Vehicle,
-    wind: History,
+    wind: History | PlaneWind,
     dead_band: float = 1.0,
     *,
     law: Law | Autopilot | None = None,
@@ -81,8 +83,9 @@ def flown_boundary(
     ----------
     vehicle : Vehicle
         One vehicle, aerodynamically unstable.
-    wind : History
-        One wind that ends, from t = 0 on or later.
+    wind : History or PlaneWind
+        One wind that ends, from t = 0 on or later. One with a direction is flown in both planes at
+        once, by a law in JSBSim; the limit is over the largest vector, in the measure of the stop.
     dead_band : float
         K of the report's control, in [0, 1]; see `ReportControl`.
     law : Law or Autopilot, optional
@@ -100,7 +103,8 @@ def flown_boundary(
         Largest limit that is tried, over ``|B alpha_w,max|``.
     **options
         What else the engine takes: "planar" drift, condition, actuator and rate_limit, as of
-        `fly_planar`; "sixdof" these, step and earth, as of `fly_sixdof`.
+        `fly_planar`; "sixdof" these, step and earth, as of `fly_sixdof`, and in both planes drift,
+        step, stop and saturate, as of `fly_planes`.
 
     Returns
     -------
@@ -125,7 +129,8 @@ def flown_boundary(
     (0.654, 0.654)
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-    instance("wind", wind, History, "such as TriangularWind")
+    if not isinstance(wind, PlaneWind):
+        instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)
     ending("wind", wind.end)
     control = ReportControl(dead_band) if law is None else law
@@ -135,7 +140,12 @@ def flown_boundary(
     number("highest", top, between(0.0, _WIDEST))
     narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
     make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
-    survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
+    if isinstance(wind, PlaneWind):
+        if engine != "sixdof":
+            raise InputError('a wind with a direction is flown with engine="sixdof"')
+        survives = planes_verdict(vehicle, wind, control, frozen=frozen, **options)
+    else:
+        survives = make(vehicle, wind, control, plane=plane, frozen=frozen, **options)
     trim = -float(Coefficients.from_vehicle(vehicle, plane).B * wind.peak)
     scale = abs(trim)
     if not survives(top * scale):

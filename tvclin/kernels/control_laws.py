@@ -22,12 +22,13 @@ _POWER = 4.0
 
 
 class LawNumbers(NamedTuple):
-    """One law: gains on what is measured and on up to two states of its own, or those of a lean.
+    """One law: gains on what is measured and on a state of its own, or those of a lean.
 
     `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and
     of the slow coordinate (zeros where there is none), `ratio` of slow and fast pole (or zero),
     the strength of the wind, B, and the law's own numbers; `peak` is infinite without a design
-    peak, and with `estimates` the first two states are attitude rate and wind.
+    peak. With `estimates` the first two states are attitude rate and wind, to be used in place of
+    what is measured, and the law's own state comes behind them.
     """
 
     attitude: float = 0.0
@@ -74,9 +75,12 @@ def asked(law: Any, measured: Any, states: Any, limit: float) -> float:
         if law.estimates:
             return leaning(law, measured[0], states[0], measured[2], states[1], limit)
         return leaning(law, measured[0], measured[1], measured[2], measured[0] - measured[3], limit)
-    found = law.attitude * measured[0] + law.attitude_rate * measured[1]
-    found += law.flight_path_angle * measured[2] + law.angle_of_attack * measured[3]
-    return found + law.first_state * states[0] if law.first_state != 0.0 else found
+    rate, alpha, own = measured[1], measured[3], 0
+    if law.estimates:
+        rate, alpha, own = states[0], measured[0] - states[1], 2
+    found = law.attitude * measured[0] + law.attitude_rate * rate
+    found += law.flight_path_angle * measured[2] + law.angle_of_attack * alpha
+    return found + law.first_state * states[own] if law.first_state != 0.0 else found
 
 
 @inlined

@@ -20,6 +20,8 @@ from .flown_margins import boundary_map as boundary_map
 from .flown_margins import flown_margins as flown_margins
 from .laws import laws_chart as laws_chart
 from .nyquist import nyquist_chart as nyquist_chart
+from .planes import plane_chart as plane_chart
+from .planes import study_planes_chart as study_planes_chart
 from .poles import pole_map as pole_map
 from .responses import attitude_chart as attitude_chart
 from .responses import figure_3 as figure_3

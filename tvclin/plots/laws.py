@@ -65,7 +65,7 @@ def laws_chart(
     }
     columns = [Column(name, np.array(row), "-", "") for name, row in rows.items()]
     styles = dict(_OPEN)
-    looks = zip(laws.items(), (*COLOURS[:3], WARM), LINES, strict=False)
+    looks = zip(laws.items(), (*COLOURS[:3], COLOURS[4], WARM), LINES, strict=False)
     for (name, law), colour, line in looks:
         columns.append(Column(name, law_curve(plant, law, tau_beta, peak), "-", ""))
         styles[name] = {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}

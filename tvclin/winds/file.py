@@ -17,10 +17,14 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _PULSE = {"peak": "angle", "duration": "time"}
+_DIRECTION = {"direction": "angle", "azimuth": "angle"}
 SOUNDING = "sounding"
 """The key of a [[wind]] that stands over height."""
 WIND_TABLE = Table(
-    "[wind]", _PULSE, words=("shape", "file", "unit", SOUNDING), required=("peak", "duration")
+    "[wind]",
+    {**_PULSE, **_DIRECTION},
+    words=("shape", "file", "unit", SOUNDING),
+    required=("peak", "duration"),
 )
 SOUNDING_TABLE = Table(
     "[[wind]]", {"azimuth": "angle"}, (SOUNDING, "name", "format", "time"), required=("azimuth",)
@@ -69,7 +73,38 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     given = {"shape": "triangular"} | WIND_TABLE.read(table)
     if "unit" in given:
         raise InputError("unit in [wind] stands without the file that it is of")
-    return ShapedWind(**given)
+    directions = [given.pop(name, None) for name in _DIRECTION]
+    return ShapedWind(**given, heading=heading_of(*directions))
+
+
+def heading_of(
+    direction: float | None,
+    azimuth: float | None,
+    names: tuple[str, str] = ("direction in [wind]", "azimuth"),
+) -> float | None:
+    """Return the heading of `ShapedWind` [rad]; None without a direction.
+
+    Parameters
+    ----------
+    direction, azimuth : float or None
+        Where the wind blows from and where the flight goes to [rad], from north, clockwise.
+    names : tuple of str
+        How a message calls them.
+
+    Raises
+    ------
+    InputError
+        For one without the other.
+    """
+    if direction is None and azimuth is None:
+        return None
+    if direction is None or azimuth is None:
+        given, needed = names if azimuth is None else names[::-1]
+        raise InputError(
+            f"{given} needs {needed}: where the wind blows from and where the flight goes to, both"
+            " from north, clockwise"
+        )
+    return direction - azimuth
 
 
 def gust_of(document: Mapping[str, Any], duration: float) -> History | None:

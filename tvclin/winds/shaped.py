@@ -1,5 +1,8 @@
 """Winds that files and options name: one shape with peak and duration, or a sampled ensemble."""
 
+from __future__ import annotations
+
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -8,11 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, number, one_of
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.checks import checked_peak, checked_span
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import RectangularWind, TriangularWind
 from tvclin.winds.sampled import SampledWind
+from tvclin.winds.speed import angles_of_vector
 
 FloatArray = NDArray[np.float64]
 
@@ -49,11 +54,20 @@ class ShapedWind:
         Nominal wind angle of attack [rad].
     duration : float
         Nominal duration [s].
+    heading : float, optional
+        Direction [rad] from which it blows, clockwise from that of the flight: pi is a tail wind,
+        pi/2 one from the right. With it the peak is the size of the vector of both planes.
+
+    Raises
+    ------
+    InputError
+        For another shape, and numbers out of range.
     """
 
     shape: str
     peak: float
     duration: float
+    heading: float | None = None
 
     count = 0
 
@@ -63,6 +77,41 @@ class ShapedWind:
         object.__setattr__(self, "duration", number("duration of the wind", self.duration))
         checked_peak(self.peak)
         checked_span("duration of the wind", self.duration)
+        if self.heading is not None:
+            number("heading of the wind", self.heading, unit="rad")
+
+    def in_plane(self, plane: str, attitude: float) -> ShapedWind:
+        """Return its part in a plane, without a heading; itself where it has none.
+
+        Raises
+        ------
+        InputError
+            For a wind that blows in the other plane alone, and as `peaks`.
+        """
+        if self.heading is None:
+            return self
+        peak = self.peaks(attitude)[one_of("plane", plane, PLANES)]
+        if peak == 0.0:
+            raise InputError(
+                f"this wind does nothing in {plane}, it blows in the other plane alone; ask for"
+                " that one, or for both"
+            )
+        return ShapedWind(self.shape, peak, self.duration)
+
+    def peaks(self, attitude: float) -> dict[str, float]:
+        """Return the peak angle [rad] in each plane that a flight of an attitude [rad] meets.
+
+        Raises
+        ------
+        InputError
+            For a wind without a heading, and as `angles_of_vector`.
+        """
+        if self.heading is None:
+            raise InputError(
+                "a question about both planes needs a wind with a direction: give where it blows"
+                " from, and the azimuth of the flight"
+            )
+        return dict(zip(PLANES, angles_of_vector(self.peak, self.heading, attitude), strict=True))
 
     @property
     def nominal(self) -> dict[str, float]:
@@ -79,6 +128,17 @@ class ShapedWind:
         found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
         made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=found["wind_duration"])
         return made
+
+
+def part_in(
+    wind: ShapedWind, peaks: dict[str, float], plane: str, gust: History | None = None
+) -> History:
+    """Return one plane of peaks [rad] in both, with its part of a gust along the wind."""
+    peak, size = peaks[plane], math.hypot(*peaks.values())
+    if peak == 0.0:
+        return wind.history({"wind_peak": size}) * 0.0
+    history = wind.history({"wind_peak": peak})
+    return history if gust is None else history + gust * (peak / size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.errors import (
     InputError,
     finite,
+    number,
     positive,
     together,
 )
+
+_STEPS = 8
+_AXIS = 1e-12
 
 
 def angle_from_speed(
@@ -56,3 +60,84 @@ def angle_in_plane(
     In yaw the wind comes across, at right angles. Raise `InputError` as `angle_from_speed`.
     """
     return angle_from_speed(speed, velocity, np.pi / 2 if plane == "yaw" else attitude)
+
+
+def along_and_across(heading: float, attitude: float) -> tuple[float, float]:
+    """Return the sines of both wind angles over V_w/V_R: in pitch, and in yaw from the right.
+
+    Parameters
+    ----------
+    heading : float
+        Direction [rad] from which a horizontal wind blows, clockwise from that of the flight: pi
+        is a tail wind, pi/2 one from the right.
+    attitude : float
+        Attitude of the flight above the horizontal [rad].
+    """
+    parts = -np.cos(heading) * np.sin(attitude), np.sin(heading)
+    along, across = (0.0 if abs(one) < _AXIS else float(one) for one in parts)
+    return along, across
+
+
+def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[float, float]:
+    """Return the wind angles [rad] in pitch and in yaw of a wind whose vector has a size.
+
+        sin(alpha_pitch) = r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
+
+    Parameters
+    ----------
+    peak : float
+        Size [rad] of the vector of both angles; with a sign, the wind blows the other way.
+    heading, attitude : float
+        As of `along_and_across`.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not finite, a wind along a level flight, which has no angle, and a
+        vector that no wind slower than the flight makes.
+    """
+    size = number("peak", peak, unit="rad")
+    psi = number("heading", heading, unit="rad")
+    along, across = along_and_across(psi, number("attitude", attitude, unit="rad"))
+    if along == across == 0.0:
+        raise InputError("a wind along a level flight has no wind angle; give another heading")
+    if across == 0.0 or size == 0.0:
+        return float(np.copysign(1.0, along)) * size, 0.0
+    if along == 0.0:
+        return 0.0, float(np.copysign(1.0, across)) * size
+    most = 1.0 / max(abs(along), abs(across))
+    ratio = min(abs(size) / float(np.hypot(along, across)), most * (1.0 - _AXIS))
+    for _ in range(_STEPS):  # Newton on |alpha(r)|^2 = peak^2, which is convex in r
+        sines = ratio * np.array([along, across])
+        angles = np.arcsin(sines)
+        slope = np.sum(angles * np.array([along, across]) / np.sqrt(1.0 - sines**2))
+        ratio = min(ratio - 0.5 * float((angles @ angles - size**2) / slope), most * (1.0 - _AXIS))
+    pitch, yaw = np.copysign(1.0, size) * np.arcsin(ratio * np.array([along, across]))
+    if not np.isclose(np.hypot(pitch, yaw), abs(size), rtol=1e-9, atol=0.0):
+        raise InputError(
+            f"peak must be an angle that a wind slower than the flight makes; got {size:.6g} rad"
+        )
+    return float(pitch), float(yaw)
+
+
+def angles_from_speed(
+    speed: float, velocity: float, attitude: float, heading: float
+) -> tuple[float, float]:
+    """Return the wind angles [rad] in pitch and in yaw of a horizontal wind [m/s], eq (B1e).
+
+    Parameters
+    ----------
+    speed, velocity : float
+        Of the wind and of the vehicle relative to the air [m/s].
+    attitude, heading : float
+        As of `along_and_across`.
+
+    Raises
+    ------
+    InputError
+        As `angle_from_speed`.
+    """
+    parts = along_and_across(number("heading", heading, unit="rad"), float(attitude))
+    wind = number("speed", speed, unit="m/s")
+    pitch, yaw = (float(angle_from_speed(wind * one, velocity, np.pi / 2)) for one in parts)
+    return pitch, yaw

@@ -40,9 +40,9 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
 )
 _AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000
 """Levels of soundings that are looked at together; those to be flown are a part of theirs."""
-_RETURNS = 1.2
-"""Of what a wind asks for that meets the limit more than once, where the path drifts: so much a
-flight may need, as far as docs/availability.md says that this was measured."""
+_RETURNS, _DRIFTS_FAST = 1.2, 1.02
+"""Of what a wind asks for, so much a flight may need that meets the limit more than once while the
+path drifts, or once while it drifts fast, as far as docs/availability.md says what was measured."""
 _GUST_PARTS = 64
 _HEIGHTS = 40
 """Of a flight, at which the strength of winds in an archive is looked at."""
@@ -245,8 +245,10 @@ class Judge:
         """The same of wind angles [rad], ``(2, n)``, and when trim and demand are that large."""
         tables = self.tables[plane]
         found = needs_of_winds(tables, times, angle, rows)
-        doubted = found.returns & (tables.order > 0)
-        low, high = found.limit.copy(), np.where(doubted, _RETURNS, 1.0) * found.limit
+        fast = tables.at(found.at).drifts_fast
+        part = np.where(found.returns, _RETURNS, np.where(fast, _DRIFTS_FAST, 1.0))
+        part = np.where(tables.order > 0, part, 1.0)
+        low, high, doubted = found.limit.copy(), part * found.limit, part > 1.0
         if flown and np.any(doubted):
             steps = flight_steps(tables.mode)
             both = np.broadcast_to(steps, (int(doubted.sum()), steps.size))

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.requirement import path_counts
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
@@ -33,7 +34,7 @@ _STEP = 5e-4
 """Between the times of a table, over the time in which the fastest mode grows by e: straight lines
 between them are then off by a part of _STEP^2/8, 3e-8."""
 _LOOKS = 200
-"""Times of a flight at which pairs of poles are looked for."""
+"""Times of a flight at which pairs of poles and the pace of the path are looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +48,8 @@ class FlightTables:
     rows : ndarray
         For each time one row, ``(n, c)``: of the wind to come G0 and G1, from the end on; 1/(m
         reach); -B; each as long as the path has states: G0 and G1 of the path, l.Psi/reach, and the
-        trim deflection of Psi; and 1 where two modes grow together as a pair. Signs are such that a
-        limit is positive.
+        trim deflection of Psi; 1 where two modes grow as a pair; and 1 where the path has a say
+        beside the fastest mode. Signs are such that a limit is positive.
     order : int
         States of the path.
     mode : GrowingMode
@@ -101,6 +102,11 @@ class TableRows:
     @property
     def paired(self) -> NDArray[np.bool_]:
         """Whether two modes grow together: trim must then never be limited."""
+        return np.asarray(self.rows[..., -2] > 0.0)
+
+    @property
+    def drifts_fast(self) -> NDArray[np.bool_]:
+        """Whether the path has a say beside the fastest mode."""
         return np.asarray(self.rows[..., -1] > 0.0)
 
 
@@ -142,7 +148,10 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
         _from_the_start(first, step),
         -side * np.einsum("jt,tjk->tk", row[2:], Psi) / reach[:, np.newaxis],
         side * to_path[:, 0],
-        np.interp(times, looks, leading_pole(held)[1])[:, np.newaxis],
+        *(
+            np.interp(times, looks, counts)[:, np.newaxis]
+            for counts in (leading_pole(held)[1], path_counts(held))
+        ),
     ]
     return FlightTables(start, step, np.concatenate(columns, axis=-1), Psi.shape[-1], mode)
 

@@ -18,7 +18,7 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import winds_of
-from tvclin.winds.shaped import WindEnsemble
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _DRAWN = ("cases", "seed", "method", "chunk")
 _FIELDS = {"names": "outputs"}
@@ -61,8 +61,12 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
         raise InputError("a campaign has no gust; leave [gust] out")
     CAMPAIGN_TABLE.need(head, ["cases"])
     flown = "flight" in document
+    wind = winds_of(document, folder)[0]
+    if isinstance(wind, ShapedWind):
+        vehicle = subject["vehicle"]
+        wind = wind.in_plane(subject.get("plane", "pitch"), float(np.mean(vehicle.attitude)))
     return Campaign(
-        wind=winds_of(document, folder)[0],
+        wind=wind,
         dispersions=dispersions_of(document),
         flight=Flight(**FLIGHT_TABLE.read(FLIGHT_TABLE.one(document))) if flown else None,
         **(head | subject),

@@ -108,6 +108,8 @@ class Campaign:
         one_of("model", self.model, MODELS)
         if not isinstance(self.wind, ShapedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
+        if isinstance(self.wind, ShapedWind) and self.wind.heading is not None:
+            raise InputError("a campaign is in one plane; give the part there, wind.in_plane(...)")
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
         if self.flight is not None:
             instance("flight", self.flight, Flight, "which says how each case is flown")

@@ -1,5 +1,6 @@
 """What is asked of a whole flight: its schedule, its winds, and what else the nozzle has to do."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.record import VARYING, Sizing
@@ -28,11 +30,14 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.tables import Table
+from tvclin.boundary.stops import Stop, stop_of
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.shaped import PULSES, ShapedWind, part_in
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.speed import angle_in_plane
+from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
 SIZE_TABLE = Table(
     "[size]",
@@ -44,7 +49,7 @@ SIZE_TABLE = Table(
         "gravity_offset": "length",
         "reserve": "percent",
     },
-    words=("model", "law", "varying", "count"),
+    words=("model", "plane", "law", "varying", "count", "nozzle_stop"),
     lists=("dead_bands",),
 )
 _APART = 1e-9
@@ -103,7 +108,9 @@ class SizingAsked:
     dead_bands : tuple of float
         K of the report's control.
     model, plane, law, varying
-        As of `size`.
+        As of `size`; for both planes each pulse needs a heading.
+    nozzle_stop : Stop or str
+        What the nozzle can do in both planes, as the `stop` of `size`.
     count : str, optional
         The requirement that counts as the wind's; where it is not given the first dead band, with
         varying parameters if these are asked for and all winds are soundings.
@@ -138,6 +145,7 @@ class SizingAsked:
     gravity_offset: float = 0.0
     reserve: float = 0.0
     limit: float | None = None
+    nozzle_stop: Stop | str = "round"
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
@@ -172,6 +180,7 @@ class SizingAsked:
         for name, words in WORDS.items():
             one_of(name, getattr(self, name), words)
         flag("varying", self.varying)
+        stop_of(self.nozzle_stop)
 
     @property
     def counted(self) -> str:
@@ -234,6 +243,7 @@ class SizingAsked:
             plane=self.plane,
             law=self.law,
             varying=self.varying,
+            stop=self.nozzle_stop,
             progress=progress,
         )
 
@@ -276,16 +286,35 @@ class SizingAsked:
         """Return the peak angle [rad] of a pulse that a vehicle meets."""
         instance("vehicle", vehicle, Vehicle, "see load_vehicle")
         instance("pulse", pulse, ShapedWind, "one of pulses")
+        if pulse.heading is not None or self.plane == BOTH:
+            peaks = self._peaks(vehicle, pulse)
+            return peaks[self.plane] if self.plane in peaks else math.hypot(*peaks.values())
         if self.peak_speed is None:
             return pulse.peak
         at = vehicle.velocity, vehicle.attitude
         return float(angle_in_plane(self.peak_speed, *at, self.plane))
 
+    def _peaks(self, vehicle: Vehicle, pulse: ShapedWind) -> dict[str, float]:
+        """The peak angles [rad] in both planes of a pulse with a heading."""
+        attitude = float(np.asarray(vehicle.attitude))
+        if self.peak_speed is None or pulse.heading is None:
+            return pulse.peaks(attitude)
+        velocity = float(np.asarray(vehicle.velocity))
+        angles = angles_from_speed(self.peak_speed, velocity, attitude, pulse.heading)
+        return dict(zip(PLANES, angles, strict=True))
+
     def _met(self, pulse: ShapedWind) -> WindOf:
-        def met(vehicle: Vehicle) -> History:
-            peak = self.peak_at(vehicle, pulse)
-            wind = pulse.history({"wind_peak": peak})
-            return wind if self.gust is None else wind + self.gust
+        def met(vehicle: Vehicle) -> History | PlaneWind:
+            if pulse.heading is None and self.plane != BOTH:
+                wind = pulse.history({"wind_peak": self.peak_at(vehicle, pulse)})
+                return wind if self.gust is None else wind + self.gust
+            peaks = self._peaks(vehicle, pulse)
+            if self.plane == BOTH:
+                winds = {plane: part_in(pulse, peaks, plane, self.gust) for plane in PLANES}
+                return PlaneWind(**winds)
+            if peaks[self.plane] == 0.0:
+                pulse.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
+            return part_in(pulse, peaks, self.plane, self.gust)
 
         return met
 

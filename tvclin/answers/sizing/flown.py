@@ -23,7 +23,7 @@ _GAIN = 10.0
 _STEP = 0.03
 """Between steps, over the time in which the fastest mode grows by e; the rule is off by a part of
 (_GAIN _STEP)^2/6 in the feedback, a sixtieth of what it settles in."""
-_TRIES, _ROUNDS = 6, 3
+_TRIES, _ROUNDS = 6, 4
 """Limits in a round, each round in the step where the one before found the edge."""
 _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""

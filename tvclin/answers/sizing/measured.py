@@ -1,10 +1,12 @@
 """Measured winds on a flight: what blows to one side, around a flight time, a gust on top."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
@@ -15,10 +17,15 @@ from tvclin.base.errors import (
     shown,
     single,
 )
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.sampled import SampledWind
+from tvclin.winds.soundings.passage import angles_along
 from tvclin.winds.soundings.profile import WindProfile
+
+_ROUNDING = 1e-12
+"""What is smaller in one plane than this part of the other is no wind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +77,16 @@ class MeasuredWind:
         """Return the same with what blows to the other side."""
         return self._around(vehicle, np.inf)
 
+    def samples(self, vehicle: Vehicle) -> tuple[Any, Any]:
+        """Return times [s] and angles [rad] of the window around a vehicle's time."""
+        time = _time_of(vehicle)
+        half = np.inf if self.window is None else 0.5 * self.window
+        return cut_samples(self.wind, time - half, time + half)
+
     def _around(self, vehicle: Vehicle, other: float) -> History:
         """The wind around a vehicle's time, and to the other side what is below an angle [rad]."""
-        instance("vehicle", vehicle, Vehicle, "see FlightSchedule.at")
-        single("vehicle", vehicle.batch)
-        if vehicle.time is None:
-            raise InputError("vehicle must have a time [s], at which it meets the wind")
-        time = float(np.asarray(vehicle.time))
-        half = np.inf if self.window is None else 0.5 * self.window
-        times, angles = cut_samples(self.wind, time - half, time + half)
+        time = _time_of(vehicle)
+        times, angles = self.samples(vehicle)
         if times.size < 2 or not np.any(angles):
             return self.wind * 0.0
         side = float(np.sign(angles[np.argmax(np.abs(angles))]))
@@ -89,6 +97,57 @@ class MeasuredWind:
         return around + self.gust.shift(float(time - middle)) * side
 
 
+def _time_of(vehicle: Vehicle) -> float:
+    instance("vehicle", vehicle, Vehicle, "see FlightSchedule.at")
+    single("vehicle", vehicle.batch)
+    if vehicle.time is None:
+        raise InputError("vehicle must have a time [s], at which it meets the wind")
+    return float(np.asarray(vehicle.time))
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPlanes:
+    """A measured wind in both planes, of which each gives what counts at a flight time.
+
+    Attributes
+    ----------
+    parts : dict of str to MeasuredWind
+        By planes, on the same times and with the same window; one in which nothing blows is left
+        out.
+    gust : History, optional
+        As of `MeasuredWind`, along the vector of the wind where that is largest.
+    """
+
+    parts: Mapping[str, MeasuredWind]
+    gust: History | None = None
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """The first and the last flight time [s] at which the wind is known."""
+        return next(iter(self.parts.values())).known
+
+    def part(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
+        """Return one plane around a vehicle's time, with its part of the gust; None in a calm."""
+        found = self.parts.get(plane)
+        if found is None or self.gust is None:
+            return found
+        share = abs(self._largest(vehicle)[plane])
+        return replace(found, gust=self.gust * share) if share else found
+
+    def _largest(self, vehicle: Vehicle) -> dict[str, float]:
+        """The largest vector around a vehicle's time, over its size."""
+        cut = {plane: one.samples(vehicle) for plane, one in self.parts.items()}
+        times = np.unique(np.concatenate([time for time, _ in cut.values()]))
+        angles = {plane: np.interp(times, *one) for plane, one in cut.items() if one[0].size}
+        size = np.sqrt(sum(one**2 for one in angles.values()) + np.zeros(times.shape))
+        if not np.any(size):
+            return dict.fromkeys(PLANES, 0.0)
+        at = int(np.argmax(size))
+        return dict.fromkeys(PLANES, 0.0) | {
+            plane: float(one[at] / size[at]) for plane, one in angles.items()
+        }
+
+
 def fly_through(
     profile: WindProfile,
     schedule: FlightSchedule,
@@ -97,7 +156,7 @@ def fly_through(
     plane: str = "pitch",
     window: float | None = None,
     gust: History | None = None,
-) -> MeasuredWind:
+) -> MeasuredWind | MeasuredPlanes:
     """Return the wind that a flight through a sounding meets, as `size` takes it.
 
     Parameters
@@ -108,10 +167,10 @@ def fly_through(
         The flight, with its altitude.
     azimuth : float
         Direction of flight [rad], from north, clockwise.
-    plane : {"pitch", "yaw"}
-        As of `WindProfile.to_wind`.
+    plane : {"pitch", "yaw", "both"}
+        As of `WindProfile.to_wind`; both as of `WindProfile.to_winds`.
     window, gust
-        As of `MeasuredWind`.
+        As of `MeasuredWind`, or of `MeasuredPlanes`.
 
     Raises
     ------
@@ -131,8 +190,19 @@ def fly_through(
     instance("profile", profile, WindProfile, "see read_sounding")
     if gust is not None and (not isinstance(gust, History) or gust.batch):
         raise InputError(f"gust must be one history, such as OneMinusCosineGust; got {shown(gust)}")
-    wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
-    return MeasuredWind(wind, window, gust)
+    if plane != BOTH:
+        wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
+        return MeasuredWind(wind, window, gust)
+    profile.to_winds(schedule, azimuth=azimuth)  # refused where it is zero in both
+    across = {"pitch": profile.in_plane(azimuth), "yaw": profile.cross_plane(azimuth)}
+    met = {k: angles_along(schedule, profile.height, one, k) for k, one in across.items()}
+    most = max(np.abs(angle).max() for _, angle in met.values())
+    parts = {
+        k: MeasuredWind(SampledWind(time=time, angle=angle), window)
+        for k, (time, angle) in met.items()
+        if np.abs(angle).max() > _ROUNDING * most
+    }
+    return MeasuredPlanes(parts, gust)
 
 
 def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:

@@ -2,10 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tvclin.answers.sizing.measured import MeasuredWind
+from tvclin.answers.planes import BOTH
+from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.base.errors import (
     InputError,
     instance,
@@ -15,10 +18,13 @@ from tvclin.base.errors import (
 )
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+
+FloatArray = NDArray[np.float64]
 
 PLACINGS = ("peak", "flight")
 
-WindOf = History | Callable[[Vehicle], History]
+WindOf = History | PlaneWind | MeasuredPlanes | Callable[[Vehicle], History | PlaneWind]
 """A wind, or what gives the wind that a vehicle meets: of a wind speed, an angle."""
 
 _TOP = 1.0 - 1e-12
@@ -83,7 +89,9 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
 
 def known_times(wind: WindOf) -> tuple[float, float]:
     """Return the first and the last flight time [s] at which a wind is known."""
-    return wind.known if isinstance(wind, MeasuredWind) else (-np.inf, np.inf)
+    if isinstance(wind, MeasuredWind | MeasuredPlanes):
+        return wind.known
+    return -np.inf, np.inf
 
 
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
@@ -116,19 +124,81 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         values = both(both.probe_times())
         two_sided = values.min() < 0.0 < values.max()
         return PlacedWind(wind(vehicle), 0.0, whole=both if two_sided else None)
-    history = wind(vehicle) if not isinstance(wind, History) and callable(wind) else wind
+    given = isinstance(wind, History | PlaneWind) or not callable(wind)
+    history: Any = wind if given else wind(vehicle)  # type: ignore[operator, arg-type]
     if not isinstance(history, History) or history.batch:
-        raise InputError("each wind must be one history, such as TriangularWind, or give one")
+        raise InputError(
+            "each wind must be one history, such as TriangularWind, or give one; a PlaneWind needs"
+            f" plane={BOTH!r}"
+            if isinstance(history, PlaneWind)
+            else "each wind must be one history, such as TriangularWind, or give one"
+        )
     if not np.isfinite(history.end):
         raise InputError("each wind must end, and be other than zero")
     if placing == "peak":
-        return PlacedWind(history, time - _middle_of_the_top(history))
+        return PlacedWind(history, time - _middle_of_the_top(history, history.probe_times()))
     half = 0.5 * number("window", window, positive, "s")
     return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
 
 
-def _middle_of_the_top(wind: History) -> float:
-    times = wind.probe_times()
+def place_in(
+    planes: tuple[str, ...],
+    wind: WindOf,
+    vehicle: Vehicle,
+    time: float,
+    placing: str,
+    window: float,
+) -> dict[str, PlacedWind]:
+    """Return a wind placed at a flight time by planes: in one as `place`, or as vectors in both.
+
+    Parameters
+    ----------
+    planes : tuple of str
+        One plane, or both.
+    wind, vehicle, time, placing, window
+        As of `place`; for both planes the wind is a PlaneWind, a measured one in both planes, or
+        what gives a PlaneWind. The peak that meets the time is that of the vector.
+
+    Raises
+    ------
+    InputError
+        As `place`, and for a wind without a direction where both planes are asked for.
+    """
+    if len(planes) == 1:
+        return {planes[0]: place(wind, vehicle, time, placing, window)}
+    if isinstance(wind, MeasuredPlanes):
+        parts = {plane: wind.part(plane, vehicle) for plane in planes}
+        calm = next(one for one in parts.values() if one is not None).wind * 0.0
+        first, last = wind.known
+        return {
+            plane: PlacedWind(calm, 0.0, known=first <= time <= last)
+            if one is None
+            else place(one, vehicle, time, placing, window)
+            for plane, one in parts.items()
+        }
+    made = not isinstance(wind, History | PlaneWind) and callable(wind)
+    given: Any = wind(vehicle) if made else wind  # type: ignore[arg-type]
+    if not isinstance(given, PlaneWind) or given.batch:
+        raise InputError(
+            "for both planes each wind must have a direction: give one PlaneWind (see"
+            f" PlaneWind.towards), what gives one, or fly_through with plane={BOTH!r}"
+        )
+    if not np.isfinite(given.end):
+        raise InputError("each wind must end, and be other than zero")
+    parts_of = dict(zip(planes, (given.pitch, given.yaw), strict=True))
+    if placing == "peak":
+        shown = np.union1d(given.pitch.probe_times(), given.yaw.probe_times())
+        zero = time - _middle_of_the_top(given, shown)
+        return {plane: PlacedWind(one, zero) for plane, one in parts_of.items()}
+    return {
+        plane: place(one, vehicle, time, placing, window)
+        if np.isfinite(one.onset)
+        else PlacedWind(one, 0.0)
+        for plane, one in parts_of.items()
+    }
+
+
+def _middle_of_the_top(wind: History | PlaneWind, times: FloatArray) -> float:
     values = np.abs(wind(times))
     top = times[values >= _TOP * values.max()]
     return 0.5 * float(top[0] + top[-1])

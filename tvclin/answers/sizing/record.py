@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.cards import table
 from tvclin.base.errors import missing, one_of
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
+from tvclin.boundary.stops import Stop
 
 if TYPE_CHECKING:
     import xarray
@@ -78,7 +80,7 @@ class Sizing:
         What "no forecast" is: "bound", which no law without a forecast undercuts, or "flown", what
         the recoverable-attitude law needs in flight.
     model, plane : str
-        As of `boundary_limit` and `Plant`.
+        As of `boundary_limit` and `Plant`; "both" for both planes, which share one stop.
     begins, ends : ndarray
         When each wind blows [s], ``(n, m)``; NaN in a calm.
     change : ndarray
@@ -97,6 +99,10 @@ class Sizing:
         Why a requirement is not defined or not met exactly; often nothing.
     notes : tuple of str
         What the reader should know before believing the numbers; often nothing.
+    alone : dict of str to Sizing
+        For both planes, that of each plane by itself; else empty.
+    stop : Stop or None
+        For both planes, what the nozzle can do; deflections are in its measure.
     """
 
     schedule: FlightSchedule
@@ -116,6 +122,20 @@ class Sizing:
     edge: FloatArray
     said: tuple[str, ...]
     notes: tuple[str, ...]
+    alone: Mapping[str, Sizing] = field(default_factory=dict)
+    stop: Stop | None = None
+
+    @property
+    def pitch_misses(self) -> dict[str, FloatArray]:
+        """By which part of each requirement the pitch plane alone asks for too little, ``(n, m)``.
+
+        By name; 0.4 says that a limit for the pitch plane alone would be 40 percent too small.
+        Empty for one plane.
+        """
+        if not self.alone:
+            return {}
+        pitch = self.alone["pitch"].required
+        return {name: missing_part(pitch[name], both) for name, both in self.required.items()}
 
     def _repr_html_(self) -> str:
         rows = [
@@ -282,6 +302,9 @@ class Sizing:
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         degrees = {f"{_key(k)}_deg": np.degrees(v) for k, v in self.required.items()}
+        for plane, found in self.alone.items():
+            own = {f"{_key(k)}_{plane}_alone_deg": np.degrees(v) for k, v in found.required.items()}
+            degrees |= own
         others = {f"{k}_s" if u == "s" else k: v for k, (v, u) in self._others().items()}
         return degrees | others
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.answers.planes import BOTH
+from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.notes import notes_of
@@ -18,7 +20,7 @@ from tvclin.answers.sizing.placing import (
     WindOf,
     known_times,
     named_winds,
-    place,
+    place_in,
     placings,
 )
 from tvclin.answers.sizing.record import (
@@ -33,13 +35,14 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.varying import VaryingNeed, varying_need
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
-WORDS = {"model": MODELS, "plane": PLANES, "law": LAWS}
+WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
 _LOOKS = 33
 """Parameters are looked at so many times while a wind blows."""
 
@@ -56,6 +59,7 @@ def size(
     window: float = 20.0,
     law: str = "bound",
     varying: bool = False,
+    stop: Stop | str = "round",
     progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
     """Return the deflection that each wind asks for at each flight time.
@@ -67,13 +71,16 @@ def size(
     winds : History, callable, or mapping of str to these
         One wind, or winds by name. A function takes the vehicle at a flight time and gives the wind
         it meets then: a wind speed makes different angles at different speeds of flight. What
-        `fly_through` gives has its place in the flight already.
+        `fly_through` gives has its place in the flight already. For both planes each is a
+        `PlaneWind`, gives one, or is what `fly_through` gives for both.
     times : array_like, optional
         Flight times [s] within the schedule, ``(n,)``; its own times where not given.
     dead_bands : array_like
         K of the report's control, in [0, 1].
-    model, plane : str
+    model : str
         As of `Plant`.
+    plane : {"pitch", "yaw", "both"}
+        As of `Plant`; or both planes, which share one stop.
     placing : {"peak", "flight"} or mapping of str to these
         Whether a wind is moved so that its peak meets the flight time, or blows in flight time
         already: then what blows within half a `window` [s] of the flight time counts. For all
@@ -85,6 +92,9 @@ def size(
         recoverable-attitude law needs when it is flown (a second or more for each wind and time).
     varying : bool
         Whether to let parameters vary while the wind blows as well, beside the frozen ones.
+    stop : Stop or str
+        For both planes what the nozzle can do, or a word: "round", "round-each-plane" (each plane
+        limited by itself within it), "square", "square-45" (turned by 45 degrees).
     progress : callable, optional
         Is told how many flight times and winds are done, and how many there are.
 
@@ -92,13 +102,16 @@ def size(
     -------
     Sizing
         Frozen at each flight time, as `required_deflection`, `forecast_free_limit` and
-        `optimum_deflection` say it; NaN where a measured wind is not known.
+        `optimum_deflection` say it; NaN where a measured wind is not known. Of both planes it is
+        the limit in the measure of the stop: the larger of what holds the needs of each plane by
+        itself, and of `plane_limit` of the vector.
 
     Raises
     ------
     InputError
         For times outside the schedule, batches of winds, winds that never end, unknown names and
-        numbers out of range; with `varying`, for a vehicle without a real unstable pole.
+        numbers out of range; with `varying`, for a vehicle without a real unstable pole; for both
+        planes for a wind without a direction.
 
     Examples
     --------
@@ -115,6 +128,7 @@ def size(
     flag("varying", varying)
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
+    shape = stop_of(stop)
     chosen = schedule.times if times is None else np.atleast_1d(finite("times", times, "s"))
     bands = np.array(sorted(set(np.ravel(within("dead_bands", dead_bands, 0.0, 1.0))))[::-1])
     if chosen.ndim != 1 or not chosen.size or not bands.size:
@@ -122,13 +136,48 @@ def size(
     named = named_winds(winds)
     where = placings(named, placing)
     vehicles = [schedule.at(t) for t in chosen.tolist()]
+    planes = PLANES if plane == BOTH else (plane,)
     placed = [
-        [place(wind, v, t, where[name], window) for name, wind in named.items()]
+        [place_in(planes, wind, v, t, where[name], window) for name, wind in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
-    told = _counted(progress, len(placed) * len(named) * (2 if varying else 1))
+    rounds = len(planes) * (2 if varying else 1) + (plane == BOTH)
+    told = _counted(progress, len(placed) * len(named) * rounds)
+    parts = {}
+    for one in planes:
+        in_plane = [[wind[one] for wind in row] for row in placed]
+        asked = _Asked(schedule, chosen, tuple(named), bands, model, one, law)
+        known = np.array([known_times(wind) for wind in named.values()])
+        parts[one] = _sized(asked, vehicles, in_plane, known, varying, told)
+    found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
+    return replace(found, notes=notes_of(found))
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What does not depend on the winds."""
+
+    schedule: FlightSchedule
+    times: FloatArray
+    winds: tuple[str, ...]
+    dead_bands: FloatArray
+    model: str
+    plane: str
+    law: str
+
+
+def _sized(
+    asked: _Asked,
+    vehicles: list[Vehicle],
+    placed: list[list[PlacedWind]],
+    known: FloatArray,
+    varying: bool,
+    told: Callable[[Any], Any],
+) -> Sizing:
+    """The sizing in one plane, without its notes."""
+    schedule, bands, model, plane = asked.schedule, asked.dead_bands, asked.model, asked.plane
     needs = [
-        [told(_frozen(Plant.from_vehicle(v, model, plane), w, bands, law)) for w in row]
+        [told(_frozen(Plant.from_vehicle(v, model, plane), w, bands, asked.law)) for w in row]
         for v, row in zip(vehicles, placed, strict=True)
     ]
     required = _frozen_columns(needs, bands)
@@ -140,23 +189,16 @@ def size(
         required[f"{MINIMUM}{VARYING}"][beyond_one_pole(slow)] = np.nan
         said += _missing(required, bands)
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
-    found = Sizing(
-        schedule=schedule,
-        times=chosen,
-        winds=tuple(named),
-        dead_bands=bands,
+    return Sizing(
+        **vars(asked),
         required=required,
-        law=law,
-        model=model,
-        plane=plane,
         slow_mode=slow,
         edge=np.array(edges),
         said=tuple(dict.fromkeys(said)),
         notes=(),
-        known_times=np.array([known_times(wind) for wind in named.values()]),
+        known_times=known,
         **_circumstances(schedule, plane, vehicles, placed),
     )
-    return replace(found, notes=notes_of(found))
 
 
 def _circumstances(
@@ -164,7 +206,7 @@ def _circumstances(
     plane: str,
     vehicles: list[Vehicle],
     placed: list[list[PlacedWind]],
-) -> dict[str, NDArray[Any]]:
+) -> dict[str, Any]:
     """When each wind blows, how much changes meanwhile, and whether the schedule covers it."""
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [

@@ -16,7 +16,8 @@ For the weighted integral G of trim - L from t on has its least value at a time 
 means are above L, and trim with them; where there is no such time the limit, held, brings the
 attitude back before the wind is over. So the law needs the largest min(trim, delta_max) of all
 times, for winds of both signs on either side, exactly on a fixed path. With drift the path that a
-limited flight leaves is not that of trim: a law that meets its limit again is flown (`flown`).
+limited flight leaves is not that of trim: a law that meets its limit again, or whose path is quick,
+is flown (`flown`).
 """
 
 from __future__ import annotations
@@ -29,14 +30,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.requirement import path_counts
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
 from tvclin.flights.closed_loop.continuous import smooth_piece
+from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
 _BETWEEN = 16
+_LOOKS = 17
+"""Times of a wind at which the pace of the path is looked at."""
 _SLACK = 1e-9
 _EDGE = 1e-12
 
@@ -109,7 +114,7 @@ def _times(wind: History) -> FloatArray:
 def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> float:
     """The largest min(trim, demand) [rad] to a side: at one of the times, or where both meet.
 
-    Where trim is above it more than once and the path drifts, the law is flown.
+    Where trim is above it more than once and the path drifts, or drifts fast, the law is flown.
     """
     from scipy.optimize import brentq
 
@@ -127,10 +132,17 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
             meets = brentq(over, float(times[k]), float(times[k + 1]), xtol=1e-12)
             most = max(most, *(side * course.demand(meets) for side in sides))
     above = np.abs(trim) > most
-    if course.mode.model == "fixed-path" or above[0] + np.sum(above[1:] & ~above[:-1]) < 2:
+    again = above[0] + np.sum(above[1:] & ~above[:-1]) > 1
+    if course.mode.model == "fixed-path" or not (again or _drifts_fast(course.mode, times)):
         return most
     steps = flight_steps(course.mode)
     return float(trim_law_needs(course.mode, steps, course.wind(steps)[np.newaxis], most)[0])
+
+
+def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
+    some = np.linspace(times[0], times[-1], _LOOKS)
+    held = Plant.from_vehicle(mode.schedule.held(some), mode.model, mode.plane)
+    return bool(np.any(path_counts(held)))
 
 
 def _boundary(

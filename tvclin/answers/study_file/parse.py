@@ -6,6 +6,7 @@ from typing import Any
 
 from tvclin.answers.campaign.file import parse_campaign
 from tvclin.answers.campaign.tables import dispersions_of, question_of, subject_of
+from tvclin.answers.planes import BOTH
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
@@ -14,7 +15,7 @@ from tvclin.control.autopilot.rules import GainsAsked
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import gust_of, winds_of
 
-_ALSO_OF_A_FLIGHT = ("model", "plane")
+_ALSO_OF_A_FLIGHT = ("model", "plane", "nozzle_stop")
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
@@ -26,7 +27,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     if "cases" in document.get("campaign", {}):
         parse_campaign({k: v for k, v in document.items() if k != "gust"}, folder)
     head, drawn = document.get("study", {}), document.get("campaign", {})
-    given = {key: head[key] for key in ("dead_band", "switch") if key in head}
+    given = {key: head[key] for key in ("dead_band", "switch", "nozzle_stop") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
         given["dispersions"] = dispersions_of(document)
@@ -34,6 +35,8 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     gust = gust_of(document, float(getattr(wind, "duration", 0.0)))
     question = question_of(document)
     study = {key: value for key, value in (subject | given).items() if key in _ALSO_OF_A_FLIGHT}
+    if "nozzle_stop" in study:
+        study["plane"] = BOTH
     return StudyPlan(
         **subject,
         wind=wind,

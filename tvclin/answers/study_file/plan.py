@@ -18,6 +18,7 @@ from tvclin.base.errors import (
     positive,
     whole_number,
 )
+from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -69,6 +70,8 @@ class StudyPlan:
         Of the deflection that covers them, as of `quantile_bound`.
     sizing : SizingAsked, optional
         What is asked of the whole flight.
+    nozzle_stop : Stop or str, optional
+        As the `stop` of `Study.from_vehicle`: the verdict is on both planes.
 
     Raises
     ------
@@ -93,6 +96,7 @@ class StudyPlan:
     probability: float = 0.99865
     confidence: float = 0.9
     sizing: SizingAsked | None = None
+    nozzle_stop: Stop | str | None = None
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
@@ -109,6 +113,13 @@ class StudyPlan:
             number("limit", self.limit, positive, "rad")
         if self.gust is not None:
             instance("gust", self.gust, History, "such as OneMinusCosineGust")
+        if self.nozzle_stop is not None:
+            stop_of(self.nozzle_stop)
+            if self.wind.heading is None:
+                raise InputError(
+                    "a stop of both planes needs a wind with a direction: give where it blows from,"
+                    " and the azimuth of the flight"
+                )
         self._check_parts()
         for name in ("cases", "seed"):
             whole_number(name, getattr(self, name))
@@ -142,12 +153,18 @@ class StudyPlan:
     def of_study(cls, study: Study) -> Self:
         """Return the plan of a study that has been made."""
         instance("study", study, Study, "see Study.from_vehicle")
+        wind, gust = study.slanting, study.gust
+        if wind is None:
+            wind = ShapedWind(study.shape, float(study.wind.peak), float(study.wind.duration))
+        elif gust is not None:
+            gust = gust * (wind.peak / float(study.wind.peak))
         return cls(
             vehicle=study.vehicle,
             model=study.model,
             plane=study.plane,
-            wind=ShapedWind(study.shape, float(study.wind.peak), float(study.wind.duration)),
-            gust=study.gust,
+            wind=wind,
+            gust=gust,
+            nozzle_stop=study.planes.stop if study.planes is not None and study.in_both else None,
             limit=study.limit,
             dead_band=study.dead_band,
             switch=study.switch,
@@ -161,6 +178,8 @@ class StudyPlan:
             duration=self.wind.duration,
             peak=self.wind.peak,
             gust=self.gust,
+            heading=self.wind.heading,
+            stop=self.nozzle_stop,
             limit=self.limit,
             dead_band=self.dead_band,
             model=self.model,

@@ -11,6 +11,7 @@ For a wind of one direction that is the scalar equation, times the gauge of the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import card
-from tvclin.base.errors import broadcast, one_of, within
+from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.boundary.limit import (
     BOUNDARY,
     JUMP,
@@ -141,6 +142,7 @@ def plane_limit(
     ------
     InputError
         For a wind without a direction, one that is zero or never ends, a dead band outside [0, 1],
+        a wind that turns where b1 is below zero,
         and plants without unstable poles, with a complex pair, two fastest poles that are
         together, or no aerodynamic moment.
 
@@ -178,29 +180,31 @@ def plane_limit(
 
 
 @dataclass(frozen=True)
-class _Found:
+class Needed:
     """What one wind asks for: the limit and the bound [rad], the vector held, and since when.
 
-    `y` is the limit over B alpha_w,max where that is known to the last digit.
+    `least` is the minimum over all unstable poles, and `y` the limit over B alpha_w,max where that
+    is known to the last digit.
     """
 
     limit: float
     held: complex
     time: float
     bound: float
+    least: float
     notes: tuple[str, ...]
     y: float | None = None
 
 
 def _alone(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
-    found = _found(pair, stop, K, literal)
+    found = needed(pair, stop, (K,), literal)[0]
     pitch_alone = found.limit
     if np.isfinite(pair.wind.yaw.onset):
         pitch_alone = 0.0
         if np.isfinite(pair.wind.pitch.onset):
             flat = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
-            pitch_alone = _found(Pair(pair.plants, flat), stop, K, literal).limit
+            pitch_alone = needed(Pair(pair.plants, flat), stop, (K,), literal)[0].limit
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(
         limit=found.limit / scale if found.y is None else found.y,
@@ -216,25 +220,40 @@ def _alone(pair: Pair, stop: Stop, K: float, switch: str) -> PlaneLimit:
     )
 
 
-def _found(pair: Pair, stop: Stop, K: float, literal: bool) -> _Found:
+def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> list[Needed]:
+    """Return what one wind asks of two planes at each dead band."""
     line = _line(pair)
     if line is not None:
-        return _straight(pair, *line, stop, K, literal)
+        return [_straight(pair, *line, stop, K, literal) for K in bands]
+    falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
+    if any(falling) and max(bands) > 0.0 and not pair.wind.one_direction:
+        raise InputError(
+            "a wind that turns needs plants with b1 of zero or more, for with b1 < 0 trim grows"
+            " when the wind is over; take dead_band=0, or what each plane requires by itself"
+        )
+    least = float(stop.inside.gauge(pair.demanded(np.asarray([float(pair.wind.onset)])))[0])
+    if max(one.size for one in pair.poles) > 1:
+        least = least_in_planes(pair, stop.inside).peak
+    bound = unforeseen(pair, stop.inside)
+    return [_turning(pair, stop, K, literal, least, bound) for K in bands]
+
+
+def _turning(pair: Pair, stop: Stop, K: float, literal: bool, least: float, bound: float) -> Needed:
+    """The boundary of the control in a wind that turns, or of planes that differ."""
     shape = stop if K == 0.0 else stop.inside
     held, time, status = _left(pair, shape, K, literal)
     notes = [] if status == OK else [status]
     if K > 0.0:
         notes += [] if pair.wind.one_direction else [TURNS]
         notes += [] if shape is stop else [POLYGON]
-    bound = unforeseen(pair, stop.inside)
     modes = max(one.size for one in pair.poles)
     needs = {
         BOUNDARY: float(shape.gauge(held)),
-        MINIMUM: least_in_planes(pair, stop.inside).peak if modes > 1 else 0.0,
+        MINIMUM: least if modes > 1 else 0.0,
         NO_FORECAST: bound if K == 1.0 else 0.0,
     }
     limit, more = _largest(needs)
-    return _Found(limit, held, time, bound, (*notes, *more))
+    return Needed(limit, held, time, bound, least, (*notes, *more))
 
 
 def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:
@@ -261,7 +280,7 @@ def _line(pair: Pair) -> tuple[Plant, History] | None:
 
 def _straight(
     pair: Pair, plant: Plant, wind: History, stop: Stop, K: float, literal: bool
-) -> _Found:
+) -> Needed:
     """The scalar answers, each along the direction of the wind."""
     boundary = boundary_alone(plant, wind, K, literal)[0]
     needs = {name: float(one) for name, one in open_loop_needs(plant, wind, 1.0, boundary).items()}
@@ -279,7 +298,8 @@ def _straight(
     )
     notes = [] if boundary.status == OK else [str(boundary.status)]
     y = None if more or not pair.equal else boundary.limit * one_way
-    return _Found(limit, held, float(boundary.switch_time), bound, (*notes, *more), y)
+    least = needs[MINIMUM] * both_ways
+    return Needed(limit, held, float(boundary.switch_time), bound, least, (*notes, *more), y)
 
 
 def _left(pair: Pair, stop: Stop, K: float, literal: bool) -> tuple[complex, float, str]:

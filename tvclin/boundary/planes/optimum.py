@@ -34,8 +34,11 @@ _THINNEST = 1e-8
 """A cell that is thinner, times the fastest pole, has no moments but rounding."""
 _NODES = 4
 _STEPS = 400
-_WIDEST_GAP = 1e-3
+_CELLS_GAP, _WIDEST_GAP = 1e-5, 1e-3
+"""What cells leave of a gap, and the widest that is called solved."""
 _FEW_CORNERS = 32
+_EVERY = 16
+"""Cells between instants from which on slow modes may be served alone."""
 OK = "ok"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
@@ -205,12 +208,50 @@ class _Moments:
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
     """Minimise N^2/2 - l . d in cells; of few corners, by a linear program."""
-    from scipy.optimize import minimize, root  # late: they take 0.3 s to import
-
     size = float(np.abs(moments.demands).max())
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
     if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
         return _mended(moments, onset, *_by_corners(cells, d, stop), size)
+    best, deflections = _by_dual(cells, d, stop)
+    whole = _mended(moments, onset, best, deflections, size)
+    fast = np.concatenate([poles == poles.max() for poles in moments.pair.poles])
+    if whole[2].gap < _CELLS_GAP or np.all(fast):
+        return whole
+    some, deflections = _by_dual(cells[fast], d[fast], stop)
+    best = np.zeros(d.size)
+    best[fast] = some
+    late = [_late(moments, d, fast, deflections, k) for k in range(0, deflections.size, _EVERY)]
+
+    def far(held: Vectors) -> float:
+        missing = d - np.real(np.conj(cells) @ held)
+        return float(stop.gauge(held).max() + np.abs(missing).sum())
+
+    served = _mended(moments, onset, best, min(late, key=far), size)
+    return min(whole, served, key=lambda one: one[2].primal)
+
+
+def _late(
+    moments: _Moments, d: FloatArray, fast: NDArray[np.bool_], early: Vectors, k: int
+) -> Vectors:
+    """What serves the fast modes up to a cell, and from there on holds what the slow ones lack.
+
+    Where slow poles are far slower, they are served when the fast ones are long settled; their
+    multipliers are then smaller than any number.
+    """
+    cells, found = moments.cells, early.copy()
+    for axis in (1.0, 1j):
+        mine = np.flatnonzero(~fast & (moments.axes == axis))
+        if mine.size:
+            row = np.real(np.conj(axis) * cells[mine[0]])
+            part = np.real(np.conj(axis) * found)
+            held = (d[mine[0]] - row[:k] @ part[:k]) / row[k:].sum()
+            found[k:] += axis * (held - part[k:])
+    return found
+
+
+def _by_dual(cells: Vectors, d: FloatArray, stop: Stop) -> tuple[FloatArray, Vectors]:
+    """The multipliers that minimise N^2/2 - l . d, and the deflections at the stop."""
+    from scipy.optimize import minimize, root  # late: they take 0.3 s to import
 
     def height(multipliers: FloatArray) -> tuple[float, FloatArray]:
         summed = multipliers @ cells
@@ -225,8 +266,7 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     if np.abs(level.fun).max() < np.abs(height(best)[1]).max():
         best = level.x
     summed = best @ cells
-    deflections = float(stop.support(summed).sum()) * stop.farthest(summed)
-    return _mended(moments, onset, best, deflections, size)
+    return best, float(stop.support(summed).sum()) * stop.farthest(summed)
 
 
 def _by_corners(cells: Vectors, d: FloatArray, stop: PolygonStop) -> tuple[FloatArray, Vectors]:

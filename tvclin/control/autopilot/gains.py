@@ -13,9 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.errors import InputError, broadcast, instance, nonnegative, plain
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.sizes import sized
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 
 FloatArray = NDArray[np.float64]
+
+_FREQUENCY, _DAMPING = 2.4, 1.2
+"""Of the loop of half relief: natural frequency, over the unstable pole, and damping ratio."""
 
 
 def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
@@ -124,6 +128,63 @@ def relief_gains(
         attitude = ratio * np.asarray(natural_frequency, float) ** 2 / coefficients.mu_delta
     return Autopilot(
         attitude_gain=attitude, rate_gain=rate, alpha_gain=stiffness - attitude, **options
+    )
+
+
+def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
+    """Return the autopilot that turns the vehicle by half of the wind: gains for a small limit.
+
+    They are `relief_gains` with a natural frequency of 2.4 p, a damping ratio of 1.2 and an alpha
+    ratio of one half, p being the unstable pole on a fixed path. Behind a stop (`SaturatedLaw`)
+    they need hardly more than one half of trim in winds that rise and fall, also where these stop
+    at any instant; gusts that reverse are their price.
+
+    Parameters
+    ----------
+    coefficients : Coefficients
+        Those of one aerodynamically unstable vehicle or of a batch.
+    **options
+        The other arguments of `Autopilot`: actuator, delay, and so on.
+
+    Raises
+    ------
+    InputError
+        For a stable vehicle, which has no unstable pole, and for one whose own damping is above
+        5.76 p.
+
+    Notes
+    -----
+    In a steady wind the nozzle stands at r of trim and the attitude at 1 - r of the wind, r being
+    the alpha ratio. To hold that takes a limit above r, and to come back from there when the wind
+    stops one above 1 - r. In slow winds the larger of the two is enough, and least for one half. A
+    smaller ratio, less damping or a higher frequency overshoot the lean, and a stop just behind the
+    peak may then cost a tenth of trim at once.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> c = tv.Coefficients.from_beta(beta=0.5, B=0.1)
+    >>> gains = tv.half_relief_gains(c)
+    >>> [round(float(gain), 3) for gain in (gains.attitude_gain, gains.rate_gain, gains.alpha_gain)]
+    [0.288, 1.152, 0.388]
+    >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)
+    >>> law, plant = tv.SaturatedLaw(gains), tv.Plant.from_coefficients(c)
+    >>> round(tv.closed_loop_boundary(plant, law, wind, sample_rate=50, cuts=12).limit, 2)
+    0.45
+    """
+    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    if np.any(np.asarray(coefficients.mu_alpha) <= 0.0):
+        raise InputError(
+            "half-relief gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
+            f" {np.min(coefficients.mu_alpha):.6g} 1/s^2 (use relief_gains instead)"
+        )
+    pole = np.real(Plant.from_coefficients(coefficients).poles[..., 0])
+    return relief_gains(
+        coefficients,
+        natural_frequency=plain(_FREQUENCY * pole),
+        damping=_DAMPING,
+        alpha_ratio=0.5,
+        **options,
     )
 
 

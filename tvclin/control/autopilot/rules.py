@@ -16,13 +16,14 @@ from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,
     drift_minimum_gains,
+    half_relief_gains,
     load_minimum_gains,
 )
 from tvclin.control.autopilot.optimal import lqr_gains
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.vehicle.filters import Filter
 
-DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "lqr")
+DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "half-relief", "lqr")
 _BY_POLES: dict[str, Callable[..., Autopilot]] = {
     "poles": design_gains,
     "drift-minimum": drift_minimum_gains,
@@ -156,6 +157,8 @@ def _by_rule(
         raise InputError(f"design {rule} takes no natural_frequency and no damping")
     if rule == "lqr":
         return lqr_gains(plant, **options)
+    if rule == "half-relief":
+        return half_relief_gains(plant.coefficients, **options)
     if rule == "canonical":
         if plant.coefficients.mu_alpha <= 0.0:
             raise InputError(

@@ -17,7 +17,7 @@ from tvclin.base.errors import InputError, nonnegative, one_row, positive, shown
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -63,7 +63,7 @@ class BoundaryMap:
 
 
 def boundary_map(
-    plant: Plant,
+    plant: AnyPlant,
     law: Law,
     wind: History,
     gains: ArrayLike,

@@ -66,6 +66,8 @@ class ContinuousFlight:
         What lies between command and deflection.
     farthest : float
         Attitude [rad] from the nominal at which the flight ends.
+    gain : float
+        Factor on what the law asks for.
     """
 
     equations: Equations
@@ -75,6 +77,7 @@ class ContinuousFlight:
     rate_limit: float
     actuator: Actuator | None
     farthest: float = LOST
+    gain: float = 1.0
 
     def arcs(self, start: float, stop: float) -> list[Arc]:
         """Return the flight from rest at `start` to `stop` [s], arc by arc.
@@ -170,7 +173,8 @@ class ContinuousFlight:
 
     @cached_property
     def _loop(self) -> Loop:
-        return Loop(self.equations, self.law, self.limit, self.rate_limit, self.actuator)
+        hardware = self.limit, self.rate_limit, self.actuator
+        return Loop(self.equations, self.law, *hardware, self.gain)
 
     @cached_property
     def _smallest(self) -> FloatArray:

@@ -47,6 +47,7 @@ def fly(
     actuator: Actuator | None = None,
     sample_rate: float | None = None,
     delay: float = 0.0,
+    gain: float = 1.0,
 ) -> TimeResponseData:
     """Return the flight of a law with limits, as `control.TimeResponseData`.
 
@@ -75,6 +76,9 @@ def fly(
     delay : float
         Computing delay [s], from a sample to when its command takes effect; it needs a sample
         rate, of which it need not be a whole number of samples.
+    gain : float
+        Factor on what the law asks for, positive, ahead of its switch and of the limit, as of
+        `fly_many`.
 
     Returns
     -------
@@ -84,10 +88,10 @@ def fly(
     Raises
     ------
     InputError
-        For batches, limits that are not positive, a wind that never ends, times long after the
-        flight is lost, a sample rate too slow for the actuator, noise, a delay or a rate limit
-        that need a sample rate, and a law that looks at the deflection where it has neither an
-        actuator nor a sample before it.
+        For batches, limits or a gain that are not positive, a wind that never ends, times long
+        after the flight is lost, a sample rate too slow for the actuator, noise, a delay or a rate
+        limit that need a sample rate, and a law that looks at the deflection where it has neither
+        an actuator nor a sample before it.
 
     Notes
     -----
@@ -112,7 +116,7 @@ def fly(
     check_flight(plant, law, wind)
     times = times_row("timepts", timepts)
     limit = number("deflection_limit", deflection_limit, positive, "rad")
-    most = check_rate_limit(rate_limit)
+    most, factor = check_rate_limit(rate_limit), number("gain", gain, positive)
     check_engine(plant, actuator)
     start = float(wind.onset)
     check_span(start, float(times.max()))
@@ -121,11 +125,12 @@ def fly(
             raise InputError("a delay belongs to samples; give a sample_rate")
         if isinstance(plant, FlexiblePlant):
             raise InputError("a flexible plant is flown by samples; give a sample_rate")
-        rows = _continuous(plant, law, wind, times, (limit, most), actuator, start)
+        rows = _continuous(plant, law, wind, times, (limit, most), actuator, start, factor)
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
-        rows = _sampled(plant, law, wind, times, (limit, most), actuator, length, late)
+        clock = length, late
+        rows = _sampled(plant, law, wind, times, (limit, most), actuator, clock, factor)
     return _response(plant, wind, times, rows)
 
 
@@ -137,6 +142,7 @@ def _continuous(
     limits: tuple[float, float],
     actuator: Actuator | None,
     start: float,
+    gain: float,
 ) -> FloatArray:
     if law.rate_noise[0]:
         raise InputError("noise belongs to samples; give a sample_rate")
@@ -145,7 +151,8 @@ def _continuous(
     if limits[1] < np.inf and actuator is None:
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
-    flight = ContinuousFlight(LinearEquations(plant), law, wind, *limits, actuator)
+    equations = LinearEquations(plant)
+    flight = ContinuousFlight(equations, law, wind, *limits, actuator, gain=gain)
     stop = float(np.nextafter(times.max(), np.inf))
     return flight.shown(flight.arcs(start, max(stop, start + 1e-9)), times)
 
@@ -157,14 +164,15 @@ def _sampled(
     times: FloatArray,
     limits: tuple[float, float],
     actuator: Actuator | None,
-    length: float,
-    delay: float,
+    clock: tuple[float, float],
+    gain: float,
 ) -> FloatArray:
+    length, _ = clock
     start, last = float(wind.onset), float(times.max())
     check_samples(max(last - start, 0.0), length)
     check_pace(plant, length)
     until = max(last, start) + length
-    batch = one_flight(plant, law, wind, *limits, actuator, length, delay, until=until)
+    batch = one_flight(plant, law, wind, *limits, actuator, *clock, gain, until)
     f = flown(batch, track=True)
     check_track(f, len(plant.states))
     return between_samples(f, plant, actuator, wind, times)

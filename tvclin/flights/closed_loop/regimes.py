@@ -44,6 +44,7 @@ class Loop:
     limit: float
     rate_limit: float
     actuator: Actuator | None
+    gain: float = 1.0
 
     @cached_property
     def order(self) -> int:
@@ -89,9 +90,9 @@ class Loop:
         return regime.stop * self.limit + 0.0 * position if regime.stop else position
 
     def demand(self, states: FloatArray, measured: Measurement) -> Any:
-        """Return what the law asks for [rad]."""
+        """Return what the law asks for, times the gain [rad]."""
         memory = states[self.order + self.servo :]
-        return self.law.demand(measured, memory, self.limit)
+        return self.gain * self.law.demand(measured, memory, self.limit)
 
     def command(self, states: FloatArray, measured: Measurement, regime: Regime) -> Any:
         """Return what is commanded [rad]: the demand, or the limit that the law is switched to."""

@@ -221,6 +221,25 @@ def _in_python(f: Flights, laws: LawBatch) -> None:
         k += 1
 
 
+class Stepper:
+    """Flights that are moved by what stands beside them, a sample at a time."""
+
+    def __init__(self, f: Flights) -> None:
+        seconds = float(f.finish.sum()) * _PLAIN / 2.0
+        looks, moves = (swiftest(one, seconds) for one in (kernel.look, kernel.advance))
+        self._look, self._advance = looks, moves
+        self._flights = f if looks is kernel.look else f._replace(laws=_table(f.laws))
+        self._plain = np.ones(f.limit.size)
+
+    def look(self, k: int) -> int:
+        """Look at all flights at a sample; return how many go on."""
+        return self._look(self._flights, k)
+
+    def advance(self, k: int, demand: FloatArray) -> None:
+        """Move all flights that go on by a sample, with what is asked of them [rad]."""
+        self._advance(self._flights, k, demand, self._plain, self._plain)
+
+
 def _advanced(
     f: Flights,
     laws: LawBatch,

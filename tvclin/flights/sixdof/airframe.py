@@ -16,6 +16,7 @@ from tvclin.flights.answer import FARTHEST, OUTPUTS
 from tvclin.flights.sixdof.departure import Departure
 from tvclin.flights.sixdof.earth import Earth
 from tvclin.flights.sixdof.engine import Engine
+from tvclin.flights.sixdof.foresight import Foresight, Row
 from tvclin.flights.sixdof.model import DEFLECTIONS, model_xml, planet_xml
 from tvclin.flights.sixdof.sensors import senses, wind_setter
 from tvclin.flights.sixdof.steering import Steering
@@ -23,7 +24,6 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
-Row = tuple[float, ...]
 Place = Earth | Departure | None
 
 _STIFF = 4.0
@@ -78,7 +78,8 @@ class Airframe:
         self.engine, self._step = engine, step
         self._bend = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
         self._senses = {name: senses(engine, name, heading) for name in DEFLECTIONS}
-        self._blow, self._plane = wind_setter(engine, plane, heading), plane
+        self._blows = {name: wind_setter(engine, name, heading) for name in DEFLECTIONS}
+        self._blow, self._plane = self._blows[plane], plane
         self._gains = _hold(Coefficients.from_vehicle(vehicle, plane)) if place else None
         self._nominal: list[Row] = []
 
@@ -113,6 +114,45 @@ class Airframe:
         nominal = self._nominal_rows(len(speeds), course)
         return self._flown(steering, speeds, angles, nominal, course)
 
+    def fly_both(
+        self,
+        steering: Callable[[list[Measurement]], tuple[float, float]],
+        speeds: FloatArray,
+        angles: FloatArray,
+    ) -> FloatArray:
+        """Return a flight of both planes, frozen over a flat planet, as `fly`.
+
+        Parameters
+        ----------
+        steering : callable
+            Takes what is foreseen in pitch and in yaw, and gives both deflections [rad].
+        speeds, angles : ndarray
+            Wind along the flight and to its right, and as angles, ``(2, n)``; the first are zero.
+
+        Returns
+        -------
+        ndarray
+            The `OUTPUTS` of both planes, ``(m, 2, 5)``.
+        """
+        self._begin()
+        planes = [Foresight(self._senses[name], self._step) for name in DEFLECTIONS]
+        bends, blows = ([one[name] for name in DEFLECTIONS] for one in (self._bend, self._blows))
+        straight = [(*self._senses[name].angles(), 0.0, 0.0) for name in DEFLECTIONS]
+        nominal = [(attitude, 0.0, path, *rest) for attitude, path, *rest in straight]
+        rows: list[list[Row]] = [[(0.0,) * len(OUTPUTS)] * len(planes)]
+        for speed, angle in zip(speeds.T[1:].tolist(), angles.T[1:].tolist(), strict=True):
+            each = list(zip(planes, angle, nominal, strict=True))
+            deflections = steering([one.shown(a, row) for one, a, row in each])
+            for write, value in zip((*bends, *blows), (*deflections, *speed), strict=True):
+                write(value)
+            self.engine.run()
+            rows.append(
+                [one.moved(d, a, row) for d, (one, a, row) in zip(deflections, each, strict=True)]
+            )
+            if not max(abs(row[0]) for row in rows[-1]) <= FARTHEST:
+                break
+        return np.array(rows)
+
     def _nominal_rows(self, count: int, course: FloatArray | None) -> Iterator[Row]:
         """Return the outputs of the nominal flight, step by step."""
         attitude, path = self._begin()
@@ -146,43 +186,20 @@ class Airframe:
         nominal: Iterator[Row],
         course: FloatArray | None,
     ) -> FloatArray:
-        attitude, path = self._begin()
-        attitude_and_path, rates, measured_alpha = self._senses[self._plane]
+        self._begin()
         h, run, bend, blow = self._step, self.engine.run, self._bend[self._plane], self._blow
         hold_other = self._other_hold(course)
-        rate, push = rates()
-        path_before, push_before = path - h * next(nominal)[1], push
-        alpha = blown = deflection = 0.0
+        ahead = Foresight(self._senses[self._plane], h, turn=h * next(nominal)[1])
         rows: list[Row] = [(0.0,) * len(OUTPUTS)]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
-        for k, (speed, angle, (attitude_n, rate_n, path_n, alpha_n, deflection_n)) in enumerate(
-            gusts, start=1
-        ):
-            # What acts at the end of a step is set before the step, so the state at its end is
-            # foreseen: the rate by the engine's own rule, the angles to second order.
-            rate_ahead = rate + h * (1.5 * push - 0.5 * push_before)
-            turn = 0.5 * h * (rate + rate_ahead)
-            path_turn = path - path_before
-            deflection = steering(
-                k,
-                Measurement(
-                    attitude + turn - attitude_n,
-                    rate_ahead - rate_n,
-                    path + path_turn - path_n,
-                    alpha + turn - path_turn - (angle - blown) - alpha_n,
-                    deflection,
-                ),
-            )
+        for k, (speed, angle, row) in enumerate(gusts, start=1):
+            deflection = steering(k, ahead.shown(angle, row))
             hold_other()
-            bend(deflection_n + deflection)
+            bend(row[4] + deflection)
             blow(speed)
             run()
-            push_before, path_before, blown = push, path, angle
-            attitude, path = attitude_and_path()
-            (rate, push), alpha = rates(), measured_alpha()
-            off = attitude - attitude_n
-            rows.append((off, rate - rate_n, path - path_n, alpha - alpha_n, deflection))
-            if not abs(off) <= FARTHEST:
+            rows.append(ahead.moved(deflection, angle, row))
+            if not abs(rows[-1][0]) <= FARTHEST:
                 break
         return np.array(rows)
 

@@ -140,7 +140,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     """Return what gives the command within the limit, and remembers what the law remembers."""
     demanded, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
-    kept, learnt = _memory_step(law, step)
+    kept, learnt = memory_step(law, step)
     level, seed = law.rate_noise
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
     mode = 0.0
@@ -161,7 +161,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     return asked
 
 
-def _memory_step(law: Law, step: float) -> tuple[FloatArray, FloatArray]:
+def memory_step(law: Law, step: float) -> tuple[FloatArray, FloatArray]:
     """Return what takes the states of a law, and what it sees, to its states one step later."""
     F, G = law.states
     whole = exponentials(driven(F, G), np.array([step]))[0]

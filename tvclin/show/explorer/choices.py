@@ -7,8 +7,9 @@ import numpy as np
 from tvclin.vehicle.vehicle import Vehicle
 
 REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"
-GAINS, RECOVERABLE = "attitude and rate", "recoverable attitude"
-LAWS = (REPORT, TRIM, DEAD_BAND, GAINS, RECOVERABLE)
+GAINS, HALF_RELIEF = "attitude and rate", "half relief"
+RECOVERABLE = "recoverable attitude"
+LAWS = (REPORT, TRIM, DEAD_BAND, GAINS, HALF_RELIEF, RECOVERABLE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ from tvclin.base.errors import InputError, one_of
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.gains import half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law, seen_coordinates
@@ -29,7 +30,15 @@ from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.show.explorer.choices import DEAD_BAND, GAINS, LAWS, RECOVERABLE, REPORT, TRIM
+from tvclin.show.explorer.choices import (
+    DEAD_BAND,
+    GAINS,
+    HALF_RELIEF,
+    LAWS,
+    RECOVERABLE,
+    REPORT,
+    TRIM,
+)
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import PULSES, pulse
@@ -213,6 +222,8 @@ def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> 
     """
     if name == GAINS:
         return SaturatedLaw(Autopilot(attitude_gain=numbers[0], rate_gain=numbers[1]))
+    if name == HALF_RELIEF:
+        return SaturatedLaw(half_relief_gains(plant.coefficients))
     if name == RECOVERABLE:
         return RecoverableAttitudeLaw(plant, design_peak=peak)
     fixed = Plant.from_coefficients(plant.coefficients)

@@ -44,6 +44,8 @@ def over_flight(found: Findings) -> Section | None:
         blocks.append(_required(sizing, j, wind, frozen))
         if varying:
             blocks.append(_varying(sizing, j, wind, varying))
+        if sizing.alone:
+            blocks.append(_by_planes(sizing, j, wind, found.plan.sizing.counted))
     blocks += [_total(total, found.plan.sizing.counted), *_verdict(total)]
     notes = [Check("doubt", (f"{note}.",)) for note in (*found.plan.sizing.warnings, *sizing.notes)]
     notes += [Check("reader", (f"{note}.",)) for note in found.plan.sizing.notes]
@@ -57,9 +59,10 @@ def whose(found: Findings) -> str:
 
 
 def _words(s: Sizing, of: str) -> str:
+    planes = "both planes with one stop" if s.alone else f"the {s.plane} plane"
     return (
-        f"The flight{of}: the vehicle at each of its times, on the {s.model} model in the"
-        f" {s.plane} plane. The peak of a pulse meets each flight time. No forecast:"
+        f"The flight{of}: the vehicle at each of its times, on the {s.model} model in"
+        f" {planes}. The peak of a pulse meets each flight time. No forecast:"
         f" {s.law_words}; minimum: the wind known; K below 1 trusts a forecast. One pole says"
         " whether the single-pole theory holds for the wind; change, by how much beta or"
         f" B changes while it blows: above {100 * STEADY:g} % frozen parameters are doubtful."
@@ -80,6 +83,20 @@ def _required(s: Sizing, j: int, wind: str, names: list[str]) -> Table:
         rows.append(tuple(cells))
     head = ("time [s]", *names, "change [%]", "one pole", "schedule")
     return Table(f"Required deflection [deg]: {wind}", head, tuple(rows))
+
+
+def _by_planes(s: Sizing, j: int, wind: str, name: str) -> Table:
+    """What each plane by itself asks for, and by how much the pitch plane is too little."""
+    rows = []
+    for i in range(s.times.size):
+        key = f"flight.{j}.{i}.planes"
+        cells = [degrees(f"{key}.both", s.required[name][i, j])]
+        cells += [degrees(f"{key}.{k}", one.required[name][i, j]) for k, one in s.alone.items()]
+        missing = number(f"{key}.missing_percent", 100.0 * s.pitch_misses[name][i, j], 1)
+        rows.append(((f"{s.times[i]:.6g}",), *cells, missing))
+    alone = (f"{plane} alone" for plane in s.alone)
+    head = ("time [s]", "both planes", *alone, "pitch alone is too little by [%]")
+    return Table(f"{name} by planes [deg]: {wind}", head, tuple(rows))
 
 
 def _varying(s: Sizing, j: int, wind: str, names: list[str]) -> Table:

@@ -12,7 +12,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
 from tvclin.base.lines import Number
-from tvclin.show.report import basis, control, flight, sections, verdict
+from tvclin.show.report import basis, control, flight, planes, sections, verdict
 from tvclin.show.report.blocks import Section
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
     verdict.asked,
     sections.boundaries,
+    planes.both_planes,
     sections.response,
     flight.over_flight,
     control.laws,

@@ -103,7 +103,8 @@ def boundaries(found: Findings) -> Section:
 def response(found: Findings) -> Section | None:
     """Return the exact response to the limit in question; None where nothing is, or can be."""
     s = found.study
-    limit = s.limit if s.limit is not None else _ABOVE * s.required_deflection
+    needed = abs(float(s.requirement.deflection))
+    limit = s.limit if s.limit is not None else _ABOVE * needed
     if not limit or np.isinf(limit):
         return None
     plant, wind = Plant(s.coefficients, s.model), blown(s)

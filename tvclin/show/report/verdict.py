@@ -5,7 +5,7 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.questions import Question, questions, sufficient
 from tvclin.answers.sizing.total import DeflectionTotal
-from tvclin.answers.study import TRUSTS, outlasts_one_pole
+from tvclin.answers.study import TRUSTS, Study, outlasts_one_pole
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section, Table
@@ -94,16 +94,16 @@ def basis(found: Findings) -> Line:
         alone = ("The wind of this study alone needs ", *needed, ", which the limit covers. ")
     line: Line = (
         *alone,
-        f"On the {s.model} model in the {s.plane} plane, with a dead band of ",
+        f"On the {s.model} model in {_planes(s)}, with a dead band of ",
         *significant("basis.dead_band", s.dead_band),
         f", in a {s.shape} wind of ",
-        *significant("basis.peak_deg", np.degrees(s.wind.peak), unit="deg"),
+        *significant("basis.peak_deg", np.degrees(_peak(s)), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
         f"{s.gust_words}.",
     )
-    if s.required_deflection and s.requirement.governs != BOUNDARY:
-        line += (f" What is required is governed by {s.requirement.governs}.",)
+    if s.required_deflection and s.governs != BOUNDARY:
+        line += (f" What is required is governed by {s.governs}.",)
     if outlasts_one_pole(s):
         line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
     if any(TRUSTS in note for note in s.notes):
@@ -124,6 +124,15 @@ def basis(found: Findings) -> Line:
     )
 
 
+def _planes(s: Study) -> str:
+    return "both planes with one stop" if s.in_both else f"the {s.plane} plane"
+
+
+def _peak(s: Study) -> float:
+    """The peak of the wind on which the verdict rests [rad]: of both planes that of the vector."""
+    return float(s.slanting.peak if s.in_both and s.slanting is not None else s.wind.peak)
+
+
 def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers beside the verdict, each with what it is."""
     s = found.study
@@ -138,8 +147,10 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     if s.survivable_peak is not None:
         survived = degrees("facts.survivable_peak", abs(s.survivable_peak), 3, "deg")
         rows.append(("wind it survives", survived))
-    rows.append(("ideal trim takes", degrees("facts.trim", s.trim_deflection, unit="deg")))
-    if s.model in s.minima:
+    if not s.in_both:
+        trim = degrees("facts.trim", s.trim_deflection, unit="deg")
+        rows.append(("ideal trim takes", trim))
+    if s.model in s.minima and not s.in_both:
         rows.append(("least, wind known", degrees("facts.minimum", s.minima[s.model], unit="deg")))
     if found.dispersed is not None:
         required = found.dispersed.required

@@ -1,0 +1,97 @@
+"""Studies of a wind with a direction: of one plane with a note, or judged in both."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.cli.app import app
+
+JET = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50")
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+@pytest.fixture(scope="module")
+def booster() -> tv.Vehicle:
+    return tv.load_vehicle("configuration-i")
+
+
+def test_a_tail_wind_asks_for_the_same_to_the_last_bit(booster) -> None:
+    options = {"duration": 7.5, "peak": 0.08, "limit": 0.006}
+    plain = tv.Study.from_vehicle(booster, **options)
+    for stop in (None, "round", "square"):
+        tail = tv.Study.from_vehicle(booster, **options, heading=np.pi, stop=stop)
+        assert tail.required_deflection == plain.required_deflection
+        assert tail.survivable_peak == plain.survivable_peak
+        assert tail.sufficient is plain.sufficient
+
+
+def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
+    """And what a wind speed makes of it in a shell is one horizontal wind."""
+    plant, psi = tv.Plant.from_vehicle(booster), np.radians(45)
+    parts = [
+        tv.angle_from_speed(50 * np.cos(psi), booster.velocity, booster.attitude),
+        -tv.angle_from_speed(50 * np.sin(psi), booster.velocity, np.pi / 2),
+    ]
+    pitch, yaw = (tv.TriangularWind(peak=part, duration=7.5) for part in parts)
+    for stop, shape in (("round", tv.CircularStop()), ("square", tv.SquareStop())):
+        exact = tv.plane_limit(plant, tv.PlaneWind(pitch=pitch, yaw=yaw), shape)
+        found = json.loads(run("study", *JET, "--stop", stop, "--json").output)
+        needed = np.radians(found["verdict"]["required_deflection_deg"])
+        assert needed == pytest.approx(exact.deflection, rel=1e-8)
+        alone = np.radians(found["planes"]["alone_deg"]["pitch"])
+        assert alone == pytest.approx(exact.pitch_alone, rel=1e-8)
+
+
+def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
+    enough = ("--limit-deg", "0.3")
+    one, both = run("study", *JET, *enough), run("study", *JET, *enough, "--stop", "round")
+    assert "with a round stop they need 0.3389 deg" in " ".join(one.output.split())
+    assert "the pitch plane alone asks for 42 % too little" in " ".join(one.output.split())
+    assert (one.exit_code, both.exit_code) == (0, 1)
+    assert "NOT SUFFICIENT" in both.output
+
+
+def test_a_study_keeps_its_direction(booster) -> None:
+    gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0).shift(2.0)
+    study = tv.Study.from_vehicle(
+        booster, duration=7.5, peak=0.08, heading=4.0, stop="square", gust=gust
+    )
+    again = StudyPlan.of_study(study).study()
+    assert again.required_deflection == pytest.approx(study.required_deflection, rel=1e-12)
+
+
+def test_a_file_gives_the_direction_in_its_wind() -> None:
+    wind = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
+    document = {"study": {"vehicle": "configuration-i", "nozzle_stop": "round"}, "wind": wind}
+    plan = parse_study(document)
+    assert plan.wind.heading == pytest.approx(np.radians(225))
+    assert plan.study().planes is not None
+    flight = parse_study(document | {"schedule": {"source": "configuration-i"}})
+    assert flight.sizing is not None
+    assert (flight.sizing.plane, flight.sizing.nozzle_stop) == ("both", "round")
+
+
+def test_what_has_no_direction_is_told_so(booster) -> None:
+    said = {
+        ("--stop", "round"): "a stop of both planes needs a wind with a direction",
+        ("--azimuth-deg", "9"): "--azimuth-deg needs --wind-direction-deg",
+        ("--wind-direction-deg", "0", "--azimuth-deg", "90"): "does nothing in pitch",
+        (*JET, "--stop", "oval"): "stop must be one of round",
+    }
+    for options, words in said.items():
+        found = run("study", *options)
+        assert found.exit_code == 2
+        assert words in " ".join(found.output.split())
+    with pytest.raises(tv.InputError, match="stop needs a heading"):
+        tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round")
+    wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=1.0)
+    with pytest.raises(tv.InputError, match="a campaign is in one plane"):
+        tv.Campaign(vehicle=booster, wind=wind, dispersions=tv.Dispersions(()), cases=2)

@@ -1,0 +1,156 @@
+"""What both planes ask of one stop: each by itself in its part of it, and the vector of both.
+
+A rectangle inside the stop gives each plane a part of its own, in which it may be flown as if the
+other were not there: what each needs alone is then enough. The report's control in the plane,
+whose dead band is left by the vector, may need more in a wind that turns; the larger counts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.answers.requirement import required_deflection
+from tvclin.base.errors import InputError
+from tvclin.boundary.limit import ROUNDING
+from tvclin.boundary.planes.limit import needed
+from tvclin.boundary.planes.pair import Pair, checked
+from tvclin.boundary.stops import CircularStop, Stop
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+
+FloatArray = NDArray[np.float64]
+
+BOTH = "both"
+"""The word for both planes, where a plane is asked for."""
+PARTS, VECTOR = (
+    "each plane by itself in its part of the stop",
+    "the boundary of both planes together",
+)
+_LARGEST = 1e99
+
+
+@dataclass(frozen=True, eq=False)
+class VectorNeed:
+    """What the vector of a wind asks for [rad], in the measure of the stop.
+
+    Attributes
+    ----------
+    trim : float
+        The largest gauge of -B times the wind.
+    required : ndarray
+        The limit of `plane_limit` at each dead band, ``(k,)``.
+    no_forecast, minimum : float
+        What no law without a forecast, and what nothing undercuts.
+    said : tuple of str
+        Why something is not defined, or is more than (4b) says.
+    """
+
+    trim: float
+    required: FloatArray
+    no_forecast: float
+    minimum: float
+    said: tuple[str, ...]
+
+
+def vector_need(
+    pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
+) -> VectorNeed:
+    """Return what a wind that ends asks of two planes; zeros where (4b) has no vector for them."""
+    pair = Pair((pitch, yaw), wind)
+    try:
+        checked(pitch, wind, stop, yaw)
+        found = needed(pair, stop, dead_bands.tolist(), literal=True)
+    except InputError as error:
+        return VectorNeed(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
+    if isinstance(stop, CircularStop):
+        trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
+    else:
+        trim = float(stop.gauge(pair.of_moment(pair.times())).max())
+    return VectorNeed(
+        trim=trim,
+        required=np.array([one.limit for one in found]),
+        no_forecast=found[0].bound,
+        minimum=found[0].least,
+        said=tuple(dict.fromkeys(note for one in found for note in one.notes)),
+    )
+
+
+def rectangle(stop: Stop, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
+    """Return the least limit whose shape holds -x to x in pitch and -y to y in yaw [rad].
+
+    Infinite and NaN where one of them is.
+    """
+    x, y = np.broadcast_arrays(np.asarray(pitch, dtype=float), np.asarray(yaw, dtype=float))
+    known = (np.abs(x) < _LARGEST) & (np.abs(y) < _LARGEST)
+    a, b = np.where(known, x, 0.0), np.where(known, y, 0.0)
+    corners = np.stack([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
+    return np.where(known, stop.gauge(corners).max(axis=0), x + y)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanesNeeded:
+    """What one wind with a direction asks of both planes at one dead band.
+
+    Attributes
+    ----------
+    stop : Stop
+        What the nozzle can do.
+    wind : PlaneWind
+        The wind.
+    deflection : float
+        What is required [rad], in the measure of the stop.
+    alone : dict of str to float
+        What each plane by itself requires [rad].
+    governs : str
+        Which of the two is larger, in words.
+    """
+
+    stop: Stop
+    wind: PlaneWind
+    deflection: float
+    alone: dict[str, float]
+    governs: str
+
+    @property
+    def peak(self) -> float:
+        """Size [rad] of the largest wind vector."""
+        return float(self.wind.peak)
+
+    def misses(self, plane: str) -> float:
+        """Return by which part of what both need one plane alone asks for too little."""
+        return float(missing_part(self.alone[plane], self.deflection))
+
+
+def planes_needed(
+    plants: dict[str, Plant], wind: PlaneWind, stop: Stop, dead_band: float
+) -> PlanesNeeded:
+    """Return what a wind asks of both planes; `InputError` as `required_deflection`."""
+    alone = {}
+    for plane, plant in plants.items():
+        one: History = getattr(wind, plane)
+        blows = np.isfinite(one.onset)
+        need = required_deflection(plant, one, dead_band).deflection if blows else 0.0
+        alone[plane] = abs(float(need))
+    held = float(rectangle(stop, alone["pitch"], alone["yaw"]))
+    vector = 0.0
+    if np.isfinite(wind.pitch.onset) and np.isfinite(wind.yaw.onset):
+        found = vector_need(plants["pitch"], plants["yaw"], wind, stop, np.array([dead_band]))
+        vector = float(found.required[0])
+    return PlanesNeeded(
+        stop=stop,
+        wind=wind,
+        deflection=max(held, vector),
+        alone=alone,
+        governs=VECTOR if vector > held * (1.0 + ROUNDING) else PARTS,
+    )
+
+
+def missing_part(alone: ArrayLike, both: ArrayLike) -> FloatArray:
+    """Return by which part of what both planes need one alone falls short; zero of nothing."""
+    one, all_ = np.asarray(alone, dtype=float), np.asarray(both, dtype=float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(all_ > 0.0, 1.0 - one / all_, 0.0 * all_)

@@ -1,0 +1,127 @@
+"""The sizing of both planes with one stop, of those of each plane and of the winds' vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.planes import BOTH, VectorNeed, rectangle, vector_need
+from tvclin.answers.sizing.placing import PlacedWind
+from tvclin.answers.sizing.record import (
+    MINIMUM,
+    NO_FORECAST,
+    TRIM,
+    Sizing,
+    beyond_one_pole,
+)
+from tvclin.boundary.stops import Stop
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.plane_wind import PlaneWind
+
+FloatArray = NDArray[np.float64]
+
+_ONE_POLE = ("fixed-path", "drift")
+
+
+def in_both_planes(
+    parts: dict[str, Sizing],
+    vehicles: list[Vehicle],
+    placed: list[list[dict[str, PlacedWind]]],
+    stop: Stop,
+    told: Callable[[Any], Any],
+) -> Sizing:
+    """Return the sizing of both planes, without its notes.
+
+    Parameters
+    ----------
+    parts : dict of str to Sizing
+        By planes.
+    vehicles : list of Vehicle
+        At the flight times.
+    placed : list of list of dict
+        For each flight time and wind its parts by planes.
+    stop : Stop
+        What the nozzle can do.
+    told : callable
+        Passes each need on, and tells that it is done.
+    """
+    pitch, yaw = (parts[plane] for plane in PLANES)
+    beyond = pitch.beyond_one_pole | yaw.beyond_one_pole
+    bands = pitch.dead_bands
+    needs = [
+        [
+            told(_vector(vehicle, pitch.model, wind, bool(beyond[i, j]), stop, bands))
+            for j, wind in enumerate(row)
+        ]
+        for i, (vehicle, row) in enumerate(zip(vehicles, placed, strict=True))
+    ]
+    held = {
+        name: rectangle(stop, pitch.required[name], yaw.required[name]) for name in pitch.required
+    }
+    sides = stop.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    alone = {  # a stop reaches no further in a plane than its support
+        name: np.maximum(pitch.required[name] / sides[0], yaw.required[name] / sides[1])
+        for name in pitch.required
+    }
+    required = dict(held)
+    required[TRIM] = _larger(alone[TRIM], needs, lambda one: one.trim)
+    required[MINIMUM] = _larger(alone[MINIMUM], needs, lambda one: one.minimum)
+    if pitch.law == "bound":
+        required[NO_FORECAST] = _larger(alone[NO_FORECAST], needs, lambda one: one.no_forecast)
+    names = [f"K = {K:g}" for K in bands]
+    for k, name in enumerate(names):
+        required[name] = _larger(held[name], needs, lambda one, k=k: one.required[k])
+    more = np.any([required[name] > held[name] for name in names], axis=0)
+    refused = [[bool(one.said) and not one.trim for one in row] for row in needs]
+    spoken = [one for i, j in np.argwhere(more | np.array(refused)) for one in needs[i][j].said]
+    said = (*pitch.said, *yaw.said, *spoken)
+    slow = np.where(beyond_one_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
+    return Sizing(
+        **{name: getattr(pitch, name) for name in ("schedule", "times", "winds", "dead_bands")},
+        **{name: getattr(pitch, name) for name in ("law", "model", "known_times")},
+        required=required,
+        plane=BOTH,
+        begins=np.fmin(pitch.begins, yaw.begins),
+        ends=np.fmax(pitch.ends, yaw.ends),
+        change=np.maximum(pitch.change, yaw.change),
+        covered=pitch.covered & yaw.covered,
+        slow_mode=slow,
+        edge=np.fmin(pitch.edge, yaw.edge),
+        said=tuple(dict.fromkeys(said)),
+        notes=(),
+        alone=parts,
+        stop=stop,
+    )
+
+
+def _vector(
+    vehicle: Vehicle,
+    model: str,
+    wind: dict[str, PlacedWind],
+    beyond: bool,
+    stop: Stop,
+    bands: FloatArray,
+) -> VectorNeed:
+    """What the vector asks for; zeros where one plane alone has wind, for which it says all."""
+    if any(one.calm for one in wind.values()):
+        nothing = np.zeros(bands.shape)
+        return VectorNeed(0.0, nothing, 0.0, 0.0, ())
+    pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
+    both = PlaneWind(**{plane: one.history for plane, one in wind.items()})
+    found = vector_need(pitch, yaw, both, stop, bands)
+    if not (beyond and model in _ONE_POLE):
+        return found
+    pitch, yaw = (Plant.from_vehicle(vehicle, "drift-exact", plane) for plane in PLANES)
+    exact = vector_need(pitch, yaw, both, stop, bands)
+    required = np.maximum(found.required, exact.minimum)
+    return VectorNeed(found.trim, required, found.no_forecast, exact.minimum, found.said)
+
+
+def _larger(values: FloatArray, needs: list[list[VectorNeed]], value: Any) -> FloatArray:
+    """Values of each plane by itself, or those of the vector if they are larger; NaN is kept."""
+    return np.asarray(np.maximum(values, [[value(one) for one in row] for row in needs]))

@@ -1,0 +1,410 @@
+"""Flights of both planes at once, whose nozzle has one stop.
+
+Each plane is stepped by the kernel that flies one. Between what the law asks for and the nozzle the
+vector of both demands is brought back into the stop; see `laws.planes`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.cards import Row, card
+from tvclin.base.errors import InputError, ending, instance, number, positive
+from tvclin.boundary.stops import Stop, Vectors
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.planes import LawInPlanes
+from tvclin.flights.closed_loop.checks import (
+    check_actuator,
+    check_delays,
+    check_pace,
+    check_rate_limit,
+    check_sample_rate,
+    check_samples,
+)
+from tvclin.flights.closed_loop.edges import STEPS, edge_above_losses
+from tvclin.flights.closed_loop.law_batch import law_batch
+from tvclin.flights.closed_loop.many import LOST, STATUS, SURVIVED, UNDECIDED
+from tvclin.flights.closed_loop.outcomes import decidable
+from tvclin.flights.closed_loop.sampled import Batch, Stepper, flights
+from tvclin.kernels.flights import LOOK, Flights
+from tvclin.linear.plant import Plant
+from tvclin.winds.histories import History
+from tvclin.winds.plane_wind import PlaneWind
+
+FloatArray = NDArray[np.float64]
+
+_LONGEST = 20_000
+"""Samples after its wind in which a flight may be decided; then it stays undecided."""
+_INSIDE = 0.999
+"""Of what can be returned from: a flight that is saved is inside with both planes together."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FlownPlanes:
+    """What came of flights of both planes, each field in the shape of the limits.
+
+    Attributes
+    ----------
+    peak_attitude : ndarray
+        Size [rad] of the largest attitude vector at samples.
+    peak_deflection : ndarray
+        Largest deflection [rad] at samples, in the measure of the stop.
+    saturated_time_fraction : ndarray
+        Part of the flight in which the stop was asked for.
+    end_time : ndarray
+        When the flight ended [s].
+    status : ndarray of str
+        "survived", "lost" or "undecided", as of `FlownCases`.
+    time, attitude, deflection : ndarray
+        Of one flight alone, samples [s], and the vectors [rad] there, ``(n,)``; else of no length.
+    """
+
+    peak_attitude: FloatArray
+    peak_deflection: FloatArray
+    saturated_time_fraction: FloatArray
+    end_time: FloatArray
+    status: NDArray[np.str_]
+    time: FloatArray
+    attitude: Vectors
+    deflection: Vectors
+
+    def __repr__(self) -> str:
+        words = ", ".join(dict.fromkeys(self.status.ravel().tolist()))
+        return f"<FlownPlanes {self.status.shape}: {words}>"
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [
+            ("status", ", ".join(dict.fromkeys(self.status.ravel().tolist())), ""),
+            ("largest attitude", np.degrees(self.peak_attitude), "deg"),
+            ("largest deflection", np.degrees(self.peak_deflection), "deg"),
+        ]
+        return card("Flights of both planes", rows)
+
+
+@dataclass(frozen=True, eq=False)
+class FlownPlaneLimit:
+    """The least limit with which a law survives a wind in both planes.
+
+    Attributes
+    ----------
+    limit : float
+        Over ``|B|`` times the largest wind vector; infinite if the largest that was tried is lost.
+    deflection : float
+        The same [rad], positive, in the measure of the stop.
+    scan : ndarray
+        The limits that were tried, rising, over the same.
+    survives : ndarray of bool
+        Which of them survive.
+    status : str
+        "ok", or in words why the limit is an end of the range.
+    """
+
+    limit: float
+    deflection: float
+    scan: FloatArray
+    survives: NDArray[np.bool_]
+    status: str
+
+
+def fly_planes(
+    plant: Plant,
+    law: Law,
+    wind: PlaneWind,
+    *,
+    deflection_limit: ArrayLike,
+    stop: Stop | str = "round",
+    saturate: str = "radial",
+    rate_limit: float = np.inf,
+    actuator: Actuator | None = None,
+    sample_rate: float,
+    delay: float = 0.0,
+    yaw_plant: Plant | None = None,
+) -> FlownPlanes:
+    """Return what comes of flights of a law in pitch and yaw, whose nozzle has one stop.
+
+    Parameters
+    ----------
+    plant : Plant
+        One plant with one or two real unstable poles.
+    law : Law
+        For both planes: along the felt wind and across it.
+    wind : PlaneWind
+        One wind that ends.
+    deflection_limit : array_like
+        Limits [rad], positive, each a flight.
+    stop : Stop or str
+        What the nozzle can do, times the limit; or a word, as of `size`.
+    saturate : {"radial", "each plane"}
+        Whether the vector that is asked for keeps its direction when it is limited, or each plane
+        is limited by itself to the square inside the stop.
+    rate_limit : float
+        Largest deflection rate [rad/s], of each plane.
+    actuator : Actuator, optional
+        Of first order, in both planes. Without one the deflection follows its command at once.
+    sample_rate : float
+        Samples of the law in a second [Hz], the first at the onset of the wind.
+    delay : float
+        Computing delay [s], as of `fly_many`.
+    yaw_plant : Plant, optional
+        Of the yaw plane; by default the same as in pitch.
+
+    Returns
+    -------
+    FlownPlanes
+        A flight is lost when one plane is, and survives when both do.
+
+    Raises
+    ------
+    InputError
+        For a wind without a direction, batches, a law that switches, has filters or noise, an
+        actuator of second order, whose nozzle overshoots its stop, and numbers out of range.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> gust = tv.TriangularWind(peak=0.1, duration=8.0)
+    >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.radians(180) / 8.0)
+    >>> flown = tv.fly_planes(plant, tv.TrimLaw(plant), wind, sample_rate=100.0,
+    ...                       deflection_limit=np.array([0.66, 0.69]) * 0.01)
+    >>> flown.status.tolist()
+    ['lost', 'survived']
+    """
+    planes = _plants(plant, yaw_plant)
+    whole = LawInPlanes(law, stop, saturate)
+    _check(wind, actuator)
+    rate = check_sample_rate(sample_rate, actuator)
+    limit = positive("deflection_limit", deflection_limit, "rad")
+    late = float(check_delays(number("delay", delay), np.asarray(1.0 / rate)))
+    most = check_rate_limit(rate_limit)
+    for one in planes:
+        check_pace(one, 1.0 / rate)
+    check_samples(float(wind.end - wind.onset), 1.0 / rate)
+    flat = np.atleast_1d(limit).ravel()
+    pair = [
+        _ready(one, law, wind, part, flat * side, most, actuator, 1.0 / rate, late)
+        for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.sides, strict=True)
+    ]
+    return _answer(_flown(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
+
+
+def flown_plane_limit(
+    plant: Plant,
+    law: Law,
+    wind: PlaneWind,
+    *,
+    stop: Stop | str = "round",
+    saturate: str = "radial",
+    sample_rate: float = 200.0,
+    lowest: float = 0.02,
+    highest: float = 2.0,
+    **flight: Any,
+) -> FlownPlaneLimit:
+    """Return the least limit with which a law survives a wind in both planes.
+
+    Parameters
+    ----------
+    plant, law, wind, stop, saturate, sample_rate
+        As of `fly_planes`.
+    lowest, highest : float
+        Range of the limits that are tried, over ``|B|`` times the largest wind vector.
+    **flight
+        As of `fly_planes`: rate_limit, actuator, delay, yaw_plant.
+
+    Returns
+    -------
+    FlownPlaneLimit
+        Scanned and refined as by `closed_loop_boundary`.
+
+    Raises
+    ------
+    InputError
+        As `fly_planes`, and for a range that is none.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    >>> gust = tv.TriangularWind(peak=0.1, duration=8.0)
+    >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.radians(180) / 8.0)
+    >>> found = tv.flown_plane_limit(plant, tv.TrimLaw(plant), wind, sample_rate=50.0)
+    >>> round(found.limit, 2), round(tv.plane_limit(plant, wind).limit, 2)
+    (0.68, 0.63)
+    """
+    _plants(plant, None)
+    LawInPlanes(law, stop, saturate)
+    _check(wind, None)
+    low, high = (number(n, v, positive) for n, v in (("lowest", lowest), ("highest", highest)))
+    if low >= high:
+        raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
+    scale = abs(float(np.asarray(plant.coefficients.B))) * float(wind.peak)
+
+    def status(limits: FloatArray) -> NDArray[np.str_]:
+        options = {"stop": stop, "saturate": saturate, "sample_rate": sample_rate, **flight}
+        return fly_planes(plant, law, wind, deflection_limit=limits * scale, **options).status
+
+    edge = edge_above_losses(status, np.linspace(low, high, STEPS + 1))
+    survives = edge.found == SURVIVED
+    return FlownPlaneLimit(edge.limit, edge.limit * scale, edge.scan, survives, edge.status)
+
+
+def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:
+    planes = plant, plant if yaw_plant is None else yaw_plant
+    for name, one in zip(("plant", "yaw_plant"), planes, strict=True):
+        instance(name, one, Plant, "see Plant.from_vehicle")
+        if one.batch or not np.all(decidable(one)):
+            raise InputError(f"{name} must be one plant with one or two real unstable poles")
+    return planes
+
+
+def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
+    if isinstance(wind, History):
+        raise InputError("wind must have a direction: give PlaneWind.towards(wind, angle)")
+    instance("wind", wind, PlaneWind, "see PlaneWind.towards")
+    if wind.batch:
+        raise InputError(f"wind must be one; got a batch of shape {wind.batch}")
+    ending("wind", wind.end)
+    check_actuator(actuator)
+    if actuator is not None and actuator.damping is not None:
+        raise InputError(
+            "actuator must be of first order in two planes: one of second order overshoots the stop"
+        )
+
+
+def _ready(
+    plant: Plant,
+    law: Law,
+    wind: PlaneWind,
+    part: History,
+    limit: FloatArray,
+    rate_limit: float,
+    actuator: Actuator | None,
+    length: float,
+    delay: float,
+) -> Flights:
+    """The flights of one plane at rest, which begin with the whole wind and end with it."""
+    shape = limit.shape
+    ones, step, late = np.ones(shape), np.asarray(length), np.asarray(delay)
+    laws, most = law_batch(law, shape), np.full(shape, rate_limit)
+    batch = Batch(plant, part, laws, ones, limit, most, actuator, step, late, np.inf, shape)
+    with np.errstate(invalid="ignore"):  # a plane without wind
+        f = flights(batch)
+    onset = float(wind.onset)
+    ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))
+    return f._replace(
+        start=np.full(shape, onset),
+        ends=np.full(shape, ends),
+        finish=ends + np.minimum(f.waiting, _LONGEST),
+        piece=(f.knots[f.wind] <= onset).sum(axis=1) - 1,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """What was kept of flights on their way."""
+
+    attitude: FloatArray
+    deflection: FloatArray
+    saturated: FloatArray
+    ended: NDArray[np.int64]
+    outcome: NDArray[np.int64]
+    shown: list[tuple[complex, complex]]
+
+
+def _flown(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> _Course:
+    """Fly both planes in step until all is decided."""
+    m, own, stop = limit.size, len(law.law.states[0]), law.shape
+    course = _Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
+    steppers = [Stepper(f) for f in pair]
+    last = int(max(f.finish.max(initial=-1) for f in pair))
+    for f in pair:
+        f.finish[:] = last
+    for k in range(last + 1):
+        going = np.flatnonzero(course.ended < 0)
+        with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+            for stepper in steppers:
+                stepper.look(k)
+        x, s = _both(pair, _attitude)[going], _both(pair, _nozzle)[going]
+        course.attitude[going] = np.maximum(course.attitude[going], np.abs(x))
+        course.deflection[going] = np.maximum(course.deflection[going], stop.gauge(s))
+        if m == 1:
+            course.shown.append((complex(x[0]), complex(s[0])))
+        if k % LOOK == 0 or k == last:
+            _decide(pair, stop, limit, course, k, k == last)
+            going = np.flatnonzero(course.ended < 0)
+            if not going.size:
+                break
+        measured, states = _both(pair, _measured)[going], _both(pair, _states)[going, :own]
+        demand, command = law.demand(measured, states, limit[going]), np.zeros(m, complex)
+        command[going], at_stop = law.limited(demand, limit[going])
+        course.saturated[going] += at_stop
+        for stepper, part in zip(steppers, (command.real, command.imag), strict=True):
+            stepper.advance(k, np.ascontiguousarray(part))
+    return course
+
+
+def _both(pair: list[Flights], part: Callable[[Flights], FloatArray]) -> Vectors:
+    """The vectors of both planes."""
+    pitch, yaw = (part(f) for f in pair)
+    return np.asarray(pitch + 1j * yaw)
+
+
+def _measured(f: Flights) -> FloatArray:
+    return f.measured
+
+
+def _states(f: Flights) -> FloatArray:
+    return f.states
+
+
+def _attitude(f: Flights) -> FloatArray:
+    return f.y[:, 0]
+
+
+def _nozzle(f: Flights) -> FloatArray:
+    """The deflections [rad] of one plane."""
+    return f.y[:, f.A.shape[1]]
+
+
+def _decide(
+    pair: list[Flights], stop: Stop, limit: FloatArray, course: _Course, k: int, last: bool
+) -> None:
+    """End flights of which one plane is lost, or both are saved."""
+    pitch, yaw = (f.outcome for f in pair)
+    lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
+    saved = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
+    if np.any(saved):
+        z = [(f.judges[f.vehicle] @ f.y[:, :, np.newaxis])[:, 0, 0] / f.reach[0] for f in pair]
+        with np.errstate(all="ignore"):
+            near = stop.gauge(np.where(saved, z[0] + 1j * z[1], 0.0))
+        saved &= near < _INSIDE * limit
+    done = (lost | saved | last) & (course.ended < 0)
+    course.outcome[done] = np.where(
+        lost[done],
+        STATUS.index(LOST),
+        np.where(saved[done], STATUS.index(SURVIVED), STATUS.index(UNDECIDED)),
+    )
+    course.ended[done] = k
+    for f in pair:
+        f.ended[done] = k
+
+
+def _answer(course: _Course, start: float, length: float, shape: tuple[int, ...]) -> FlownPlanes:
+    shown = np.array(course.shown).reshape(-1, 2)
+    end: FloatArray = np.asarray(start + course.ended * length)
+    return FlownPlanes(
+        peak_attitude=course.attitude.reshape(shape),
+        peak_deflection=course.deflection.reshape(shape),
+        saturated_time_fraction=(course.saturated / np.maximum(course.ended, 1)).reshape(shape),
+        end_time=end.reshape(shape),
+        status=np.array(STATUS)[course.outcome].reshape(shape),
+        time=np.asarray(start + length * np.arange(len(shown))),
+        attitude=shown[:, 0],
+        deflection=shown[:, 1],
+    )

@@ -1,0 +1,54 @@
+"""The section of both planes: what a wind with a direction asks of one stop."""
+
+import numpy as np
+
+from tvclin.answers.findings import Findings
+from tvclin.base.errors import InputError
+from tvclin.base.lines import Line, degrees, number
+from tvclin.plots import study_planes_chart
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table
+from tvclin.show.report.figures import inline_svg
+
+
+def both_planes(found: Findings) -> Section | None:
+    """Return what pitch and yaw ask of one stop; None where the wind has no direction."""
+    study, planes = found.study, found.study.planes
+    if planes is None or study.slanting is None or study.slanting.heading is None:
+        return None
+    rows: list[tuple[Line, ...]] = [
+        (("both planes, one stop",), degrees("planes.required", planes.deflection))
+    ]
+    for plane, need in planes.alone.items():
+        rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", need)))
+    missing = number("planes.missing_percent", 100.0 * planes.misses("pitch"), 1, "%")
+    heading = float(np.degrees(study.slanting.heading)) % 360.0
+    stop = "the stop that was given" if study.in_both else "a round stop"
+    judged = "The verdict is on both." if study.in_both else "The verdict is on one plane."
+    words: Line = (
+        "The wind blows from ",
+        *number("planes.heading_deg", heading, 1, "deg"),
+        f" clockwise off the direction of flight, so both planes turn the nozzle, which has one"
+        f" stop; here it is {stop}. The pitch plane alone asks for ",
+        *missing,
+        f" too little. What is required is governed by {planes.governs}. {judged}",
+    )
+    table = Table(
+        f"Required deflection of both planes, K = {study.dead_band:g}, {study.model}",
+        ("what turns the nozzle", "[deg]"),
+        tuple(rows),
+    )
+    return Section("planes", "Both planes", (Paragraph(words), table, *_figure(found)))
+
+
+def _figure(found: Findings) -> list[Block]:
+    """The demand against the stop; nothing where it has no vector, as with a pair of poles."""
+    label = "Trim deflection and its mean still to come, in pitch and yaw, against the stop"
+    try:
+        drawn = study_planes_chart(found.study)
+    except InputError:
+        return []
+    caption = (
+        "What the wind asks for in both planes over time, and the stop at the boundary (4b) of both"
+        " planes together. From where the dead band is left the mean of the trim to come is held."
+    )
+    return [Figure(label, caption, inline_svg(drawn, "planes", label))]
