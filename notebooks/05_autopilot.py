@@ -25,6 +25,9 @@
 # one ($a_0 > B$, the aero margin), at high frequency *below* it.
 
 # %%
+from dataclasses import replace
+
+import matplotlib.pyplot as plt
 import numpy as np
 
 import tvclin as tv
@@ -77,6 +80,50 @@ for one in tv.CRITERIA["aircraft"].judge(margins):
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 beside = tv.compare_with_trim(plant, autopilot, wind)
 _ = comparison_chart(beside)
+
+# %% [markdown]
+# Linear margins know no stop. With a stop at 0.9 of trim, in this wind, less may change before the
+# flight is lost. And of all gains with these margins and this crossover, which need the least
+# nozzle, if the angle of attack is fed back too? Three durations: one wind alone is overfitted.
+
+# %%
+same = tv.Criteria.own(
+    aero_margin_dB=margins.aero_margin_dB,
+    gain_increase_dB=margins.gain_increase_dB,
+    phase_margin_deg=margins.phase_margin_deg,
+)
+nozzle = {"actuator": autopilot.actuator, "delay": autopilot.delay}
+least = tv.least_deflection_gains(
+    plant,
+    [tv.TriangularWind(peak=wind.peak, duration=part * wind.duration) for part in (0.5, 1.0, 2.0)],
+    criteria=same,
+    gains=("attitude", "rate", "alpha"),
+    crossover=margins.crossover_frequency,
+    **nozzle,
+)
+least
+
+# %%
+loops = {"these gains": autopilot, "least nozzle": least.autopilot}
+stop = 0.9 * beside.trim_deflection
+figure, (changes, needs) = plt.subplots(1, 2, figsize=(9.0, 4.0), layout="constrained")
+for place, (name, loop) in enumerate(loops.items()):
+    law = tv.SaturatedLaw(replace(loop, actuator=None, delay=0.0))
+    flown = tv.flown_margins(plant, law, wind, limit=stop, **nozzle)
+    fall, rise = flown.gain_fall, flown.gain_rise
+    at = np.arange(2) + 0.4 * place
+    promised = 20.0 * np.log10([fall.near_rest, rise.near_rest])
+    changes.bar(at, promised, 0.36, fill=False, edgecolor=f"C{place}")
+    changes.bar(at, [fall.dB, rise.dB], 0.36, color=f"C{place}", label=name)
+    asks = tv.compare_with_trim(plant, loop, wind).relative
+    needs.bar(at, [asks, flown.boundary], 0.36, color=f"C{place}")
+changes.set_xticks([0.2, 1.2], ["gain may fall", "gain may rise"])
+changes.set_ylabel("[dB]")
+changes.set_title("outline: linear; filled: in this wind, with this stop", fontsize=9)
+changes.legend()
+needs.set_xticks([0.2, 1.2], ["linear peak", "boundary, flown"])
+needs.set_ylabel("nozzle, of trim [-]")
+figure
 
 # %% [markdown]
 # **Try:** half the attitude gain, `0.5 * gains.attitude_gain`: a third of the aero margin is gone,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
+from functools import wraps
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
 import numpy as np
 
@@ -14,6 +16,8 @@ import tvclin as tv
 from tests.schedules import rocketpy_standin
 from tests.schedules.samples import FOLDER as SCHEDULES
 from tests.schedules.samples import MAP
+from tvclin.answers import worst_case
+from tvclin.answers.least_gains import least
 from tvclin.answers.sizing.total import Line
 from tvclin.flights.condition import load_flight_condition
 
@@ -34,8 +38,12 @@ ANSWERS = {
     "FlownPlaneLimit",
     "FlownPlanes",
     "ForecastFreeLimit",
+    "GainsFront",
     "LawTrial",
+    "LeastGains",
+    "LeastSchedule",
     "LeftOver",
+    "MarginBounds",
     "Margins",
     "ModeBand",
     "Modes",
@@ -48,6 +56,8 @@ ANSWERS = {
     "Measurement",
     "TrimComparison",
     "Verdict",
+    "Worst",
+    "WorstCase",
     "WorstDuration",
 }
 """What the package alone makes, and what has no door: fields to be read."""
@@ -104,6 +114,26 @@ class Door(NamedTuple):
 
     call: Callable[..., Any]
     good: dict[str, Any]
+
+
+def hasty(call: Callable[..., Any]) -> Callable[..., Any]:
+    """The same search with few points: what it takes and refuses is the same."""
+
+    @wraps(call)
+    def run(**arguments: Any) -> Any:
+        few = {"each": 4, "rounds": 1}
+        with (
+            patch.dict(least._LINEAR, few),
+            patch.dict(least._FLOWN, few),
+            patch.dict(least._STOPPED, few),
+            patch.dict(least._AGAIN, few),
+            patch.dict(worst_case._STEPS, few),
+            patch.object(least, "_OVER", 64),
+            patch.object(worst_case, "_INSIDE", 8),
+        ):
+            return call(**arguments)
+
+    return run
 
 
 def doors(folder: Path) -> dict[str, Door]:
@@ -199,6 +229,9 @@ def doors(folder: Path) -> dict[str, Door]:
     flexible = tv.FlexiblePlant.from_vehicle(booster, structure, "drift-exact")
     notch = tv.Filter.notch(32.0, 0.06, 0.6)
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
+    easy = tv.Criteria.own(aero_margin_dB=1.0)
+    sought = {"winds": wind, "criteria": easy, "actuator": actuator, "delay": 0.02}
+    found = hasty(tv.least_deflection_gains)(plant=plant, **sought)
     detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
     of_stops = {
         f"{name}.{method}": Door(getattr(stop, method), {argument: [1.0, 0.5 + 1.0j]})
@@ -289,6 +322,8 @@ def doors(folder: Path) -> dict[str, Door]:
                 "until": 0.1,
                 "outputs": ("required", "flight"),
                 "flight": tv.Flight(deflection_limit=0.01),
+                "structure": structure,
+                "gains": tv.GainsAsked(natural_frequency=1.0),
             },
         ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
@@ -463,6 +498,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "actuator_frequency": 25.1,
                 "actuator_damping": 0.7,
                 "delay": 0.0,
+                "crossover": 5.0,
                 "filters": (notch,),
                 "attitude_filters": (notch,),
                 "rate_filters": (notch,),
@@ -490,6 +526,45 @@ def doors(folder: Path) -> dict[str, Door]:
                 "model": "drift-exact",
             },
         ),
+        "least_deflection_gains": Door(
+            hasty(tv.least_deflection_gains),
+            {
+                "plant": plant,
+                **sought,
+                "gains": ("attitude", "rate"),
+                "crossover": 20.0,
+                "filters": (),
+                "limits": False,
+                "stops": 0,
+                "sample_rate": 50.0,
+            },
+        ),
+        "least_gain_schedule": Door(
+            hasty(tv.least_gain_schedule),
+            {
+                "time": [66.0, 70.0],
+                "plants": tv.Plant(coefficients.replace(q=[0.0, 0.0])),
+                **sought,
+            },
+        ),
+        "least_gains_front": Door(
+            hasty(tv.least_gains_front), {"found": found, "disk_margin": [0.1, 0.2]}
+        ),
+        "margin_bounds": Door(
+            tv.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}
+        ),
+        "worst_case": Door(
+            hasty(tv.worst_case),
+            {
+                "subject": booster,
+                "autopilot": autopilot,
+                "box": {"delay": (0.0, 0.01), "wind_peak": (0.05, 0.09)},
+                "model": "fixed-path",
+                "plane": "pitch",
+                "wind": shaped,
+                "dead_band": 1.0,
+            },
+        ),
         "LayeredGust": Door(tv.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
         "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
         "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
@@ -503,6 +578,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust}),
         "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
+        "MeasuredWind.samples": Door(tv.MeasuredWind(sampled).samples, {"vehicle": booster}),
         "MeasuredWind.to_both_sides": Door(
             tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
@@ -593,6 +669,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.StudyPlan,
             {
                 "vehicle": booster,
+                "structure": structure,
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
@@ -731,6 +808,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "probability": 0.9,
                 "confidence": 0.9,
                 "method": "plain",
+                "structure": structure,
             },
         ),
         "drift_minimum_gains": Door(
@@ -971,7 +1049,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "known_to": 12e3,
                 "utc_offset": -5.0,
                 "confidence": 0.9,
-                "looks": 5,
                 "progress": None,
             },
         ),

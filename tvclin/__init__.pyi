@@ -19,6 +19,12 @@ from .answers.campaign.plan import Campaign as Campaign
 from .answers.campaign.quick import DispersedStudy as DispersedStudy
 from .answers.campaign.quick import disperse_study as disperse_study
 from .answers.campaign.results import CampaignResults as CampaignResults
+from .answers.least_gains.front import GainsFront as GainsFront
+from .answers.least_gains.front import least_gains_front as least_gains_front
+from .answers.least_gains.least import least_deflection_gains as least_deflection_gains
+from .answers.least_gains.record import LeastGains as LeastGains
+from .answers.least_gains.schedule import LeastSchedule as LeastSchedule
+from .answers.least_gains.schedule import least_gain_schedule as least_gain_schedule
 from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection
@@ -47,6 +53,9 @@ from .answers.trials import LawTrial as LawTrial
 from .answers.trials import law_trials as law_trials
 from .answers.trials import standard_laws as standard_laws
 from .answers.trials import standard_winds as standard_winds
+from .answers.worst_case import Worst as Worst
+from .answers.worst_case import WorstCase as WorstCase
+from .answers.worst_case import worst_case as worst_case
 from .base.errors import InputError as InputError
 from .boundary.clusters import Cluster as Cluster
 from .boundary.clusters import ClusterEngine as ClusterEngine
@@ -71,6 +80,8 @@ from .boundary.stops import SquareStop as SquareStop
 from .boundary.stops import Stop as Stop
 from .control.autopilot.actuator import Actuator as Actuator
 from .control.autopilot.autopilot import Autopilot as Autopilot
+from .control.autopilot.bounds import MarginBounds as MarginBounds
+from .control.autopilot.bounds import margin_bounds as margin_bounds
 from .control.autopilot.detuning import Detuned as Detuned
 from .control.autopilot.detuning import detuned as detuned
 from .control.autopilot.gains import canonical_gains as canonical_gains

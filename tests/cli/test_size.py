@@ -310,3 +310,33 @@ def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
 
     assert wind["a"]["deflection_deg"] == along["worst"]["K = 1, varying"]["deflection_deg"]
     assert wind["f"]["deflection_deg"] == along["worst"]["K = 1"]["deflection_deg"]
+
+
+def test_both_planes_stand_beside_each_plane_alone() -> None:
+    given = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50", *FAST)
+    both = run("size", "configuration-i", "--plane", "both", "--stop", "square", *given)
+    assert "pitch alone is too little by" in " ".join(both.output.split())
+    document = json.loads(
+        run(
+            "size", "configuration-i", "--plane", "both", "--stop", "square", *given, "--json"
+        ).output
+    )
+    needed = np.array(document["required_deg"]["K = 1"])
+    alone = {k: np.array(one["K = 1"]) for k, one in document["alone_deg"].items()}
+    pitch = json.loads(run("size", "configuration-i", *given, "--json").output)
+    assert alone["pitch"].tolist() == pitch["required_deg"]["K = 1"]
+    assert np.all(needed >= np.maximum(alone["pitch"], alone["yaw"]) * (1.0 - 1e-12))
+    misses = np.array(document["pitch_alone_misses"]["K = 1"])
+    assert misses == pytest.approx(1.0 - alone["pitch"] / needed)
+
+
+def test_both_planes_need_a_direction() -> None:
+    for given, said in {
+        ("--plane", "both"): "needs a wind with a direction",
+        ("--azimuth-deg", "9"): "give --wind-direction-deg",
+        ("--wind-direction-deg", "9"): "--wind-direction-deg needs --azimuth-deg",
+        ("--plane", "both", "--stop", "oval"): "stop must be one of round",
+    }.items():
+        result = run("size", "configuration-i", *FAST, *given)
+        assert result.exit_code == 2
+        assert said in " ".join(result.output.split())

@@ -230,6 +230,22 @@ def test_detuned_modes_of_the_booster():
     assert "bending 1 x 0.8" in found._repr_html_()
 
 
+def test_detuned_modes_are_held_to_what_is_asked_of_modes():
+    """4.861 dB are left of the second mode at 0.9 of its frequency, of 16.816 dB at its place."""
+    asked = tv.Criteria.own(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
+    found = tv.detuned(AUTOPILOT, booster(), factors=[0.9, 1.0], criteria=asked)
+    off, home = found.row("bending 2 x 0.9"), found.row("bending 2 x 1")
+    assert found.first[off] == found.first[home] == "mode_gain_margin_dB of bending 2"
+    assert not found.met[off]
+    assert found.met[home]
+    assert found.met[found.row("nominal")]
+    lower = tv.detuned(AUTOPILOT, booster(), [0.9], tv.Criteria.own(mode_gain_margin_dB=4.8))
+    assert lower.met[lower.row("bending 2 x 0.9")]
+    turned = found.row("bending 1, slopes at the sensors turned")
+    assert found.first[turned] == "unstable"
+    assert not found.met[turned]
+
+
 def test_the_edge_of_a_detuned_loop_is_where_its_mode_leaves_the_left_half_plane():
     loud = replace(AUTOPILOT, delay=0.07)
     found = tv.detuned(loud, booster(), factors=[0.8, 1.3])

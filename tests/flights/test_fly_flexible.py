@@ -293,3 +293,36 @@ def test_what_cannot_be_flown_is_refused():
         tv.fly(PLANT, LAW, WIND, [1.0], deflection_limit=0.03, actuator=SERVO)
     with pytest.raises(InputError, match="rigid"):
         tv.TrimLaw(PLANT)
+
+
+def test_an_oscillation_that_lives_on_between_the_limits_has_not_survived():
+    """The loop is damped near rest; at its rate limit the nozzle lags, and the mode is not held.
+
+    Flown on for a minute the nozzle then swings as far as ever, or has come to rest.
+    """
+    mode = replace(
+        MODE,
+        frequency=20.0,
+        damping=0.005,
+        pressure_displacement=1.0,
+        attitude_slope=-0.4,
+        rate_slope=-0.4,
+        tank_displacements=(),
+        tank_slopes=(),
+    )
+    structure = tv.Structure(bending=(mode,), slosh=(TANK,))
+    plant = tv.FlexiblePlant.from_vehicle(VEHICLE, structure, "drift-exact")
+    gains = tv.design_gains(plant.coefficients, natural_frequency=1.5, damping=0.7)
+    quick = Actuator(natural_frequency=40.0)
+    assert replace(gains, actuator=quick, sample_rate=100.0).margins(plant).stable
+    wind = tv.AsymmetricTriangularWind(peak=np.radians(5), duration=7.5, peak_time=7.5)
+    nozzle = {"deflection_limit": np.radians(0.8), "actuator": quick, "sample_rate": 100.0}
+    rates = np.radians([1.0, 3.0, 6.0, 12.0])
+    many = tv.fly_many(plant, tv.SaturatedLaw(gains), wind, rate_limit=rates, **nozzle)
+    assert many.status.tolist() == ["rings", "rings", "rings", "survived"]
+    for rate, status in zip(rates, many.status, strict=True):
+        times = np.linspace(70.0, 80.0, 1001)
+        flown = tv.fly(plant, tv.SaturatedLaw(gains), wind, times, rate_limit=float(rate), **nozzle)
+        swing = np.ptp(flown.outputs["deflection"])
+        assert (swing > np.radians(0.5)) == (status == "rings")
+        assert status == "rings" or swing < np.radians(0.02)

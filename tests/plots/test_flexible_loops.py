@@ -137,9 +137,32 @@ def test_a_loop_is_drawn_without_its_plant(chart):
         chart(tv.Loop([1.0], [[1.0, 1.0], [1.0, 2.0]]))
 
 
-def test_a_sampled_loop_has_no_root_locus_in_s():
-    with pytest.raises(tv.InputError, match="draws loops in continuous time"):
-        plots.root_locus_chart(SAMPLED, PLANT)
+def test_the_root_locus_of_a_sampled_loop_follows_its_discrete_poles():
+    """S = ln(z)/h: at factor one the poles of the closed loop, at the margin one on the axis."""
+    loop, margins = SAMPLED.exact_loop(PLANT), SAMPLED.margins(PLANT)
+    plot = plots.root_locus_chart(SAMPLED, PLANT, [0.0, 1.0, margins.gain_increase])
+    locus, h = columns(plot), float(loop.period)
+    close = loop.closed_loop_poles
+    known = close[np.abs(close) > 1e-3]  # an old command may be nothing, far to the left
+    apart = np.abs(np.exp(locus[1] * h)[:, np.newaxis] - known)
+    np.testing.assert_allclose(apart.min(axis=0), 0.0, atol=1e-9)
+    at = 1j * margins.gain_increase_frequency
+    assert np.abs(locus[2] - at).min() < 1e-6 * abs(at)
+    assert locus.imag.max() <= np.pi / h * (1.0 + 1e-12)
+    assert "s = ln(z)/h" in plot.figure.get_suptitle()
+
+
+def test_steps_and_winds_of_a_flexible_loop_are_drawn():
+    wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    drawn = plots.wind_chart(AUTOPILOT, PLANT, wind).curves
+    value, _ = AUTOPILOT.answer(PLANT, wind).peak("deflection")
+    found = drawn.column("deflection", "deflection")
+    assert np.abs(found).max() == pytest.approx(abs(np.degrees(value)), rel=1e-9)
+    step = plots.step_chart(AUTOPILOT, PLANT).curves
+    fastest = np.abs(PLANT.poles).max()
+    assert np.diff(step.abscissa).max() * fastest < 2.0 * np.pi / 4.0
+    with pytest.raises(tv.InputError, match="sample"):
+        plots.step_chart(SAMPLED, PLANT)
 
 
 def test_the_root_locus_follows_each_mode_to_its_closed_pole():

@@ -72,6 +72,19 @@ def test_the_boundary_is_that_of_the_library(shape: str, model: str, plane: str)
     assert found.boundary[20] == pytest.approx(answer(longer).required, rel=1e-12)
 
 
+def test_a_pulse_without_a_closed_form_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
+        return tv.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
+
+    monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
+    booster = tv.load_vehicle("configuration-i")
+    found = parts.boundary_point(booster, "pitch", "fixed-path", "sawtooth", 1.0, 7.5).value
+    c = tv.Coefficients.from_vehicle(booster)
+    x = float(c.beta) * 7.5
+    # Trim up to t0, then its limit y = t0/tau for ever: (4b) gives e^(-beta t0) = (1 + x) e^-x.
+    assert found == pytest.approx(float(c.B) * (1.0 - np.log1p(x) / x), rel=1e-12)
+
+
 @pytest.mark.parametrize("factor", [0.999, 1.001])
 def test_the_verdict_changes_on_the_boundary(factor: float) -> None:
     c = asked(dead_band=0.5)
@@ -269,6 +282,20 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
     assert explored.controls["limit"].max > 5.0 * panel.controls["limit"].max
     with pytest.raises(tv.InputError, match="one vehicle; got a batch of shape"):
         tv.explore(own.replace(thrust=np.array([3e7, 4e7])))
+
+
+def test_a_vehicle_with_structure_is_said_to_be_rigid_here() -> None:
+    pytest.importorskip("ipywidgets")
+    from tvclin.show.explorer.panel import Panel
+
+    panel, plant = Panel("made-up-booster"), tv.load_structure("made-up-booster")
+    moved = tv.FlexiblePlant.from_vehicle(
+        tv.load_vehicle("made-up-booster"), plant, "drift-exact"
+    ).shift()
+    assert "of the rigid vehicle, without the structure in its file" in panel.notes.value
+    assert f"asks for by {moved.trim_price:+.2f} percent" in panel.notes.value
+    panel.controls["vehicle"].value = "configuration-i"
+    assert "structure" not in panel.notes.value
 
 
 def test_a_missing_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

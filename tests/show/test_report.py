@@ -23,6 +23,7 @@ from tvclin.show.report import basis, flight, sections, verdict
 from tvclin.show.report.blocks import Section
 from tvclin.show.report.page import _template
 from tvclin.vehicle.file import template
+from tvclin.winds.shaped import PULSES, SHAPES
 
 pytest.importorskip("jinja2")
 
@@ -80,6 +81,10 @@ def numbers(section: Section) -> dict[str, float]:
 
 def words(section: Section) -> list[str]:
     return [one for one in cells(section) if isinstance(one, str)]
+
+
+def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
+    return tv.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
 
 
 @pytest.fixture(scope="module")
@@ -395,6 +400,18 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
     assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
     assert tags.count("svg") == 5
     assert tags.count("table") == tags.count("caption")
+
+
+def test_a_pulse_without_a_closed_form_is_named_no_equation(
+    plan: tv.StudyPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
+    monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
+    bare = tv.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
+    told = set(cells(basis.equations(find(bare))))
+
+    assert {"(4b)", "(5)", "(B8)"} <= told
+    assert not {"(7)", "(12)", "(16)", "(18)"} & told
 
 
 def test_names_are_escaped() -> None:

@@ -17,16 +17,21 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
+    from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
+    from tvclin.control.margins.record import Margins
 
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
@@ -45,7 +50,10 @@ class Findings:
     trials : tuple of LawTrial
         The laws, each in each wind; none where none were asked for.
     comparison : TrimComparison or None
-        The autopilot in the wind, with its margins.
+        The autopilot in the wind, with its margins, both of the rigid vehicle.
+    flexible : FlexibleAnswer or None
+        The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
+        asked for.
     dispersed : DispersedStudy or None
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
@@ -60,6 +68,7 @@ class Findings:
     study: Study
     trials: tuple[LawTrial, ...]
     comparison: TrimComparison | None
+    flexible: FlexibleAnswer | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
     reasons: dict[str, str]
@@ -73,11 +82,19 @@ class Findings:
         return self.plan.criteria or CRITERIA["classic"]
 
     @property
+    def margins(self) -> Margins | BandMargins | None:
+        """The margins that are judged: those by band of a flexible vehicle."""
+        if self.flexible is not None:
+            return self.flexible.bands
+        return None if self.comparison is None else self.comparison.margins
+
+    @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
-        return sha256(
-            json.dumps(asdict(self.plan), sort_keys=True, default=_plain).encode()
-        ).hexdigest()
+        asked = asdict(self.plan)
+        if self.plan.structure is None:
+            del asked["structure"]  # the seals of rigid vehicles stay what they were
+        return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
 
 
 def blown(study: Study) -> History:
@@ -122,6 +139,7 @@ def find(plan: StudyPlan) -> Findings:
             study=study,
             trials=part("trials", plan.laws, _trials) or (),
             comparison=part("comparison", plan.gains or plan.criteria, _comparison),
+            flexible=part("flexible", plan.structure and (plan.gains or plan.criteria), _flexible),
             dispersed=part("dispersed", plan.dispersions, _dispersed),
             flight=part("flight", plan.sizing, _flight),
             reasons=reasons,
@@ -134,24 +152,55 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant = Plant(study.coefficients, asked.model)
-    laws, winds = standard_laws(plant, peak), standard_winds(peak, study.wind.duration)
+    plant: AnyPlant = Plant(study.coefficients, asked.model)
+    laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
+    nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
+    if plan.structure is not None:
+        from tvclin.answers.flexible import flexible_plant, nozzle_of, with_filters
+
+        gains = gains_of(plan)
+        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+        laws = {name: with_filters(law, gains) for name, law in laws.items()}
+        nozzle = nozzle_of(gains, asked.sample_rate)
     return law_trials(
         plant,
         {name: laws[name] for name in asked.names},
         {name: winds[name] for name in asked.winds},
-        sample_rate=asked.sample_rate,
         loads=False,
+        **nozzle,
     )
 
 
-def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+def gains_of(plan: StudyPlan) -> GainsAsked:
+    """Return the autopilot that a plan asks for; the canonical one where it says nothing."""
     from tvclin.control.autopilot.rules import GainsAsked
-    from tvclin.control.comparison.trim import compare_with_trim
 
-    asked = plan.gains or GainsAsked()
-    plant = Plant(study.coefficients, asked.model)
-    return compare_with_trim(plant, asked.autopilot(plant), blown(study))
+    return plan.gains or GainsAsked()
+
+
+def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+    from tvclin.answers.flexible import flexible_plant
+    from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.control.comparison.trim import compare_with_trim
+    from tvclin.control.margins.criteria import CRITERIA
+
+    asked, wind = gains_of(plan), blown(study)
+    plant: AnyPlant = Plant(study.coefficients, asked.model)
+    whole = plant
+    if plan.structure is not None:
+        whole = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+    autopilot = autopilot_asked(asked, whole, wind, plan.criteria or CRITERIA["classic"])
+    return compare_with_trim(plant.rigid, autopilot, wind)
+
+
+def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
+    from tvclin.answers.flexible import flexible_answer, flexible_plant
+    from tvclin.control.margins.criteria import CRITERIA
+
+    asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
+    assert plan.structure is not None
+    plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+    return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
 
 
 def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
@@ -172,4 +221,5 @@ def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
         seed=plan.seed,
         probability=plan.probability,
         confidence=plan.confidence,
+        structure=plan.structure,
     )

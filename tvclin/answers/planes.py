@@ -7,6 +7,7 @@ whose dead band is left by the vector, may need more in a wind that turns; the l
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +20,11 @@ from tvclin.boundary.planes.limit import needed
 from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
+from tvclin.winds.shaped import ShapedWind, part_in
 
 FloatArray = NDArray[np.float64]
 
@@ -146,6 +150,39 @@ def planes_needed(
         deflection=max(held, vector),
         alone=alone,
         governs=VECTOR if vector > held * (1.0 + ROUNDING) else PARTS,
+    )
+
+
+def of_heading(
+    vehicle: Vehicle,
+    model: str,
+    wind: ShapedWind,
+    gust: History | None,
+    stop: Stop | None,
+    dead_band: float,
+) -> PlanesNeeded:
+    """Return what a wind with a heading asks of both planes; the stop is round without one."""
+    peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
+    plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
+    both = PlaneWind(**{plane: part_in(wind, peaks, plane, gust) for plane in PLANES})
+    return planes_needed(plants, both, stop or CircularStop(), dead_band)
+
+
+def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[str]:
+    """Yield what the direction of a wind changes, in words; nothing without one."""
+    if planes is None:
+        return
+    missing = 100.0 * planes.misses(plane)
+    if not judged:
+        yield (
+            f"this wind blows in both planes: with a round stop they need"
+            f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone asks for"
+            f" {missing:.0f} % too little (--stop, nozzle_stop judge both)"
+        )
+        return
+    yield (
+        f"the verdict is on both planes with one stop, of whose requirement the {plane} plane alone"
+        f" asks for {missing:.0f} % too little; all else is of that plane"
     )
 
 

@@ -9,6 +9,15 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.base.lines import Line, degrees, number, text
 
+FLOWN = {
+    "survived": "survives",
+    "lost": "is lost",
+    "rings": "is brought back, and its nozzle goes on swinging",
+    "undecided": "is neither lost nor saved",
+    "no flight": "cannot be flown",
+}
+"""What became of a flight, as of `FlownCases`, in words."""
+
 
 @dataclass(frozen=True)
 class Question:
@@ -17,7 +26,7 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "whole flight", "probability", "autopilot" or "margins".
+        "wind", "whole flight", "probability", "autopilot", "margins" or "flexible flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -69,6 +78,8 @@ def _asked(found: Findings) -> Iterator[Question]:
         if limit is not None:
             yield _autopilot(found, limit)
         yield _margins(found)
+        if limit is not None and found.plan.structure is not None:
+            yield _flexible(found)
 
 
 def _wind(found: Findings) -> Question:
@@ -112,18 +123,39 @@ def _autopilot(found: Findings, limit: float) -> Question:
         return Question("autopilot", None, (_reason(found, "comparison"),))
     if not c.margins.stable:
         return Question("autopilot", False, (f"the loop is not stable: {c.margins.reason}",))
-    asks = degrees("asked.autopilot", c.peak_deflection, unit="deg")
-    line: Line = ("the autopilot, which has no limits here, asks for ", *asks)
-    return Question("autopilot", bool(covers(limit, c.peak_deflection)), line)
+    peak, whose = c.peak_deflection, ""
+    if found.flexible is not None and found.flexible.peak_deflection > peak:
+        peak, whose = found.flexible.peak_deflection, " around the flexible vehicle"
+    if np.isinf(peak):
+        return Question("autopilot", False, (f"the loop{whose} is not stable",))
+    asks = degrees("asked.autopilot", peak, unit="deg")
+    line: Line = (f"the autopilot{whose}, which has no limits here, asks for ", *asks)
+    return Question("autopilot", bool(covers(limit, peak)), line)
 
 
 def _margins(found: Findings) -> Question:
-    c = found.comparison
-    if c is None:
-        return Question("margins", None, (_reason(found, "comparison"),))
-    met = bool(found.criteria.are_met(c.margins))
-    words = "meets" if met else "does not meet"
-    return Question("margins", met, (f"the loop {words} the criteria {found.criteria.name}",))
+    flexible = found.plan.structure is not None
+    part = "flexible" if flexible else "comparison"
+    margins = found.margins
+    if getattr(found, part) is None or margins is None:
+        return Question("margins", None, (_reason(found, part),))
+    met = bool(found.criteria.are_met(margins))
+    words, whose = "meets" if met else "does not meet", " of the flexible vehicle" * flexible
+    line = (f"the loop{whose} {words} the criteria {found.criteria.name}",)
+    return Question("margins", met, line)
+
+
+def _flexible(found: Findings) -> Question:
+    """Whether the flexible vehicle survives the wind with this limit, flown."""
+    f = found.flexible
+    if f is None or f.flight is None:
+        return Question("flexible flight", None, (_reason(found, "flexible"),))
+    line: Line = (
+        f"flown at {f.sample_rate:g} Hz the flexible vehicle {FLOWN[f.flight.status[0]]}",
+    )
+    if f.flight.survived and f.flight.status[1] != f.flight.status[0]:
+        line += (f", the rigid one {FLOWN[f.flight.status[1]]}",)
+    return Question("flexible flight", f.flight.survived, line)
 
 
 def _reason(found: Findings, part: str) -> str:

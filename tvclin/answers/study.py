@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.planes import PlanesNeeded, planes_needed
+from tvclin.answers.planes import PlanesNeeded, of_heading, words_of
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.base.cards import Row, card
 from tvclin.base.errors import InputError, between, instance, number, one_of, positive, single
@@ -20,15 +20,14 @@ from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING, BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.boundary.stops import CircularStop, Stop, stop_of
+from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import MODELS, Plant, available_models
-from tvclin.vehicle.coefficients import PLANES, Coefficients
+from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import PULSES, ShapedWind, part_in, pulse
+from tvclin.winds.shaped import PULSES, ShapedWind, pulse
 
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
@@ -208,7 +207,7 @@ class Study:
         planes = slanting = None
         if heading is not None:
             slanting = ShapedWind(wind, peak, duration, heading)
-            planes = _both_planes(vehicle, model, slanting, gust, shape, dead_band)
+            planes = of_heading(vehicle, model, slanting, gust, shape, dead_band)
             alone_peak = slanting.in_plane(plane, float(np.asarray(vehicle.attitude))).peak
             gust = None if gust is None else gust * (alone_peak / peak)
             peak = alone_peak
@@ -232,7 +231,7 @@ class Study:
             *_forecast_trusted(required, dead_band, free),
             *_undamped(plant, history, required, dead_band),
             *_doubts(vehicle, plane, peak),
-            *_of_planes(planes, plane, shape),
+            *words_of(planes, plane, shape is not None),
         )
         if planes is not None and shape is not None:
             judged = _judged(planes.deflection, planes.peak, limit)
@@ -320,39 +319,6 @@ def _needed(
         "forecast_free": _where_defined(forecast_free_limit, plants, wind),
         "minima": {name: optimum.peak for name, optimum in best.items()},
     }
-
-
-def _both_planes(
-    vehicle: Vehicle,
-    model: str,
-    wind: ShapedWind,
-    gust: History | None,
-    stop: Stop | None,
-    dead_band: float,
-) -> PlanesNeeded:
-    """What a wind with a heading asks of both planes, with a round stop where none is given."""
-    peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
-    plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
-    both = PlaneWind(**{plane: part_in(wind, peaks, plane, gust) for plane in PLANES})
-    return planes_needed(plants, both, stop or CircularStop(), dead_band)
-
-
-def _of_planes(planes: PlanesNeeded | None, plane: str, stop: Stop | None) -> Iterator[str]:
-    """What a wind with a direction changes."""
-    if planes is None:
-        return
-    missing = 100.0 * planes.misses(plane)
-    if stop is None:
-        yield (
-            f"this wind blows in both planes: with a round stop they need"
-            f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone asks for"
-            f" {missing:.0f} % too little (--stop, nozzle_stop judge both)"
-        )
-        return
-    yield (
-        f"the verdict is on both planes with one stop, of whose requirement the {plane} plane alone"
-        f" asks for {missing:.0f} % too little; all else is of that plane"
-    )
 
 
 def _judged(needed: float, peak: float, limit: float | None) -> dict[str, Any]:

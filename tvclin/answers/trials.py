@@ -32,6 +32,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import MODELS, RIGID, Plant
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
@@ -40,13 +41,14 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-STANDARD_LAWS = (
-    "attitude and rate",
-    "trim",
-    "dead band 0.5",
-    "half relief",
-    "recoverable attitude",
-)
+_DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
+    "attitude and rate": lambda plant, _: SaturatedLaw(canonical_gains(plant.coefficients)),
+    "trim": lambda plant, _: TrimLaw(Plant.from_coefficients(plant.coefficients)),
+    "dead band 0.5": lambda plant, _: DeadBandLaw(Plant.from_coefficients(plant.coefficients)),
+    "half relief": lambda plant, _: SaturatedLaw(half_relief_gains(plant.coefficients)),
+    "recoverable attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
+}
+STANDARD_LAWS = tuple(_DESIGNS)
 """Names of the laws of the trials."""
 LAWS_TABLE = Table(
     "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
@@ -190,20 +192,11 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     with drift they would let its slow mode creep away.
     """
     instance("plant", plant, Plant, RIGID)
-    gains = canonical_gains(plant.coefficients)
-    fixed = Plant.from_coefficients(plant.coefficients)
-    laws = (
-        SaturatedLaw(gains),
-        TrimLaw(fixed),
-        DeadBandLaw(fixed),
-        SaturatedLaw(half_relief_gains(plant.coefficients)),
-        RecoverableAttitudeLaw(plant, design_peak=peak),
-    )
-    return dict(zip(STANDARD_LAWS, laws, strict=True))
+    return {name: design(plant, peak) for name, design in _DESIGNS.items()}
 
 
 def law_trials(
-    plant: Plant,
+    plant: AnyPlant,
     laws: Mapping[str, Law],
     winds: Mapping[str, History],
     *,
@@ -217,7 +210,7 @@ def law_trials(
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant or FlexiblePlant
         The plant that flies.
     laws, winds : mapping of str to Law and to History
         By name, as of `standard_laws` and `standard_winds`.
@@ -230,7 +223,7 @@ def law_trials(
     progress : callable, optional
         Is told how much is done, and how much there is at most, as of `closed_loop_boundary`.
     **hardware
-        rate_limit and actuator, as of `closed_loop_boundary`.
+        rate_limit, actuator and delay, as of `closed_loop_boundary`.
     """
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
@@ -283,7 +276,7 @@ def law_curve(
 
 
 def _trial(
-    plant: Plant,
+    plant: AnyPlant,
     law: tuple[str, Law],
     wind: tuple[str, History],
     cuts: int,
@@ -313,7 +306,7 @@ def _trial(
 
 
 def _loads(
-    plant: Plant, law: Law, wind: History, limit: float, flown: dict[str, Any]
+    plant: AnyPlant, law: Law, wind: History, limit: float, flown: dict[str, Any]
 ) -> tuple[float, float]:
     """The largest angle of attack and attitude of one flight, over the peak of the wind."""
     start, end = float(wind.onset), float(wind.end)

@@ -7,7 +7,18 @@ import typer
 
 from tvclin.cli.gains import GainOptions, gains_document, takes_gains
 from tvclin.cli.inputs import load_rigid, peak_angle
-from tvclin.cli.margin_tables import poles
+from tvclin.cli.least import (
+    Crossover,
+    Least,
+    Limits,
+    Stops,
+    ThreeGains,
+    draw_front,
+    found_least,
+    least_document,
+    print_least,
+)
+from tvclin.cli.margin_tables import poles, print_bounds
 from tvclin.cli.margins import CriteriaName, wanted_criteria
 from tvclin.cli.options import (
     MODELS_HELP,
@@ -43,6 +54,11 @@ def autopilot(
     ] = None,
     gains: GainOptions = GainOptions(),
     criteria: CriteriaName = "classic",
+    least: Least = False,
+    three_gains: ThreeGains = False,
+    crossover: Crossover = None,
+    limits: Limits = False,
+    stops: Stops = 0,
     model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift",
     plane: Plane = "pitch",
     as_json: AsJson = False,
@@ -51,7 +67,8 @@ def autopilot(
     """Print what an autopilot asks of the nozzle in a wind, beside trim and the boundaries.
 
     Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
-    loop nothing is drawn.
+    loop nothing is drawn. With --least the gains are sought that need the least nozzle of all that
+    meet the criteria, and the figure is what a disk margin costs.
     """
     from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
@@ -65,15 +82,24 @@ def autopilot(
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria)
     plant = Plant.from_vehicle(loaded, model, plane)
-    found = compare_with_trim(plant, gains.autopilot(plant), shape(peak=peak, duration=duration))
+    blows = shape(peak=peak, duration=duration)
+    sought = found_least(gains, plant, blows, asked, least, three_gains, crossover, limits, stops)
+    autopilot = gains.autopilot(plant) if sought is None else sought.autopilot
+    found = compare_with_trim(plant, autopilot, blows)
     worst = _worst(found, peak, duration, shape)
-    if plot is not None:
+    if plot is not None and sought is None:
         _draw(found, plot)
+    elif plot is not None:
+        draw_front(sought, plot)
     document = _document(loaded, found, worst, limit, asked)
+    if sought is not None:
+        document["least"] = least_document(sought)
     if as_json:
         print_json({"vehicle": loaded.name, "model": model, "plane": plane, **document})
     else:
         _print(loaded, found, worst, document, f"{wind} wind of {duration:g} s", limit)
+        if sought is not None:
+            print_least(sought)
     if not document["met"]:
         raise typer.Exit(1)
 
@@ -165,6 +191,7 @@ def _print(
         return
     print_table("", ["deflection", "[deg]", "of trim"], _deflections(document))
     print_pairs("", _loads(document, worst), columns=1)
+    print_bounds(found.autopilot, found.plant)
     for note in found.notes:
         typer.echo(f"Note: {note}")
     word = "MET" if document["criteria"]["met"] else "NOT MET (tvclin margins says by how much)"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.inputs import note_structure
 from tvclin.cli.options import AsJson
 from tvclin.cli.progress import bar
 
@@ -71,6 +72,7 @@ def run(
     from tvclin.answers.campaign.file import load_campaign
 
     plan = load_campaign(file)
+    note_structure(plan.vehicle, plan.structure, plan.plane, "all but margins and flights")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
     with _executor(workers, scheduler) as executor, bar("cases") as progress:
@@ -163,6 +165,10 @@ def replay(
         shown = [(k, angle) for k, angle in angles.items() if k.startswith("flight_") == motion]
         if shown:
             print_pairs(f"\n{title}", shown, columns=1)
+    margins = {k: v for k, v in one.outputs.items() if k.startswith("margin_")}
+    if margins:
+        said = [(k.replace("_", " "), f"{v:.4g}") for k, v in margins.items()]
+        print_pairs("\nMargins of the autopilot", said, columns=1)
     if flown:
         said = [(k.replace("_", " "), f"{v:.4f}") for k, v in flown.items()]
         print_pairs(f"\nResponse on the boundary, K = {one.dead_band:g}", said, columns=1)

@@ -23,12 +23,9 @@ _SIDES = {"aero_margin_dB": "down", "gain_increase_dB": "up"}
 
 
 def detuned_of(found: "MarginsFound") -> "Detuned":
-    """Return the loop with its modes off their places, for what is asked of the whole loop."""
-    from dataclasses import replace
-
+    """Return the loop with its modes off their places."""
     from tvclin.base.errors import InputError
     from tvclin.control.autopilot.detuning import detuned
-    from tvclin.control.margins.record import MARGINS
     from tvclin.linear.flexible import FlexiblePlant
 
     if not isinstance(found.plant, FlexiblePlant):
@@ -36,14 +33,22 @@ def detuned_of(found: "MarginsFound") -> "Detuned":
             "--detuned moves modes: it needs a vehicle file with [[bending]] or [[slosh]], and no"
             " --rigid"
         )
-    whole = tuple(one for one in found.asked.requirements if one.margin in MARGINS)
-    return detuned(found.autopilot, found.plant, criteria=replace(found.asked, requirements=whole))
+    return detuned(found.autopilot, found.plant, criteria=found.asked)
+
+
+def fails_first(name: str) -> str:
+    """Return the name of a margin in the words of the headings; "bending 1, gain" of a mode."""
+    from tvclin.control.margins.record import MARGINS
+
+    margin, _, mode = name.partition(" of ")
+    if mode:
+        return f"{mode}, {'gain' if 'gain' in margin else 'phase'}"
+    return _SIDES.get(name) or (MARGINS[name][0] if name in MARGINS else name.upper())
 
 
 def print_detuned(found: "Detuned") -> None:
     """Print a row for each change, what fails first in it, and where the loop is lost."""
     from tvclin.cli.output import print_table
-    from tvclin.control.margins.record import MARGINS
 
     def cell(name: str, k: int) -> str:
         value = getattr(found.margins, name)[k]
@@ -51,11 +56,11 @@ def print_detuned(found: "Detuned") -> None:
 
     rows = []
     for k, (change, first) in enumerate(zip(found.changes, found.first, strict=True)):
-        word = _SIDES.get(first) or (MARGINS[first][0] if first in MARGINS else first.upper())
+        judged = "met" if found.met[k] else "NOT MET"
         short = change.replace(" at the sensors", "").replace("half its", "half")
-        rows.append([short, *(cell(name, k) for name in _NUMBERS[:3]), word])
-    headings = ["change", "down [dB]", "up [dB]", "phase [deg]", "fails first"]
-    print_table("Modes off their places", headings, rows)
+        rows.append([short, *(cell(name, k) for name in _NUMBERS[:3]), fails_first(first), judged])
+    headings = ["change", "down", "up", "phase", "fails first", "asked"]
+    print_table("Modes off their places, in dB and deg", headings, rows)
     for edge in found.edges:
         sides = [f"{side:.3f}" for side in (edge.lower, edge.upper) if not isnan(side)]
         if sides:
@@ -72,6 +77,7 @@ def detuned_document(found: "Detuned") -> dict[str, Any]:
             "status": str(found.margins.status[k]),
             **{name: float(getattr(found.margins, name)[k]) for name in _NUMBERS},
             "first": found.first[k],
+            "met": bool(found.met[k]),
         }
         for k, change in enumerate(found.changes)
     ]

@@ -91,15 +91,22 @@ def flight_wind(vehicle: Any, shape: str, duration: float, peak: float, along: b
 def _control(
     plant: "Plant", law: str, dead_band: float | None, peak: float
 ) -> "ReportControl | Law":
-    from dataclasses import replace
-
-    from tvclin.answers.trials import standard_laws
-    from tvclin.base.errors import InputError, one_of
+    from tvclin.base.errors import one_of
     from tvclin.flights.control import ReportControl
 
     one_of("--law", law, ["report", *LAWS])
     if law == "report":
         return ReportControl(1.0 if dead_band is None else dead_band)
+    return standard_law(plant, law, dead_band, peak)
+
+
+def standard_law(plant: "Plant", law: str, dead_band: float | None, peak: float) -> "Law":
+    """Return a law of `LAWS`, designed on a plant and for a peak [rad]."""
+    from dataclasses import replace
+
+    from tvclin.answers.trials import standard_laws
+    from tvclin.base.errors import InputError
+
     chosen = standard_laws(plant, peak)[LAWS[law]]
     if dead_band is None:
         return chosen

@@ -10,7 +10,7 @@ from tvclin.cli.inputs import peak_angle
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
-    from tvclin.linear.plant import Plant
+    from tvclin.linear.flexible import AnyPlant
     from tvclin.vehicle.vehicle import Vehicle as VehicleData
 
 Flown = Annotated[
@@ -40,7 +40,7 @@ class FlownCase:
     sample_rate: float | None
 
     def margins(
-        self, vehicle: "VehicleData", plane: str, plant: "Plant", autopilot: "Autopilot"
+        self, vehicle: "VehicleData", plane: str, plant: "AnyPlant", autopilot: "Autopilot"
     ) -> "FlownMargins":
         """Return the flown margins of an autopilot, in place of its delay a computing delay."""
         import numpy as np

@@ -1,12 +1,15 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.flight_cases import FlightCase, flight_case, flight_wind
-from tvclin.cli.inputs import load_rigid, peak_angle
+from tvclin.cli.flight_cases import LAWS, FlightCase, flight_case, flight_wind
+from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
+from tvclin.cli.gains import GainOptions, takes_gains
+from tvclin.cli.inputs import load_plant, note_structure, peak_angle
 from tvclin.cli.options import (
     AsJson,
     Duration,
@@ -15,6 +18,7 @@ from tvclin.cli.options import (
     Plane,
     Plot,
     Points,
+    Rigid,
     Until,
     Vehicle,
     Wind,
@@ -34,6 +38,7 @@ _ENGINES = {
 }
 
 
+@takes_gains
 def fly(
     vehicle: Vehicle = "configuration-i",
     wind: Wind = "triangular",
@@ -41,11 +46,20 @@ def fly(
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     engine: Annotated[
-        str, typer.Option(help="planar: nonlinear, one plane; sixdof: JSBSim, six degrees.")
-    ] = "planar",
+        str | None,
+        typer.Option(
+            help="planar: nonlinear, one plane; sixdof: JSBSim, six degrees; linear: a law in steps"
+            " with an actuator, which flies bending and slosh too. Without it linear of a flexible"
+            " vehicle, planar else."
+        ),
+    ] = None,
     law: Annotated[
-        str, typer.Option(help="report, trim, dead-band, saturated, half-relief or recoverable.")
-    ] = "report",
+        str | None,
+        typer.Option(
+            help="report, trim, dead-band, saturated, half-relief or recoverable. Without it"
+            " report; of --engine linear saturated, with the gains below."
+        ),
+    ] = None,
     dead_band: Annotated[
         float | None, typer.Option(help="Dead band K: of report (1) or of dead-band (0.5).")
     ] = None,
@@ -53,6 +67,14 @@ def fly(
         float | None,
         typer.Option(help="Deflection limit, in deg; without it 1.1 times the linear boundary."),
     ] = None,
+    rate_limit_deg: Annotated[
+        float | None, typer.Option(help="Rate limit of the nozzle, in deg/s, of --engine linear.")
+    ] = None,
+    sample_rate: Annotated[
+        float | None, typer.Option(help="Samples of the law of --engine linear, in Hz; 100.")
+    ] = None,
+    gains: GainOptions = GainOptions(),
+    rigid: Rigid = False,
     along_trajectory: Annotated[
         bool, typer.Option("--along-trajectory", help="Let mass, speed and pressure vary.")
     ] = False,
@@ -70,34 +92,90 @@ def fly(
 ) -> None:
     """Fly a vehicle through a wind with a law, beside what the linear theory predicts.
 
+    Where the vehicle file has bending, slosh, an engine with inertia or lags of sensors, the
+    flexible vehicle is flown, with a law in steps, beside the rigid one; --rigid leaves that out.
+
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
-    from tvclin.base.errors import one_of, positive, within
-    from tvclin.cli.output import print_json
+    from tvclin.base.errors import InputError, one_of, positive, within
     from tvclin.flights.condition import load_flight_condition
-    from tvclin.flights.flown_boundary import ENGINES
 
-    loaded = load_rigid(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+    if engine is not None:
+        one_of("--engine", engine, (*_ENGINES, "linear"))
+    one_of("--law", law or "report", ["report", *LAWS])
     positive("--duration", duration, "s")
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    one_of("--engine", engine, ENGINES)
-    condition = load_flight_condition(vehicle) if along_trajectory else None
+    loaded, plant, frame = load_plant(vehicle, "drift-exact", plane, rigid)
+    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
-    length, asked = until * duration, (law, dead_band, limit_deg)
-    case = flight_case(loaded, wind, gust, engine, plane, *asked, condition, length)
+    span, shown = (until * duration, points), Shown(csv, plot, as_json)
+    if engine == "linear" or (engine is None and plant is not frame and not along_trajectory):
+        if along_trajectory:
+            raise InputError("--along-trajectory belongs to --engine planar and sixdof")
+        steps = Steps(gains, sample_rate, rate_limit_deg)
+        case = LinearCase(
+            loaded, plant, frame, plane, wind, gust, law or "saturated", dead_band, steps
+        )
+        survived = _by_steps(case, limit_deg, boundary, span, shown)
+    else:
+        if Steps(gains, sample_rate, rate_limit_deg) != Steps():
+            raise InputError(
+                "gains, filters, --sample-rate and --rate-limit-deg belong to --engine linear"
+            )
+        note_structure(loaded, getattr(plant, "structure", None), plane)
+        condition = load_flight_condition(vehicle) if along_trajectory else None
+        asked = (law or "report", dead_band, limit_deg)
+        one = flight_case(loaded, wind, gust, engine or "planar", plane, *asked, condition, span[0])
+        survived = _beside_theory(one, boundary, span, shown)
+    if not survived:
+        raise typer.Exit(1)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Where a flight goes: files, and whether JSON is printed."""
+
+    csv: Path | None
+    plot: Path | None
+    as_json: bool
+
+
+def _by_steps(
+    case: LinearCase,
+    limit_deg: float | None,
+    boundary: bool,
+    span: tuple[float, int],
+    shown: Shown,
+) -> bool:
+    """Fly a law in steps, show it, and return whether it survived."""
+    import numpy as np
+
+    from tvclin.cli.output import print_json
+
     with waiting("flying"):
-        flight = _flown(case, length, points)
+        found = fly_linear(case, limit_deg, boundary, np.linspace(0.0, *span))
+    _write(found.flight, case.title, found.limit, "linear", shown, "rigid")
+    if shown.as_json:
+        print_json(found.document())
+    else:
+        found.print()
+    return found.flight.survived
+
+
+def _beside_theory(case: FlightCase, boundary: bool, span: tuple[float, int], shown: Shown) -> bool:
+    """Fly beside the linear theory, show it, and return whether it survived."""
+    from tvclin.cli.output import print_json
+
+    with waiting("flying"):
+        flight = _flown(case, *span)
         found = _flown_boundary(case) if boundary else None
-    if csv is not None or plot is not None:
-        _write(flight, case, csv, plot)
-    if as_json:
+    _write(flight, case.title, case.limit, case.engine, shown)
+    if shown.as_json:
         print_json(_document(flight, case, found))
     else:
         _print(flight, case, found)
-    if not flight.survived:
-        raise typer.Exit(1)
+    return flight.survived
 
 
 def _flown(case: FlightCase, length: float, points: int) -> "FlightBeside":
@@ -135,18 +213,27 @@ def _flown_boundary(case: FlightCase) -> "FlownBoundary":
     )
 
 
-def _write(flight: "FlightBeside", case: FlightCase, csv: Path | None, plot: Path | None) -> None:
+def _write(
+    flight: "FlightBeside",
+    title: str,
+    limit: float,
+    engine: str,
+    shown: Shown,
+    beside: str = "linear",
+) -> None:
     import numpy as np
 
     from tvclin.base.files import write_text
     from tvclin.plots import flight_chart, flight_curves, save_figure
 
-    title = f"{case.title}, limit {np.degrees(case.limit):.4f} deg, {case.engine}"
-    numbers = flight_curves(flight, "fly", title.replace("\n", ", "))
-    if csv is not None:
-        write_text(csv, numbers.csv())
-    if plot is not None:
-        save_figure(flight_chart(numbers, title, float(case.wind.end)), plot)
+    if shown.csv is None and shown.plot is None:
+        return
+    said = f"{title}, limit {np.degrees(limit):.4f} deg, {engine}"
+    numbers = flight_curves(flight, "fly", said.replace("\n", ", "), beside)
+    if shown.csv is not None:
+        write_text(shown.csv, numbers.csv())
+    if shown.plot is not None:
+        save_figure(flight_chart(numbers, said, float(flight.wind.end)), shown.plot)
 
 
 def _peaks(flight: "FlightBeside") -> dict[str, list[float]]:

@@ -10,8 +10,28 @@ import typer
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.linear.plant import Plant
     from tvclin.vehicle.filters import Filter
+
+
+NotchHz = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="F,ZEROS,POLES",
+        help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
+        " poles, as in 12,0.05,0.5; may be given several times. Lead-lag and rational filters are"
+        " for study files, under autopilot.filter.",
+    ),
+]
+LowPassHz = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="F[,DAMPING]",
+        help="Low-pass filter there: frequency in Hz, of second order with a damping; may be"
+        " given several times.",
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -21,8 +41,8 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum or"
-            " lqr; canonical if nothing is given."
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
+            " lqr, or for tvclin autopilot least-nozzle; canonical if nothing is given."
         ),
     ] = None
     natural_frequency: Annotated[
@@ -44,37 +64,28 @@ class GainOptions:
     delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
         0.0
     )
-    notch_hz: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="F,ZEROS,POLES",
-            help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
-            " poles, as in 12,0.05,0.5; may be given several times.",
-        ),
-    ] = None
-    low_pass_hz: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="F[,DAMPING]",
-            help="Low-pass filter there: frequency in Hz, of second order with a damping; may be"
-            " given several times.",
-        ),
-    ] = None
+    notch_hz: NotchHz = None
+    low_pass_hz: LowPassHz = None
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
+        return self.asked().autopilot(plant)
+
+    def asked(self, **others: Any) -> "GainsAsked":
+        """Return what the options ask for, with other fields of `GainsAsked` beside them."""
         from tvclin.base.errors import nonnegative, number
         from tvclin.control.autopilot.rules import GainsAsked
 
         asked = dict(vars(self))
         notches, passes = asked.pop("notch_hz"), asked.pop("low_pass_hz")
-        asked["filters"] = _filters(notches or (), passes or ())
+        asked["filters"] = filters_of(notches or (), passes or ())
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
         number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
-        return GainsAsked(delay=delay / 1000.0, **asked).autopilot(plant)
+        return GainsAsked(delay=delay / 1000.0, **(asked | others))
 
 
-def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+def filters_of(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+    """Return the filters of `NotchHz` and `LowPassHz`."""
     from tvclin.vehicle.filters import Filter
 
     made = [Filter.notch(*_numbers("--notch-hz", given, 3, 3)) for given in notches]

@@ -6,6 +6,7 @@ if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.linear.flexible import AnyPlant
     from tvclin.linear.plant import Plant
+    from tvclin.vehicle.structure import Structure
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
 
@@ -34,43 +35,43 @@ def load_plant(
 def load_rigid(source: str, plane: str) -> "Vehicle":
     """Return a vehicle for a command that knows it as rigid, and say so if its file knows more."""
     from tvclin.vehicle.file import load_vehicle
+    from tvclin.vehicle.structure_file import load_structure
 
     loaded = load_vehicle(source)
-    note_structure(source, loaded, plane)
+    note_structure(loaded, load_structure(source), plane)
     return loaded
 
 
 def note_structure(
-    source: str, vehicle: "Vehicle", plane: str, which: str = "these numbers"
+    vehicle: "Vehicle", structure: "Structure | None", plane: str, which: str = "these numbers"
 ) -> None:
-    """Say of a file with structure that the numbers are those of the rigid vehicle, on stderr.
+    """Say of a vehicle with structure that the numbers are those of the rigid one, on stderr.
 
     The sentence says by how much the structure moves what they rest on, see `FlexiblePlant.shift`.
     """
     import typer
 
-    from tvclin.base.errors import InputError
+    if structure is None or structure.is_rigid:
+        return
+    from tvclin.answers.flexible import flexible_plant, shift_words
+
+    moved = shift_words(flexible_plant(vehicle, structure, plane))
+    said = f"Note: {which} are of the rigid vehicle, without the structure in its file"
+    said += f", which {moved}" if moved else ""
+    typer.echo(f"{said} (tvclin margins has it).", err=True)
+
+
+def note_source(source: str) -> None:
+    """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
+    from tvclin.answers.study_file.read import load_study
     from tvclin.base.files import tables_of
     from tvclin.vehicle.file import vehicle_text
-    from tvclin.vehicle.structure_file import load_structure
 
-    if "vehicle" not in tables_of(*vehicle_text(source)):
-        return  # a study file
-    structure = load_structure(source)
-    if structure.is_rigid:
+    if source.lower().endswith(".csv"):
         return
-    from tvclin.linear.flexible import FlexiblePlant
-
-    said = f"Note: {which} are of the rigid vehicle, without the structure in its file"
-    try:
-        moved = FlexiblePlant.from_vehicle(vehicle, structure, "drift-exact", plane).shift()
-        said += (
-            f", which would move its fast pole by {moved.fast_pole:+.2f} percent and the deflection"
-            f" that a wind asks for by {moved.trim_price:+.2f} percent"
-        )
-    except InputError:
-        pass  # nothing grows that could be moved
-    typer.echo(f"{said} (tvclin margins has it).", err=True)
+    if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
+        plan = load_study(source)
+        note_structure(plan.vehicle, plan.structure, plan.plane)
 
 
 def peak_angle(

@@ -4,7 +4,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_rigid, peak_angle
+from tvclin.cli.bands import parts_line
+from tvclin.cli.gains import LowPassHz, NotchHz, filters_of
+from tvclin.cli.inputs import load_plant, peak_angle
+from tvclin.cli.margin_tables import lines
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -13,6 +16,7 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plane,
     Plot,
+    Rigid,
     Vehicle,
 )
 from tvclin.cli.progress import bar, share
@@ -40,37 +44,60 @@ def laws(
         str, typer.Option(help=f"Model with one or two real unstable poles: {MODELS_HELP}")
     ] = "drift-exact",
     plane: Plane = "pitch",
+    actuator_frequency: Annotated[
+        float | None,
+        typer.Option(
+            help="Natural frequency of the actuator, in rad/s; without it 25.1 of a flexible"
+            " vehicle, and no actuator else."
+        ),
+    ] = None,
+    delay_ms: Annotated[float, typer.Option(help="Computing delay of the law, in ms.")] = 0.0,
+    notch_hz: NotchHz = None,
+    low_pass_hz: LowPassHz = None,
+    rigid: Rigid = False,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
     """Fly five laws in the standard winds and print the deflection limit that each needs.
 
-    It takes about a second for each law and wind, and a minute more for a figure.
+    It takes about a second for each law and wind, and a minute more for a figure. Where the vehicle
+    file has bending, slosh, an engine with inertia or lags of sensors, the flexible vehicle flies,
+    with an actuator; --rigid leaves that out.
 
     Exit code 0: answered; 2: bad input.
     """
     import numpy as np
 
+    from tvclin.answers.flexible import nozzle_of, with_filters
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
-    from tvclin.base.errors import one_of, positive, within
+    from tvclin.base.errors import InputError, nonnegative, number, one_of, positive, within
     from tvclin.cli.output import print_json
-    from tvclin.linear.plant import Plant
+    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.linear.flexible import FlexiblePlant
 
-    loaded = load_rigid(vehicle, plane)
+    loaded, flying, plant = load_plant(vehicle, model, plane, rigid)
+    flexible = flying is not plant
+    if flexible and plot is not None:
+        raise InputError("--plot draws the laws on the rigid vehicle: give --rigid as well")
+    servo = (25.1 if flexible else 0.0) if actuator_frequency is None else actuator_frequency
+    asked = GainsAsked(
+        actuator_frequency=number("--actuator-frequency", servo, nonnegative, "rad/s"),
+        delay=number("--delay-ms", delay_ms, nonnegative, "ms") / 1000.0,
+        filters=filters_of(notch_hz or (), low_pass_hz or ()),
+    )
+    nozzle = nozzle_of(asked, 0.0) | {"sample_rate": sample_rate}
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     positive("--duration", duration, "s")
     within("--cuts", cuts, 0, 1000)
-    plant = Plant.from_vehicle(loaded, model, plane)
     chosen = standard_laws(plant, peak)
+    chosen = {name: with_filters(law, asked) for name, law in chosen.items()}
     every = standard_winds(peak, duration)
     winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
     found: list[LawTrial] = []
     with bar("flights") as progress:
         for k, (name, law) in enumerate(chosen.items()):
             told = share(progress, k, len(chosen))
-            found += law_trials(
-                plant, {name: law}, winds, sample_rate=sample_rate, cuts=cuts, progress=told
-            )
+            found += law_trials(flying, {name: law}, winds, cuts=cuts, progress=told, **nozzle)
     if plot is not None:
         from tvclin.plots import laws_chart, save_figure
 
@@ -83,11 +110,17 @@ def laws(
             "plane": plane,
             "peak_deg": np.degrees(peak),
             "duration_s": duration,
+            "flexible": flexible,
             "cuts": cuts,
             "sample_rate_Hz": sample_rate,
         }
         print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
     else:
+        if isinstance(flying, FlexiblePlant):
+            typer.echo(lines(parts_line(flying.structure)))
+            typer.echo(
+                f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms, actuator {servo:g} rad/s"
+            )
         _print(f"{loaded.name or vehicle}, {model}, {duration:g} s", found, limits, list(chosen))
 
 

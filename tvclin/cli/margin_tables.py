@@ -10,6 +10,7 @@ from tvclin.cli.gains import gains_document
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.control.autopilot.bounds import MarginBounds
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria, Judgement
     from tvclin.control.margins.record import Margins
@@ -70,7 +71,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
 
     pairs, whole = shown(found.autopilot.rows()), found.whole
     if isinstance(found.plant, FlexiblePlant):
-        typer.echo(_lines(parts_line(found.plant.structure)))
+        typer.echo(lines(parts_line(found.plant.structure)))
     elif found.autopilot.sample_rate is None:
         pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
@@ -79,16 +80,35 @@ def print_margins(title: str, found: MarginsFound) -> None:
         headings = ["margin", "value", "at [rad/s]", "asked", "by"]
         rows = [[*row, *judged_cells(judged.get(name))] for name, row in _rows(whole)]
         print_table("", headings, rows)
+        print_bounds(found.autopilot, found.plant)
     else:
-        typer.echo(_lines(f"NO MARGINS: {whole.reason}"))
+        typer.echo(lines(f"NO MARGINS: {whole.reason}"))
     if found.bands is not None:
         print_bands(found.bands, found.asked)
     if whole.stable:
         for note in whole.notes:
-            typer.echo(_lines(f"Note: {note}"))
+            typer.echo(lines(f"Note: {note}"))
         typer.echo(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
         if not found.met:
             typer.echo("Other gains: --natural-frequency and --damping, or gains of your own.")
+
+
+def print_bounds(autopilot: "Autopilot", plant: "AnyPlant") -> None:
+    """Print what no autopilot around a plant with this nozzle and delay can have."""
+    found = _bounds(autopilot, plant)
+    if found is not None and found.sentence:
+        typer.echo(lines(f"Bounds: {found.sentence}."))
+
+
+def _bounds(autopilot: "Autopilot", plant: "AnyPlant") -> "MarginBounds | None":
+    """What bounds the margins; None where nothing grows."""
+    from tvclin.base.errors import InputError
+    from tvclin.control.autopilot.bounds import margin_bounds
+
+    try:
+        return margin_bounds(plant, actuator=autopilot.actuator, delay=float(autopilot.delay))
+    except InputError:
+        return None
 
 
 def poles(autopilot: "Autopilot", plant: Any) -> str:
@@ -104,7 +124,7 @@ def poles(autopilot: "Autopilot", plant: Any) -> str:
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 
 
-def _lines(text: str) -> str:
+def lines(text: str) -> str:
     """Return a text in lines that fit a terminal."""
     return textwrap.fill(text, width=80, subsequent_indent="  ", break_on_hyphens=False)
 
@@ -134,6 +154,7 @@ def margins_document(found: MarginsFound) -> dict[str, Any]:
         name: value for name, value in vars(whole).items() if name not in {"crossings", "status"}
     }
     properties = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin_dB")
+    bounds = _bounds(autopilot, found.plant)
     bands = {} if found.bands is None else {"bands": bands_document(found.bands)}
     return {
         "flexible": found.bands is not None,
@@ -143,6 +164,7 @@ def margins_document(found: MarginsFound) -> dict[str, Any]:
         "status": whole.status,
         "reason": whole.reason or None,
         "margins": numbers | {name: getattr(whole, name) for name in properties},
+        "bounds": None if bounds is None else vars(bounds),
         **bands,
         "criteria": {
             "name": found.asked.name,

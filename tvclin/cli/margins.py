@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.box import Box, met_in_box, print_worst, worst_document, worst_in_box
 from tvclin.cli.detuned import IsDetuned, detuned_document, detuned_of, print_detuned
 from tvclin.cli.flown import (
     Flown,
@@ -24,6 +25,7 @@ from tvclin.cli.options import (
     PeakSpeed,
     Plane,
     Plot,
+    Rigid,
     Vehicle,
     Wind,
 )
@@ -48,9 +50,6 @@ ModeGainDb = Annotated[
 ModePhaseDeg = Annotated[
     float | None, typer.Option(help="Asked of each mode that is phase-stabilised, in deg.")
 ]
-Rigid = Annotated[
-    bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
-]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
@@ -66,6 +65,7 @@ def margins(
     mode_phase_deg: ModePhaseDeg = None,
     rigid: Rigid = False,
     detuned: IsDetuned = False,
+    box: Box = None,
     model: Annotated[
         str | None,
         typer.Option(
@@ -93,6 +93,8 @@ def margins(
     margins are those of the flexible vehicle, also by band; --rigid leaves all that out.
     With --flown also how much may change before a flight through the wind, with a deflection
     limit, is lost; the criteria judge the linear margins alone.
+    With --box also the worst margins of the rigid vehicle, and the worst required deflection, when
+    numbers lie anywhere in a box; then the worst margins are judged.
     """
     from dataclasses import replace
 
@@ -115,15 +117,17 @@ def margins(
     moved = detuned_of(found) if detuned else None
     case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
     fine = flown and found.whole.stable
-    in_wind = case.margins(loaded, plane, frame, autopilot) if fine else None
-    if in_wind is not None and plant is not frame:
-        note_structure(vehicle, loaded, plane, "the flown margins")
+    in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
+    in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, case)
+    if plant is not frame and in_box is not None:
+        note_structure(loaded, getattr(plant, "structure", None), plane, "the margins in the box")
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
         head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
         beside = {} if moved is None else {"detuned": detuned_document(moved)}
         beside |= {} if in_wind is None else {"flown": flown_document(in_wind)}
+        beside |= {} if in_box is None else {"box": worst_document(in_box, asked)}
         print_json({**head, **margins_document(found), **beside})
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
@@ -131,7 +135,9 @@ def margins(
             print_detuned(moved)
         if in_wind is not None:
             print_flown(in_wind, case.title)
-    if not found.met:
+        if in_box is not None:
+            print_worst(in_box, asked)
+    if not (found.met and (in_box is None or met_in_box(in_box, asked))):
         raise typer.Exit(1)
 
 

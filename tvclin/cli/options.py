@@ -52,6 +52,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tabl
 Plot = Annotated[
     Path | None, typer.Option(help="Also draw a figure into this file (png, pdf, svg).")
 ]
+Rigid = Annotated[
+    bool, typer.Option("--rigid", help="Leave out what the vehicle file says of its structure.")
+]
 Gust = Annotated[
     tuple[float, float] | None,
     typer.Option(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of, heading_given
+from tvclin.cli.inputs import gust_of, heading_given, note_source
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -134,6 +134,7 @@ def size(
             " or give --wind-direction-deg"
         )
     asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
+    note_source(source)
     heading = None
     if wind_direction_deg is not None:
         heading = heading_given(wind_direction_deg, azimuth_deg)

@@ -102,7 +102,7 @@ def study(
     heading = heading_given(wind_direction_deg, azimuth_deg)
     asked = load_study(source)
     plan = changed_plan(asked, wind, duration, (peak_deg, peak_speed), limit_deg, given, heading)
-    note_structure(source, plan.vehicle, plan.plane)
+    note_structure(plan.vehicle, plan.structure, plan.plane, "the boundaries")
     if gust_at is not None and gust is None:
         raise InputError("--gust-at needs --gust")
     if gust is not None:

@@ -19,6 +19,7 @@ from .flown_boundaries import figure_11 as figure_11
 from .flown_margins import boundary_map as boundary_map
 from .flown_margins import flown_margins as flown_margins
 from .laws import laws_chart as laws_chart
+from .least_gains import least_gains_chart as least_gains_chart
 from .nyquist import nyquist_chart as nyquist_chart
 from .planes import plane_chart as plane_chart
 from .planes import study_planes_chart as study_planes_chart

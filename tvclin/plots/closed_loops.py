@@ -10,6 +10,7 @@ from tvclin.base.errors import instance
 from tvclin.control.autopilot.answer import WindAnswer
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_POINTS = 2001
+_POINTS, _MOST_POINTS, _PER_TURN = 2001, 20_001, 12
+"""Points, the most there may be, and those in a turn of the fastest mode."""
 _SETTLED, _GROWN = 5.0, 3.0
 """So many time constants are shown of what dies down, and of what grows."""
 _MANY, _FEW = 60.0, 12.0
@@ -48,7 +50,7 @@ _STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
 _LEVEL: dict[str, Any] = {"color": "0.35", "lw": 1.0, "ls": (0, (4, 2)), "zorder": 1.5}
 
 
-def step_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
+def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     """Draw attitude and deflection after a step of the attitude command.
 
     The loop is linear: deg per deg are rad per rad. A delay is its Pade approximation, as in
@@ -58,17 +60,17 @@ def step_chart(autopilot: Autopilot, plant: Plant) -> "ControlPlot":
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`.
+        One autopilot, not sampled, and one plant, rigid or flexible.
     """
     import control
     import matplotlib.pyplot as plt
 
     require_one("step_chart", autopilot, plant)
-    margins = loop_margins(autopilot.rational_loop(plant))
+    margins = _margins(autopilot, plant)
     status, words = margins.status, loop_words(autopilot, plant)
     closed = autopilot.close(plant)[list(_STEP), "attitude_command"]
     horizon = _rounded(_horizon(closed, _MANY / margins.crossover_frequency))
-    response = control.step_response(closed, np.linspace(0.0, horizon, _POINTS))
+    response = control.step_response(closed, np.linspace(0.0, horizon, _points(plant, horizon)))
     figure, panels = plt.subplots(2, 1, figsize=(8.6, 7.2), layout="constrained", sharex=True)
     drawn = response.plot(
         ax=panels[:, np.newaxis], plot_inputs=False, show_legend=False, title="", lw=2.0
@@ -112,13 +114,13 @@ def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
     return marks
 
 
-def wind_chart(autopilot: Autopilot, plant: Plant, wind: History) -> "ControlPlot":
+def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "ControlPlot":
     """Draw what the closed loop does in a wind, beside the deflection that would trim it.
 
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`.
+        One autopilot, not sampled, and one plant, rigid or flexible.
     wind : History
         One wind angle of attack [rad].
 
@@ -129,14 +131,15 @@ def wind_chart(autopilot: Autopilot, plant: Plant, wind: History) -> "ControlPlo
     """
     instance("wind", wind, History, "such as TriangularWind")
     require_one("wind_chart", autopilot, plant, wind=wind)
-    margins = loop_margins(autopilot.rational_loop(plant))
+    margins = _margins(autopilot, plant)
     answer, status = autopilot.answer(plant, wind), margins.status
     start, stop = _wind_horizon(autopilot, plant, wind, margins)
-    times, peak = _times(start, stop, wind), None
+    count = _points(plant, stop - start)
+    times, peak = _times(start, stop, wind, count), None
     if status == "ok":
         value, when = answer.peak("deflection")
         peak = Mark(when, float(np.degrees(value)), colour=WARM)
-        times = np.union1d(_times(start, max(stop, 1.1 * when), wind), when)
+        times = np.union1d(_times(start, max(stop, 1.1 * when), wind, count), when)
     words = loop_words(autopilot, plant)
     curves = _wind_curves(answer, plant, wind, times, f"{words}; {VERDICTS[status]}")
     title = f"Autopilot in a wind: {VERDICTS[status]}\n{broken(words)}"
@@ -152,7 +155,7 @@ def wind_chart(autopilot: Autopilot, plant: Plant, wind: History) -> "ControlPlo
 
 
 def _wind_curves(
-    answer: WindAnswer, plant: Plant, wind: History, times: FloatArray, words: str
+    answer: WindAnswer, plant: AnyPlant, wind: History, times: FloatArray, words: str
 ) -> Curves:
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     peak = float(np.degrees(wind.peak))
@@ -168,15 +171,30 @@ def _wind_curves(
     return Curves("autopilot-in-wind", words, "time [s]", times, tuple(columns))
 
 
-def _times(start: float, stop: float, wind: History) -> FloatArray:
+def _margins(autopilot: Autopilot, plant: AnyPlant) -> Margins:
+    """The margins of the loop, of a rigid plant by its polynomials."""
+    if isinstance(plant, Plant):
+        return loop_margins(autopilot.rational_loop(plant))
+    return autopilot.margins(plant)
+
+
+def _points(plant: AnyPlant, length: float) -> int:
+    """So many that the fastest mode of a flexible plant is seen within a time [s]."""
+    if isinstance(plant, Plant):
+        return _POINTS
+    turns = float(np.abs(plant.poles).max()) * length / (2.0 * np.pi)
+    return int(np.clip(_PER_TURN * turns, _POINTS, _MOST_POINTS))
+
+
+def _times(start: float, stop: float, wind: History, count: int) -> FloatArray:
     """Even times, and both sides of every breakpoint of the wind."""
     sides = np.concatenate([np.nextafter(wind.knots, -np.inf), wind.knots])
     sides = sides[(sides >= start) & (sides <= stop)]
-    return np.unique(np.concatenate([np.linspace(start, stop, _POINTS), sides]))
+    return np.unique(np.concatenate([np.linspace(start, stop, count), sides]))
 
 
 def _wind_horizon(
-    autopilot: Autopilot, plant: Plant, wind: History, margins: Margins
+    autopilot: Autopilot, plant: AnyPlant, wind: History, margins: Margins
 ) -> tuple[float, float]:
     """From the onset of the wind, or zero, to its end and on; if unstable, while it grows."""
     last = float(wind.end) if np.isfinite(wind.end) else float(wind.knots[-1])

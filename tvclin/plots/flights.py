@@ -17,11 +17,14 @@ _PANELS = {"attitude": 0, "angle of attack": 3, "deflection": 4}
 _STYLES: dict[str, Style] = {
     "flown": {"color": INK, "ls": "-", "lw": 2.2},
     "linear": {"color": WARM, "ls": "--", "lw": 1.8},
+    "rigid": {"color": WARM, "ls": "--", "lw": 1.8},
     "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
 }
 
 
-def flight_curves(flight: FlightBeside, name: str, parameters: str) -> Curves:
+def flight_curves(
+    flight: FlightBeside, name: str, parameters: str, beside: str = "linear"
+) -> Curves:
     """Return attitude, angle of attack and deflection, flown and linear, and the wind, in degrees.
 
     Parameters
@@ -30,11 +33,13 @@ def flight_curves(flight: FlightBeside, name: str, parameters: str) -> Curves:
         The flight.
     name, parameters : str
         As of `Curves`.
+    beside : {"linear", "rigid"}
+        What the linear flight is called.
     """
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)
         for panel, row in _PANELS.items()
-        for label, rows in (("flown", flight.flown), ("linear", flight.linear))
+        for label, rows in (("flown", flight.flown), (beside, flight.linear))
     ]
     wind = Column("wind", np.degrees(flight.wind(flight.times)), "deg", "wind")
     return Curves(name, parameters, "time [s]", flight.times, (*columns, wind))

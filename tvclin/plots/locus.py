@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.sampled_loop import SampledLoop
@@ -22,6 +21,8 @@ ComplexArray = NDArray[Any]
 _STEP, _APART, _ROUNDS, _PARTS = 0.015, 0.5, 5, 4
 """The largest step of a pole, over its size and over its distance from the next one; how often,
 and into how many parts, a step is divided."""
+_FAR = 0.2
+"""The sample rate over the farthest pole of a sampled loop, which z = 0 would put at infinity."""
 _HALVINGS = 60
 _BESIDE = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
 """Where poles meet they move with the root of the gain: parts of the step to the next gain."""
@@ -45,12 +46,12 @@ class LocusPoles:
 
     @classmethod
     def of(cls, what: str, loop: Loop, order: int) -> LocusPoles:
-        """Return those of one loop in continuous time, its delay approximated in this order."""
+        """Return those of one loop, its delay approximated in this order.
+
+        Of a sampled loop, where the delay is exact, they are s = ln(z)/h of the discrete poles z.
+        """
         if isinstance(loop, SampledLoop):
-            raise InputError(
-                f"{what} draws loops in continuous time; this one is sampled (replace its"
-                " sample_rate by None)"
-            )
+            return cls._of_samples(loop)
         if isinstance(loop.form, Rational):
             return cls._of_polynomials(loop, order)
         return cls._of_matrices(loop, order)
@@ -71,6 +72,27 @@ class LocusPoles:
             return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
 
         return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
+
+    @classmethod
+    def _of_samples(cls, loop: SampledLoop) -> LocusPoles:
+        # In the w plane, where a command passes at once: A - k B C/(1 + k D).
+        form: Any = loop.form
+        A, B, C = form.A[form.case[0]], form.B[form.case[0], :, None], form.C[form.case[0], None]
+        D = np.ravel(form.D[form.case[0]])[0]
+        half = 0.5 * float(np.ravel(loop.period)[0])
+        least = np.exp(-2.0 * np.pi / _FAR)
+
+        def in_s(w: ComplexArray) -> ComplexArray:
+            z = (1.0 + w * half) / (1.0 - w * half)
+            size = np.maximum(np.abs(z), least)  # z = 0 is that of a command still to come
+            return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
+
+        def closed(factors: FloatArray) -> ComplexArray:
+            k = factors[:, np.newaxis, np.newaxis]
+            return in_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
+
+        zeros = form.zeros()[0].astype(complex)
+        return cls(closed(np.zeros(1))[0], in_s(zeros[~np.isnan(zeros)]), closed)
 
     @classmethod
     def _of_matrices(cls, loop: Loop, order: int) -> LocusPoles:

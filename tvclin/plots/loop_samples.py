@@ -17,7 +17,6 @@ from tvclin.kernels.loop_grid import frequencies
 from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
-from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 
 if TYPE_CHECKING:
@@ -180,9 +179,9 @@ def _samples(
 
 
 def require_one(what: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` unless there is one autopilot, one rigid plant, and one of all others."""
+    """Raise `InputError` unless there is one autopilot, one plant, and one of all others."""
     instance("autopilot", autopilot, Autopilot, "see design_gains")
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    check_plant(plant)
     _require_single(what, autopilot, plant, **others)
 
 

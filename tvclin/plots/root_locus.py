@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.errors import InputError, nonnegative
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.sampled_loop import SampledLoop
 from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.locus import LocusPoles
@@ -27,6 +28,8 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[Any]
 
 _END: dict[str, Any] = {"ls": "", "color": INK, "zorder": 4}
+_LEFT = 1.2
+"""Poles of a sampled loop farther than so many times half its rate are left out of the frame."""
 _TALL = 1.15
 """The frame of the modes is so many times as high as the fastest of them is fast."""
 
@@ -44,7 +47,8 @@ def root_locus_chart(
     Parameters
     ----------
     autopilot, plant
-        As of `nichols_chart`, but without a sample rate.
+        As of `nichols_chart`. Of a sampled loop the discrete poles z are drawn as s = ln(z)/h, up
+        to half the sample rate: the unit circle is the imaginary axis.
     gains : array_like, optional
         Factors on the loop gain, zero or positive, ``(n,)``; from zero to beyond the
         gain-increase margin where not given. The factor 1 is the loop as it is.
@@ -52,8 +56,7 @@ def root_locus_chart(
     Raises
     ------
     InputError
-        As `nichols_chart`, for a sampled loop, and for factors that are no row of numbers above or
-        at zero.
+        As `nichols_chart`, and for factors that are no row of numbers above or at zero.
 
     Notes
     -----
@@ -73,7 +76,7 @@ def root_locus_chart(
     marks = [*_pole_marks(poles), *_axis_marks(samples), *_end_marks(branches, factors, radii[0])]
     lines: list[Any] = []
     for axes in panels[0]:
-        lines += _draw_locus(axes, locus, branches)
+        lines += _draw_locus(axes, locus, _within(branches, samples.loop))
     for axes, radius in zip(panels[0], radii, strict=False):
         _frame_round(axes, radius, locus.poles)
     if len(radii) > 1:
@@ -88,11 +91,21 @@ def root_locus_chart(
         shown.append([*plain, *_mode_marks(samples)])
     for axes, drawn in zip(panels[0], shown, strict=True):
         lines += draw_marks(axes, drawn)
-    figure.suptitle(title("Root locus of the loop gain", samples))
+    name = "Root locus of the loop gain"
+    name += ", s = ln(z)/h" if isinstance(samples.loop, SampledLoop) else ""
+    figure.suptitle(title(name, samples))
     handles, labels = panels[0, -1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     write_numbers(*zip(panels[0], shown, strict=True))
     return control_plot(lines, panels, _locus_curves(factors, branches, samples))
+
+
+def _within(branches: ComplexArray, loop: Loop) -> ComplexArray:
+    """The branches, broken where a sampled pole steps over half the rate and comes back below."""
+    if not isinstance(loop, SampledLoop):
+        return branches
+    steps = np.abs(np.diff(branches.imag, axis=0, prepend=branches.imag[:1]))
+    return np.where(steps > float(loop.highest()[0, 0]), np.nan, branches)
 
 
 def _given(gains: ArrayLike) -> FloatArray:
@@ -120,6 +133,8 @@ def _radii(samples: LoopSamples, poles: ComplexArray) -> list[float]:
     """How far the panels go: all poles but those of the delay, and those close to the origin."""
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
+    if isinstance(samples.loop, SampledLoop):  # farther left nothing is left after a few samples
+        sizes = sizes[sizes <= _LEFT * float(samples.loop.highest()[0, 0])]
     highest = np.array([samples.margins.gain_increase_frequency])
     known = [*corner_frequencies(samples.loop), *sizes]
     whole = 1.2 * float(np.nanmax([*known, *highest]))

@@ -83,10 +83,22 @@ def load_structure(source: str | PathLike[str]) -> Structure:
     """
     text, place = vehicle_text(source)
     table_of(text, place, VEHICLE_TABLE)  # a vehicle file, with no heading that is unknown
+    return parse_structure(text, place) or Structure()
+
+
+def parse_structure(text: str, place: str) -> Structure | None:
+    """Return the structure of a vehicle file's text, and None where it has none.
+
+    Raises
+    ------
+    InputError
+        As `load_structure`, but for the file.
+    """
     try:
-        return build_structure(tables_of(text, place))
+        found = build_structure(tables_of(text, place))
     except InputError as error:
         raise InputError(f"{called(place)}: {error}") from None
+    return None if found.is_rigid else found
 
 
 def build_structure(document: Mapping[str, Any]) -> Structure:

@@ -10,15 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.campaign.dispersions import WIND
+from tvclin.answers.campaign.dispersions import WIND, is_of_modes
 from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.outputs import REGISTRY, Batch, columns, compute
 from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.campaign.structures import dispersed_modes
+from tvclin.answers.flexible import flexible_plant
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.feedback import GAINS
+from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import WindEnsemble
 
 FloatArray = NDArray[np.float64]
@@ -92,11 +96,16 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
     InputError
         When one of the cases is no vehicle or no wind.
     """
-    changes = {k: v for k, v in cases.values.items() if k not in (*WIND, *GAINS, "wind")}
+    changes = {
+        k: v
+        for k, v in cases.values.items()
+        if k not in (*WIND, *GAINS, "wind") and not is_of_modes(k)
+    }
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     wind = campaign.wind.history(cases.values)
-    return Batch(plant, wind, _gains(campaign, cases.values), cases.possible.size, vehicle)
+    gains, count = _gains(campaign, cases.values), cases.possible.size
+    return Batch(plant, wind, gains, count, vehicle, _flexible(campaign, vehicle, cases.values))
 
 
 def nominal(campaign: Campaign) -> dict[str, float]:
@@ -110,9 +119,20 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     if isinstance(campaign.wind, WindEnsemble):
         return {}
     wind, gains = campaign.wind.history({}), _gains(campaign, {})
-    batch = Batch(campaign.plant, wind, gains, 1, campaign.vehicle)
+    flexible = _flexible(campaign, campaign.vehicle, {})
+    batch = Batch(campaign.plant, wind, gains, 1, campaign.vehicle, flexible)
     found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
     return {name: float(values[0]) for name, values in found.items()}
+
+
+def _flexible(
+    campaign: Campaign, vehicle: Vehicle, values: dict[str, NDArray[Any]]
+) -> FlexiblePlant | None:
+    """The flexible plant of vehicles, with the modes that were drawn; None of a rigid campaign."""
+    if campaign.structure is None:
+        return None
+    plant = flexible_plant(vehicle, campaign.structure, campaign.plane, campaign.model)
+    return dispersed_modes(plant, values)
 
 
 def _gains(campaign: Campaign, values: dict[str, NDArray[Any]]) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """What is uncertain, and by how much: from numbers in (0, 1) to vehicles and winds."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -38,7 +39,9 @@ class Dispersion:
     Attributes
     ----------
     parameter : str
-        A field of `Vehicle`, "wind_peak" or "wind_duration", or a gain of `Autopilot`.
+        A field of `Vehicle`, "wind_peak" or "wind_duration", a gain of `Autopilot`, or a factor on
+        modes of a flexible vehicle: "bending_frequency", "bending_damping", "slosh_frequency" and
+        "slosh_damping" on all, "bending_2_frequency" on one.
     shape : str
         "normal", "uniform" or "truncated" (normal, cut at three standard deviations).
     spread : float
@@ -53,7 +56,7 @@ class Dispersion:
     relative: bool = True
 
     def __post_init__(self) -> None:
-        one_of("parameter", self.parameter, PARAMETERS)
+        known_parameter("parameter", self.parameter)
         one_of("shape", self.shape, SHAPES)
         object.__setattr__(self, "spread", number("spread", self.spread, positive))
         flag("relative", self.relative)
@@ -160,6 +163,8 @@ class Dispersions:
             for names, rule in _RULES:
                 if one.parameter in names:
                     possible &= rule(value, centre)
+            if is_of_modes(one.parameter):
+                possible &= value > 0.0
         return Dispersed(values, possible)
 
     @staticmethod
@@ -202,12 +207,29 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], NDArray[np.bo
     (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),
     (("attitude", "wind_peak"), lambda value, _: np.abs(value) < np.pi / 2),
 )
+MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_damping")
+"""Factors on the modes of a flexible vehicle, on all; of one mode as in bending_2_frequency."""
+_ONE_MODE = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
 PARAMETERS = (
     *(f.name for f in fields(Vehicle) if f.name not in {"name", "time"}),
     *WIND,
     *GAINS,
+    *MODES,
 )
-"""What can be dispersed."""
+"""What can be dispersed, beside a single mode."""
+
+
+def known_parameter(what: str, name: Any) -> str:
+    """Return the name of what can be dispersed; `InputError` for another."""
+    if isinstance(name, str) and _ONE_MODE.fullmatch(name):
+        return name
+    return one_of(what, name, PARAMETERS)
+
+
+def is_of_modes(name: str) -> bool:
+    """Return whether a parameter is a factor on modes."""
+    return name in MODES or _ONE_MODE.fullmatch(name) is not None
+
 
 _KINDS = {name: VEHICLE_TABLE.quantities.get(name, "number") for name in PARAMETERS} | WIND
 UNITS_OF = {name: si_unit(kind) for name, kind in _KINDS.items()} | {
@@ -231,8 +253,9 @@ def spread_table(parameter: Any, recorded: bool = False) -> Table:
     InputError
         For what cannot be dispersed.
     """
-    name = one_of("parameter in [[dispersion]]", parameter, PARAMETERS)
-    kinds = DISPERSION_TABLE.quantities | {"spread": "number" if recorded else _KINDS[name]}
+    name = known_parameter("parameter in [[dispersion]]", parameter)
+    kind = "number" if recorded else _KINDS.get(name, "number")
+    kinds = DISPERSION_TABLE.quantities | {"spread": kind}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
 
 

@@ -12,7 +12,15 @@ import numpy as np
 from tvclin.answers.campaign.dispersions import Dispersions
 from tvclin.answers.campaign.flights import FLIGHT_TABLE, Flight
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
-from tvclin.answers.campaign.tables import dispersions_of, question_of, read_tables, subject_of
+from tvclin.answers.campaign.structures import gains_record, record_of
+from tvclin.answers.campaign.tables import (
+    dispersions_of,
+    gains_of,
+    question_of,
+    read_tables,
+    structure_of,
+    subject_of,
+)
 from tvclin.base.errors import InputError
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
@@ -56,6 +64,7 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
     head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
+    head.pop("structure", None)
     outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     if "gust" in document:
         raise InputError("a campaign has no gust; leave [gust] out")
@@ -65,7 +74,10 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     if isinstance(wind, ShapedWind):
         vehicle = subject["vehicle"]
         wind = wind.in_plane(subject.get("plane", "pitch"), float(np.mean(vehicle.attitude)))
+    asked = document.get("autopilot")
     return Campaign(
+        structure=structure_of(document, folder),
+        gains=None if asked is None else gains_of(asked, document),
         wind=wind,
         dispersions=dispersions_of(document),
         flight=Flight(**FLIGHT_TABLE.read(FLIGHT_TABLE.one(document))) if flown else None,
@@ -91,6 +103,10 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     wind = campaign.wind
     question = {"probability": campaign.probability, "confidence": campaign.confidence}
     flown = {} if campaign.flight is None else {"flight": _flight(campaign.flight)}
+    if campaign.structure is not None:
+        head["structure"] = record_of(campaign.structure)
+    if campaign.gains is not None:
+        flown["autopilot"] = gains_record(campaign.gains)
     return flown | {
         "campaign": head | ({} if until is None else {"until_part": until}),
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}

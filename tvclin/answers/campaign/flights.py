@@ -1,5 +1,6 @@
 """Flights of a law with limits in every case: the law is designed on the nominal plant."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.checks import check_rate_limit
 from tvclin.flights.closed_loop.fly import fly
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -35,7 +37,12 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-LAWS = ("autopilot", "trim", "dead-band", "recoverable-attitude")
+_DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
+    "trim": lambda plant, _: TrimLaw(plant),
+    "dead-band": lambda plant, _: DeadBandLaw(plant),
+    "recoverable-attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
+}
+LAWS = ("autopilot", *_DESIGNS)
 FLIGHT_TABLE = Table(
     "[flight]",
     {
@@ -142,12 +149,10 @@ class Flight:
         """Return the law, designed on a plant and for a peak [rad], or with these gains."""
         if self.law == "autopilot":
             return SaturatedLaw(Autopilot(**gains))
-        if self.law == "recoverable-attitude":
-            return RecoverableAttitudeLaw(plant, design_peak=peak)
-        return {"trim": TrimLaw, "dead-band": DeadBandLaw}[self.law](plant)
+        return _DESIGNS[self.law](plant, peak)
 
 
-def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "TimeResponseData":
+def flight_response(flight: Flight, law: Law, plant: AnyPlant, wind: History) -> "TimeResponseData":
     """Return the flight of one case at the samples of its law, until some time after its wind.
 
     Raises
@@ -155,7 +160,7 @@ def flight_response(flight: Flight, law: Law, plant: Plant, wind: History) -> "T
     InputError
         As `fly`.
     """
-    poles = np.real(unstable_modes(plant).poles)
+    poles = np.real(unstable_modes(plant.rigid).poles)
     end = float(wind.end) + (_PATIENCE / float(poles.max()) if poles.size else 0.0)
     count = int(np.ceil((end - float(wind.onset)) * flight.sample_rate)) + 1
     return fly(

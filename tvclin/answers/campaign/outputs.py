@@ -9,14 +9,19 @@ from numpy.typing import NDArray
 
 from tvclin.answers.campaign.flights import COLUMNS, Flight
 from tvclin.answers.campaign.plan import Campaign
+from tvclin.answers.campaign.structures import first_plant
+from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.law import Law
+from tvclin.control.margins.record import loop_margins
 from tvclin.flights.closed_loop.many import fly_many
 from tvclin.flights.flown_boundary import flown_boundary
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -43,6 +48,8 @@ class Batch:
         n.
     vehicle : Vehicle
         What the plant was made of.
+    flexible : FlexiblePlant or None
+        The same vehicles with their structure.
     """
 
     plant: Plant
@@ -50,11 +57,21 @@ class Batch:
     gains: dict[str, Any]
     count: int
     vehicle: Vehicle
+    flexible: FlexiblePlant | None = None
+
+    @property
+    def flying(self) -> AnyPlant:
+        """What flies, and what the autopilot controls."""
+        return self.plant if self.flexible is None else self.flexible
 
     def one(self) -> tuple[Plant, History]:
         """Return the plant and the wind of the first case, no longer as a batch."""
         shape = (self.count,)
         return self.plant.one(0, shape), self.wind.one(0, shape)
+
+    def one_flexible(self) -> FlexiblePlant | None:
+        """Return the flexible plant of the first case; None where vehicles are rigid."""
+        return None if self.flexible is None else first_plant(self.flexible, self.count)
 
     def one_vehicle(self) -> Vehicle:
         """Return the vehicle of the first case."""
@@ -144,26 +161,65 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
     if campaign.flight is None:
         raise InputError('the campaign flies nothing: it has no output "flight"')
     gains = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    return campaign.flight.designed(campaign.plant, campaign.wind.largest, gains)
+    law = campaign.flight.designed(campaign.plant, campaign.wind.largest, gains)
+    return law if campaign.gains is None else with_filters(law, campaign.gains)
 
 
 def _flight(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     flight = cast(Flight, campaign.flight)
     dispersed = any(np.ndim(value) for value in batch.gains.values())
+    asked = campaign.gains
+    chains = {} if asked is None else {name: getattr(asked, name) for name in CHAINS}
     found = fly_many(
-        batch.plant,
-        Autopilot(**batch.gains) if dispersed else law_of(campaign, batch),
+        batch.flying,
+        Autopilot(**batch.gains, **chains) if dispersed else law_of(campaign, batch),
         batch.wind,
         deflection_limit=flight.deflection_limit,
         rate_limit=flight.rate_limit,
         actuator=flight.actuator,
         sample_rate=flight.sample_rate,
     )
-    fate = np.select([found.status == "survived", found.status == "lost"], [1.0, 0.0], np.nan)
+    lost = (found.status == "lost") | (found.status == "rings")
+    fate = np.select([found.status == "survived", lost], [1.0, 0.0], np.nan)
     return {"flight_survived": fate} | {
         f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(found, f"peak_{name}"))
         for name in ("attitude", "angle_of_attack", "deflection")
     }
+
+
+_MARGINS = {
+    "margin_aero_dB": "dB",
+    "margin_gain_dB": "dB",
+    "margin_phase_deg": "deg",
+    "margin_delay": "s",
+}
+
+
+def _margin_columns(campaign: Campaign) -> dict[str, str]:
+    peaks = {f"margin_{one}_peak_dB": "dB" for one in _mode_names(campaign)}
+    return {"margin_stable": ""} | _MARGINS | peaks
+
+
+def _mode_names(campaign: Campaign) -> list[str]:
+    """Names of the modes, as in "bending_1", in the order of their bands."""
+    s = campaign.structure
+    counts = {} if s is None else {"bending": len(s.bending), "slosh": len(s.slosh)}
+    return [f"{kind}_{k}" for kind, count in counts.items() for k in range(1, count + 1)]
+
+
+def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
+    """The margins of one autopilot around each vehicle; of a flexible one also peaks by mode."""
+    autopilot, peaks = campaign.autopilot(), {}
+    if batch.flexible is not None and _mode_names(campaign):
+        bands = autopilot.band_margins(batch.flexible)
+        whole = bands.whole
+        pairs = zip(_mode_names(campaign), bands.modes, strict=True)
+        peaks = {f"margin_{name}_peak_dB": mode.peak_dB for name, mode in pairs}
+    else:
+        whole = loop_margins(autopilot.exact_loop(batch.flying))
+    values = (whole.aero_margin_dB, whole.gain_increase_dB, whole.phase_margin_deg)
+    found = dict(zip(_MARGINS, (*values, whole.delay_margin), strict=True))
+    return {"margin_stable": np.asarray(whole.stable, dtype=float)} | found | peaks
 
 
 def _flown(campaign: Campaign, batch: Batch) -> dict[str, float]:
@@ -185,6 +241,7 @@ REGISTRY = {
     ),
     "forecast-free": Output(lambda _: {"forecast_free": "rad"}, _forecast_free),
     "minimum": Output(lambda _: {"minimum": "rad"}, _minimum, _slow),
+    "margins": Output(_margin_columns, _margins),
     "flight": Output(lambda _: COLUMNS, _flight),
     "flown": Output(
         lambda campaign: {required_name(K, "flown"): "rad" for K in campaign.dead_bands},

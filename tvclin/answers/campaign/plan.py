@@ -9,6 +9,7 @@ import numpy as np
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.campaign.flights import Flight
+from tvclin.answers.campaign.structures import modes_nominal
 from tvclin.base.errors import (
     InputError,
     between,
@@ -23,16 +24,19 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.base.tables import Table
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.rules import GainsAsked
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
-OUTPUTS = ("required", "forecast-free", "minimum", "flight", "flown")
+OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
 CAMPAIGN_TABLE = Table(
     "[campaign]",
     {"until": "part"},
-    words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
+    words=("vehicle", "structure", "model", "plane", "cases", "seed", "method", "chunk"),
 )
 OUTPUTS_TABLE = Table("[outputs]", lists=("names", "dead_bands"))
 QUESTION_TABLE = Table("[question]", {"limit": "angle"}, words=("probability", "confidence"))
@@ -50,6 +54,12 @@ class Campaign:
         The nominal vehicle, one.
     wind : ShapedWind or WindEnsemble
         Its winds.
+    structure : Structure, optional
+        What bends and sloshes in the vehicle: for "margins" and "flight"; all else is of the rigid
+        one.
+    gains : GainsAsked, optional
+        The autopilot of "margins", designed on the nominal rigid vehicle; its filters stand in the
+        law of "flight" too.
     dispersions : Dispersions
         What is uncertain; the default ones are assumed, not any programme's.
     cases : int
@@ -61,6 +71,8 @@ class Campaign:
     outputs : tuple of str
         What is computed for each case: "required" (`required_deflection` at each dead band),
         "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
+        "margins" (whether the loop of the autopilot is stable, its margins, and the peak of each
+        mode of a flexible vehicle),
         "flight" (what comes of flying it, as `flight` says), "flown" (the boundary at each dead
         band by flights with six degrees of freedom, some tenths of a second for each).
     dead_bands : tuple of float
@@ -87,6 +99,8 @@ class Campaign:
 
     vehicle: Vehicle
     wind: ShapedWind | WindEnsemble
+    structure: Structure | None = None
+    gains: GainsAsked | None = None
     dispersions: Dispersions = DEFAULT_DISPERSIONS
     cases: int
     seed: int = 0
@@ -111,6 +125,11 @@ class Campaign:
         if isinstance(self.wind, ShapedWind) and self.wind.heading is not None:
             raise InputError("a campaign is in one plane; give the part there, wind.in_plane(...)")
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
+        if self.structure is not None:
+            instance("structure", self.structure, Structure, "see load_structure")
+            single("structure", self.structure.batch)
+        if self.gains is not None:
+            instance("gains", self.gains, GainsAsked, "or a rule for them")
         if self.flight is not None:
             instance("flight", self.flight, Flight, "which says how each case is flown")
         self._check_outputs()
@@ -123,6 +142,8 @@ class Campaign:
             one_of("outputs", name, OUTPUTS)
         if ("flight" in self.outputs) != (self.flight is not None):
             raise InputError('the output "flight" and a [flight] belong together: give both')
+        if "margins" in self.outputs:
+            self.autopilot()  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
         bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
@@ -147,12 +168,17 @@ class Campaign:
         held = {f.name: getattr(self.vehicle, f.name) for f in fields(Vehicle)}
         held |= {"control_force_slope": self.vehicle.control_force}
         gains = {} if self.flight is None else self.flight.gains(self.plant)
-        return held | self.wind.nominal | gains
+        modes = {} if self.structure is None else modes_nominal(self.structure)
+        return held | self.wind.nominal | gains | modes
 
     @property
     def plant(self) -> Plant:
         """The nominal plant, on which laws are designed."""
         return Plant.from_vehicle(self.vehicle, self.model, self.plane)
+
+    def autopilot(self) -> Autopilot:
+        """Return the autopilot of the margins: that asked for, or the canonical one."""
+        return (self.gains or GainsAsked()).autopilot(self.plant)
 
     @property
     def chunks(self) -> int:

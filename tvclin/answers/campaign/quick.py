@@ -27,6 +27,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.vehicle.structure import Structure
 from tvclin.winds.shaped import ShapedWind
 
 FloatArray = NDArray[np.float64]
@@ -102,6 +103,7 @@ def disperse_study(
     probability: float = 0.99865,
     confidence: float = 0.9,
     method: str = "plain",
+    structure: Structure | None = None,
 ) -> DispersedStudy:
     """Return the deflection that covers a dispersed vehicle in a dispersed wind.
 
@@ -120,6 +122,9 @@ def disperse_study(
     method : {"plain", "sobol", "latin"}
         As of `draw`. Order statistics hold for plain numbers; the others converge faster, and
         their bounds are on the safe side.
+    structure : Structure, optional
+        Of the vehicle, where its modes are dispersed; what is required is that of the rigid one,
+        and does not feel them.
 
     Raises
     ------
@@ -136,7 +141,7 @@ def disperse_study(
     >>> bool(found.required.upper > nominal.required_deflection)
     True
     """
-    campaign = _campaign(study, dispersions, cases, seed, method)
+    campaign = _campaign(study, dispersions, cases, seed, method, structure)
     for name, part in (("probability", probability), ("confidence", confidence)):
         fraction(name, part)
     found = evaluate(campaign, 0, cases)
@@ -160,7 +165,12 @@ def disperse_study(
 
 
 def _campaign(
-    study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
+    study: Study,
+    dispersions: Dispersions,
+    cases: int,
+    seed: int,
+    method: str,
+    structure: Structure | None,
 ) -> Campaign:
     instance("study", study, Study, "see Study.from_vehicle")
     if study.gust is not None:
@@ -169,6 +179,7 @@ def _campaign(
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
         vehicle=study.vehicle,
+        structure=structure,
         wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),
         dispersions=dispersions,
         cases=cases,

@@ -18,6 +18,7 @@ from tvclin.base.errors import (
 from tvclin.control.laws.law import Law
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_response
 from tvclin.winds.histories import History
@@ -46,6 +47,8 @@ class Replay:
         Its plant and wind; None where the case cannot be.
     flight, law : Flight and Law, or None
         How it was flown, where the campaign flies.
+    flexible : FlexiblePlant or None
+        What was flown then, where the vehicle has a structure.
     """
 
     case: int
@@ -57,6 +60,7 @@ class Replay:
     wind: History | None
     flight: Flight | None = None
     law: Law | None = None
+    flexible: FlexiblePlant | None = None
 
     @cached_property
     def required(self) -> float:
@@ -104,7 +108,7 @@ class Replay:
         plant, wind = self._flown()
         if self.flight is None or self.law is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
-        return flight_response(self.flight, self.law, plant, wind)
+        return flight_response(self.flight, self.law, self.flexible or plant, wind)
 
     def _flown(self) -> tuple[Plant, History]:
         if self.plant is None or self.wind is None:
@@ -139,10 +143,12 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     plant: Plant | None = None
     wind: History | None = None
     law: Law | None = None
+    flexible: FlexiblePlant | None = None
     if drawn.possible[0]:
         try:
             made = batch(campaign, drawn)
             plant, wind = made.one()
+            flexible = made.one_flexible()
             law = law_of(campaign, made) if campaign.flight is not None else None
         except InputError:  # its status says why
             pass
@@ -160,4 +166,5 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
         wind,
         campaign.flight,
         law,
+        flexible,
     )

@@ -16,6 +16,7 @@ from tvclin.answers.campaign.dispersions import (
 )
 from tvclin.answers.campaign.flights import FLIGHT_TABLE
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION_TABLE
+from tvclin.answers.campaign.structures import gains_of_record, structure_of_record
 from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
 from tvclin.answers.study import STUDY_TABLE
@@ -23,9 +24,11 @@ from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import known
-from tvclin.control.autopilot.rules import AUTOPILOT_TABLE
+from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
+from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE
 
@@ -70,7 +73,8 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     known("table", document, [table.name for table in TABLES])
     each = {table: table.one(document) for table in _SINGLE}
     for table in _OF_STUDIES:
-        table.read(each[table])
+        if table is not AUTOPILOT_TABLE or not _recorded(document):
+            table.read(each[table])
     if not {"study", "campaign"} & document.keys():
         raise InputError("[study] is missing: it names the vehicle")
     study, campaign = each[STUDY_TABLE], each[CAMPAIGN_TABLE]
@@ -105,8 +109,40 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
             raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
+    return load_vehicle(_beside(source, folder))
+
+
+def _beside(source: str, folder: Path) -> str | Path:
+    """The name of a vehicle of the package, or the path of a file, in the folder if it is there."""
     beside = folder / source
-    return load_vehicle(beside if source not in list_vehicles() and exists(beside) else source)
+    return beside if source not in list_vehicles() and exists(beside) else source
+
+
+def structure_of(document: Mapping[str, Any], folder: Path) -> Structure | None:
+    """Return what bends and sloshes in the vehicle; None where its file has no structure.
+
+    A vehicle in a table of the study has none.
+
+    Raises
+    ------
+    InputError
+        As `load_structure`.
+    """
+    campaign = document.get("campaign", {})
+    if "structure" in campaign:
+        if not _recorded(document):
+            raise InputError("structure belongs into the vehicle file, beside [vehicle]")
+        return structure_of_record(campaign["structure"])
+    source = (document.get("study", {}) | campaign).get("vehicle")
+    if not isinstance(source, str):
+        return None
+    found = load_structure(_beside(source, folder))
+    return None if found.is_rigid else found
+
+
+def gains_of(table: Mapping[str, Any], document: Mapping[str, Any]) -> GainsAsked:
+    """Return what the table [autopilot] asks for."""
+    return gains_of_record(table) if _recorded(document) else GainsAsked.from_table(table)
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:

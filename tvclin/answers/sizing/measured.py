@@ -13,6 +13,7 @@ from tvclin.base.errors import (
     ending,
     instance,
     number,
+    one_of,
     positive,
     shown,
     single,
@@ -190,7 +191,7 @@ def fly_through(
     instance("profile", profile, WindProfile, "see read_sounding")
     if gust is not None and (not isinstance(gust, History) or gust.batch):
         raise InputError(f"gust must be one history, such as OneMinusCosineGust; got {shown(gust)}")
-    if plane != BOTH:
+    if one_of("plane", plane, (*PLANES, BOTH)) != BOTH:
         wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
         return MeasuredWind(wind, window, gust)
     profile.to_winds(schedule, azimuth=azimuth)  # refused where it is zero in both

@@ -5,7 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from tvclin.answers.campaign.file import parse_campaign
-from tvclin.answers.campaign.tables import dispersions_of, question_of, subject_of
+from tvclin.answers.campaign.tables import (
+    dispersions_of,
+    question_of,
+    structure_of,
+    subject_of,
+)
 from tvclin.answers.planes import BOTH
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import sizing_of
@@ -39,6 +44,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         study["plane"] = BOTH
     return StudyPlan(
         **subject,
+        structure=structure_of(document, folder),
         wind=wind,
         gust=gust,
         sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),

@@ -22,6 +22,7 @@ from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
@@ -44,6 +45,9 @@ class StudyPlan:
     ----------
     vehicle : Vehicle
         The vehicle, one.
+    structure : Structure, optional
+        What bends and sloshes in it: for the margins and flights of the autopilot. Boundaries are
+        those of the rigid vehicle.
     model, plane : str
         As of `Study.from_vehicle`.
     wind : ShapedWind
@@ -80,6 +84,7 @@ class StudyPlan:
     """
 
     vehicle: Vehicle
+    structure: Structure | None = None
     model: str = "fixed-path"
     plane: str = "pitch"
     wind: ShapedWind = DEFAULT_WIND
@@ -111,6 +116,8 @@ class StudyPlan:
         number("dead_band", self.dead_band, between(0.0, 1.0))
         if self.limit is not None:
             number("limit", self.limit, positive, "rad")
+        if self.structure is not None:
+            instance("structure", self.structure, Structure, "see load_structure")
         if self.gust is not None:
             instance("gust", self.gust, History, "such as OneMinusCosineGust")
         if self.nozzle_stop is not None:
@@ -148,6 +155,15 @@ class StudyPlan:
         for name, kind, maker in zip(names, kinds, makers, strict=True):
             if getattr(self, name) is not None:
                 instance(name, getattr(self, name), kind, maker)
+        if self.criteria is not None and self.criteria.of_modes and not self._modes:
+            raise InputError(
+                "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
+                " needs [[bending]] or [[slosh]] in its file"
+            )
+
+    @property
+    def _modes(self) -> bool:
+        return self.structure is not None and bool(self.structure.bending or self.structure.slosh)
 
     @classmethod
     def of_study(cls, study: Study) -> Self:

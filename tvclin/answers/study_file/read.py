@@ -16,6 +16,7 @@ from tvclin.answers.study_file.plan import DEFAULT_WIND, StudyPlan
 from tvclin.base.errors import InputError, instance, path
 from tvclin.base.files import called, tables_of
 from tvclin.vehicle.file import parse_vehicle, vehicle_text
+from tvclin.vehicle.structure_file import parse_structure
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
@@ -46,7 +47,7 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     text, name = vehicle_text(source)
     document = tables_of(text, name)
     if "vehicle" in document and not {"study", "campaign"} & document.keys():
-        return StudyPlan(vehicle=parse_vehicle(text, name))
+        return StudyPlan(vehicle=parse_vehicle(text, name), structure=parse_structure(text, name))
     from tvclin.answers.study_file.parse import parse_study
 
     try:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.kernels.stability import stability
@@ -57,8 +58,10 @@ class Detuned:
     margins : Margins
         Those of the rows, ``(n,)``.
     first : tuple of str
-        The margin of each row that lacks most, or has least to spare, over what is asked for;
-        "unstable" where there are none.
+        The margin of each row that lacks most, or has least to spare, over what is asked for, of a
+        mode with its name, "mode_gain_margin_dB of bending 1"; "unstable" where there are none.
+    met : ndarray of bool
+        Whether each row has all that is asked for, ``(n,)``.
     edges : tuple of Edge
         Where the loop becomes unstable, mode by mode.
     plants : FlexiblePlant
@@ -68,6 +71,7 @@ class Detuned:
     changes: tuple[str, ...]
     margins: Margins
     first: tuple[str, ...]
+    met: NDArray[np.bool_]
     edges: tuple[Edge, ...]
     plants: FlexiblePlant
 
@@ -106,7 +110,7 @@ def detuned(
         On the frequency of one bending mode or tank after the other, positive, ``(n,)``. Between
         the least and the largest the loop is searched for where it becomes unstable.
     criteria : Criteria
-        What is asked for.
+        What is asked for, of modes too.
 
     Raises
     ------
@@ -153,12 +157,14 @@ def detuned(
     moved[np.arange(1, start), np.repeat(place, row.size)] = np.tile(row, count)
     damped[start + place, place] = 0.5
     turned[start + count + place[:bending], place[:bending]] = -1.0
-    plants = _changed(plant, moved, damped, turned)
-    margins = loop_margins(autopilot.exact_loop(plants))
+    plants = with_modes(plant, moved, damped, turned)
+    bands = autopilot.band_margins(plants) if criteria.of_modes else None
+    margins = loop_margins(autopilot.exact_loop(plants)) if bands is None else bands.whole
     return Detuned(
         tuple(changes),
         margins,
-        _first(criteria, margins, len(changes)),
+        _first(criteria, bands or margins, margins, len(changes)),
+        np.broadcast_to(criteria.are_met(bands or margins), len(changes)),
         tuple(_edges(autopilot, plant, names, float(row.min()), float(row.max()))),
         plants,
     )
@@ -169,27 +175,37 @@ def _names(structure: Structure) -> tuple[str, ...]:
     return tuple(f"{kind} {k}" for kind, modes in parts.items() for k in range(1, len(modes) + 1))
 
 
-def _changed(
-    plant: FlexiblePlant, moved: FloatArray, damped: FloatArray, turned: FloatArray
+def with_modes(
+    plant: FlexiblePlant,
+    frequency: FloatArray,
+    damping: FloatArray,
+    turned: FloatArray | None = None,
 ) -> FlexiblePlant:
-    """The plants with factors ``(k, modes)`` on frequencies, dampings and slopes at sensors."""
+    """Return plants with factors on frequencies, dampings and slopes at the sensors of the modes.
+
+    Parameters
+    ----------
+    plant : FlexiblePlant
+        One or a batch, which broadcasts with the factors.
+    frequency, damping, turned : ndarray
+        Of bending modes and then of tanks, ``(..., modes)``; the slopes are those of bending.
+    """
     structure = plant.structure
-    columns = list(zip(moved.T, damped.T, turned.T, strict=True))
+    signs = np.ones_like(frequency) if turned is None else turned
+    columns = list(zip(*(np.moveaxis(a, -1, 0) for a in (frequency, damping, signs)), strict=True))
     bending = tuple(
         replace(
             mode,
-            frequency=mode.frequency * frequency,
-            damping=mode.damping * damping,
+            frequency=mode.frequency * moved,
+            damping=mode.damping * damped,
             attitude_slope=mode.attitude_slope * sign,
             rate_slope=mode.rate_slope * sign,
         )
-        for mode, (frequency, damping, sign) in zip(structure.bending, columns, strict=False)
+        for mode, (moved, damped, sign) in zip(structure.bending, columns, strict=False)
     )
     slosh = tuple(
-        _tank(tank, frequency, damping)
-        for tank, (frequency, damping, _) in zip(
-            structure.slosh, columns[len(bending) :], strict=True
-        )
+        _tank(tank, moved, damped)
+        for tank, (moved, damped, _) in zip(structure.slosh, columns[len(bending) :], strict=True)
     )
     return replace(plant, structure=replace(structure, bending=bending, slosh=slosh))
 
@@ -204,16 +220,18 @@ def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshT
     return replace(tank, **changes)
 
 
-def _first(criteria: Criteria, margins: Margins, count: int) -> tuple[str, ...]:
+def _first(
+    criteria: Criteria, found: Margins | BandMargins, whole: Margins, count: int
+) -> tuple[str, ...]:
     """The margin of each row with the least surplus over what is asked for."""
-    judged = criteria.judge(margins)
+    judged = criteria.judge(found)
     asked = [max(one.requirement.limit, np.finfo(float).tiny) for one in judged]
     parts = np.stack(
         [np.broadcast_to(j.surplus, count) / limit for j, limit in zip(judged, asked, strict=True)]
     )
     least = np.argmin(np.where(np.isnan(parts), np.inf, parts), axis=0)
-    names = [one.requirement.margin for one in judged]
-    good = np.broadcast_to(margins.stable, count)
+    names = [one.requirement.margin + (f" of {one.band}" if one.band else "") for one in judged]
+    good = np.broadcast_to(whole.stable, count)
     return tuple(names[k] if fine else "unstable" for k, fine in zip(least, good, strict=True))
 
 
@@ -226,7 +244,7 @@ def _edges(
         moved = np.ones((factors.size, len(names)))
         moved[np.arange(factors.size), modes] = factors
         even = np.ones_like(moved)
-        found = stability(autopilot.exact_loop(_changed(plant, moved, even, even)).form)
+        found = stability(autopilot.exact_loop(with_modes(plant, moved, even, even)).form)
         return np.asarray((found.unstable_poles > 0) | found.marginal)
 
     count = len(names)

@@ -23,7 +23,16 @@ from tvclin.control.autopilot.optimal import lqr_gains
 from tvclin.linear.plant import MODELS, Plant
 from tvclin.vehicle.filters import Filter
 
-DESIGNS = ("canonical", "poles", "drift-minimum", "load-minimum", "half-relief", "lqr")
+LEAST_NOZZLE = "least-nozzle"
+DESIGNS = (
+    "canonical",
+    "poles",
+    "drift-minimum",
+    "load-minimum",
+    "half-relief",
+    "lqr",
+    LEAST_NOZZLE,
+)
 _BY_POLES: dict[str, Callable[..., Autopilot]] = {
     "poles": design_gains,
     "drift-minimum": drift_minimum_gains,
@@ -34,7 +43,7 @@ _RULE = {"natural_frequency": "natural frequency", "damping": "number"}
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
 AUTOPILOT_TABLE = Table(
     "[autopilot]",
-    {**_RULE, **GAINS, **_ACTUATOR, "delay": "delay"},
+    {**_RULE, **GAINS, **_ACTUATOR, "delay": "delay", "crossover": "natural frequency"},
     words=("design", "model"),
     lists=("filter",),
 )
@@ -49,7 +58,8 @@ class GainsAsked:
     model : str
         The model that is controlled.
     design : str, optional
-        One of `DESIGNS`; "poles" where a frequency or a damping is given, else "canonical".
+        One of `DESIGNS`; "poles" where a frequency or a damping is given, else "canonical". Gains
+        for the "least-nozzle" are found for a wind, see `least_deflection_gains`.
     natural_frequency, damping : float, optional
         Of the closed loop [rad/s], for the rules that ask for poles; the damping is 0.7 unless
         given.
@@ -61,6 +71,8 @@ class GainsAsked:
         Natural frequency [rad/s] and damping ratio of the actuator; no actuator at zero.
     delay : float
         Between sensors and actuator [s].
+    crossover : float, optional
+        The highest gain crossover [rad/s] of gains for the least nozzle.
     filters, attitude_filters, rate_filters : tuple of Filter
         As of `Autopilot`.
     """
@@ -76,6 +88,7 @@ class GainsAsked:
     actuator_frequency: float = 25.1
     actuator_damping: float = 0.7
     delay: float = 0.0
+    crossover: float | None = None
     filters: tuple[Filter, ...] = ()
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
@@ -86,7 +99,7 @@ class GainsAsked:
             one_of("design", self.design, DESIGNS)
         for name in ("actuator_frequency", "delay"):
             object.__setattr__(self, name, number(name, getattr(self, name), nonnegative))
-        for name in (*_RULE, *GAINS, "actuator_damping"):
+        for name in (*_RULE, *GAINS, "actuator_damping", "crossover"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name)))
         for name in CHAINS:
@@ -117,8 +130,10 @@ class GainsAsked:
         """
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
+        if self.crossover is not None and self.design != LEAST_NOZZLE:
+            raise InputError(f"crossover is of gains for the least nozzle: design {LEAST_NOZZLE}")
         options: dict[str, Any] = {
-            "actuator": self._actuator,
+            "actuator": self.actuator,
             "integral_gain": self.integral_gain,
             "delay": self.delay,
             **{name: getattr(self, name) for name in CHAINS},
@@ -138,7 +153,8 @@ class GainsAsked:
         )
 
     @property
-    def _actuator(self) -> Actuator | None:
+    def actuator(self) -> Actuator | None:
+        """The actuator; None without one."""
         if self.actuator_frequency == 0.0:
             return None
         return Actuator(natural_frequency=self.actuator_frequency, damping=self.actuator_damping)
@@ -153,6 +169,11 @@ def _by_rule(
 ) -> Autopilot:
     asked = natural_frequency is not None or damping is not None
     rule = one_of("design", design or ("poles" if asked else "canonical"), DESIGNS)
+    if rule == LEAST_NOZZLE:
+        raise InputError(
+            f"design {LEAST_NOZZLE} needs a wind: tvclin autopilot and study files have one; in"
+            " Python see least_deflection_gains"
+        )
     if rule not in _BY_POLES and asked:
         raise InputError(f"design {rule} takes no natural_frequency and no damping")
     if rule == "lqr":

@@ -19,15 +19,15 @@ from tvclin.base.tables import Table
 from tvclin.control.margins.bands import BandMargins, ModeBand
 from tvclin.control.margins.record import MARGINS, Margins, factor_to
 
+_OF_MODES = {"mode_gain_margin_dB": "gain_margin_dB", "mode_phase_margin_deg": "phase_margin_deg"}
+"""What is asked of each mode, and its name in a `ModeBand`."""
 _UNITS = {name: "s" if unit == "ms" else unit for name, (_, unit, _) in MARGINS.items()}
+_UNITS |= {"mode_gain_margin_dB": "dB", "mode_phase_margin_deg": "deg"}
 CRITERIA_TABLE = Table(
     "[criteria]",
     {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
     words=("name",),
 )
-_OF_MODES = {"mode_gain_margin_dB": "gain_margin_dB", "mode_phase_margin_deg": "phase_margin_deg"}
-"""What is asked of each mode, and its name in a `ModeBand`."""
-_UNITS |= {"mode_gain_margin_dB": "dB", "mode_phase_margin_deg": "deg"}
 _AT_MOST = ("peak_sensitivity", "peak_complementary_sensitivity")
 _LAUNCH_VEHICLE = (
     "customary for the rigid-body attitude loop of launch vehicles, on both sides of the gain"
@@ -177,6 +177,11 @@ class Criteria:
             return self
         held = {one.margin: one.limit for one in self.requirements}
         return Criteria.own(f"{self.name} as changed", source, **(held | limits))
+
+    @property
+    def of_modes(self) -> bool:
+        """Whether something is asked of modes."""
+        return any(one.margin in _OF_MODES for one in self.requirements)
 
     def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
         """Return each margin beside what is asked for.

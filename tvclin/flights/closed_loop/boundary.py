@@ -2,8 +2,8 @@
 
 Survival need not grow with the limit (a law that leans further may be further out when the wind
 turns), so limits are scanned, and the edge is that above the highest limit that does not survive
-(see `edges`). To survive is to be brought back from the wind (see `fly_many`); a slow mode which
-the law then lets creep away is told apart from it.
+(see `edges`). To survive is to be brought back from the wind, with a nozzle that comes to rest (see
+`fly_many`); a slow mode which the law then lets creep away is told apart from it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from tvclin.flights.closed_loop.edges import (
     in_all,
     stopped_winds,
 )
-from tvclin.flights.closed_loop.growth import growth_near_rest
+from tvclin.flights.closed_loop.growth import SLOW, worst_near_rest
 from tvclin.flights.closed_loop.many import SURVIVED, fly_many
 from tvclin.flights.closed_loop.sampled import one_flight
 from tvclin.linear.flexible import AnyPlant
@@ -219,10 +219,15 @@ def closed_loop_boundary(
     edge = edge_above_losses(survives, np.linspace(low, high, STEPS + 1))
     at = edge.limit if np.isfinite(edge.limit) else high
     batch = one_flight(plant, law, wind, at * scale, most_rate, actuator, length, late, factor)
-    growth = growth_near_rest(batch)
+    worst = worst_near_rest(batch)
+    growth = worst.real
     words = [] if edge.status == OK else [edge.status]
     creeps = bool(growth > _CREEPS * modes.poles[0])
-    if creeps:
+    if creeps and worst.imag > SLOW * modes.poles[0]:
+        words.append(
+            f"near rest an oscillation of {worst.imag:.3g} rad/s grows with {growth:+.3g} 1/s"
+        )
+    elif creeps:
         words.append(f"near rest the law lets a mode of {growth:+.3g} 1/s creep away")
     return ClosedLoopBoundary(
         limit=edge.limit,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.flights.closed_loop.outcomes import SETTLING
 from tvclin.flights.closed_loop.sampled import Batch, finish, flights
 from tvclin.kernels.flights import Flights
 
@@ -12,6 +13,8 @@ FloatArray = NDArray[np.float64]
 
 _SMALL = 1e-7
 """A state so small, over the reach, is far below every limit and dead band."""
+SLOW = 0.1
+"""What turns more slowly, over the fastest growing pole, does not swing but creeps."""
 _TOGETHER = 20_000
 """Flights of one sample that are flown together."""
 _SHARED = {"memory", "seen", "told"}
@@ -30,23 +33,37 @@ def growth_near_rest(batch: Batch) -> float:
     The spectral radius of its step near rest says how fast the worst mode grows (positive) or
     decays.
     """
-    radius = np.abs(np.linalg.eigvals(step_near_rest(batch))).max()
-    return float(np.log(max(radius, np.finfo(float).tiny)) / float(batch.length))
+    return worst_near_rest(batch).real
+
+
+def worst_near_rest(batch: Batch) -> complex:
+    """Return the pole [1/s] of the worst mode of one loop, log(z)/h, upper where there are two.
+
+    Its frequency is what the samples show, at most half their rate.
+    """
+    values = np.linalg.eigvals(step_near_rest(batch)).astype(complex)
+    worst = values[np.abs(values).argmax()]
+    growth = np.log(max(abs(worst), np.finfo(float).tiny))
+    return complex(growth, abs(np.angle(worst))) / float(batch.length)
 
 
 def swing_near_rest(batch: Batch) -> FloatArray:
     """Return the growth rate [1/s] of the worst oscillation of each of many loops, ``(m,)``.
 
-    What only grows to one side, a real positive eigenvalue of the step, does not count.
+    What creeps does not count: a real positive eigenvalue of the step, and one that turns by less
+    than a tenth of the fastest growing pole, as the path does.
     """
     f = flights(batch)
     size = 1 + f.y.shape[1] + f.states.shape[1] + f.commands.shape[1]
     parts = np.array_split(np.arange(f.limit.size), -(-f.limit.size * size // _TOGETHER))
     steps = [np.linalg.eigvals(_steps(batch, f, part)) for part in parts]
     values = np.concatenate(steps).astype(complex)
-    swings = (values.imag != 0.0) | (values.real < 0.0)
+    h = f.lengths[f.vehicle, 0]
+    turns = np.abs(np.angle(values)) / h[:, np.newaxis]
+    slowest = SLOW * SETTLING / np.maximum(f.settling * h, h)
+    swings = (turns > slowest[:, np.newaxis]) & (np.angle(values) != 0.0)
     radius = np.where(swings, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
-    return np.asarray(np.log(radius) / f.lengths[f.vehicle, 0])
+    return np.asarray(np.log(radius) / h)
 
 
 def step_near_rest(batch: Batch) -> FloatArray:
@@ -65,7 +82,7 @@ def _steps(batch: Batch, f: Flights, cases: NDArray[np.intp]) -> FloatArray:
     size = order + own + ages.size
     reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
     small = _SMALL / reach * f.limit[cases, np.newaxis, np.newaxis]
-    f = _chosen(f, np.repeat(cases, size + 1))  # the last of each is at rest: what noise does
+    f = chosen(f, np.repeat(cases, size + 1))  # the last of each is at rest: what noise does
     states = np.split((small * np.eye(size + 1, size)).reshape(-1, size), [order, order + own], 1)
     f.y[:], f.states[:], f.commands[:, -ages % ring] = states
     finish(f, batch.laws)
@@ -74,8 +91,8 @@ def _steps(batch: Batch, f: Flights, cases: NDArray[np.intp]) -> FloatArray:
     return np.asarray(np.swapaxes((moved[:, :-1] - moved[:, -1:]) / small, 1, 2))
 
 
-def _chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
-    """Some flights, of one sample in still air; those that are named twice are two."""
+def chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
+    """Return some flights, of one sample in still air; those that are named twice are two."""
     own = {name for name in _SHARED if len(getattr(f, name)) > 1}
     rows = {name: getattr(f, name)[index] for name in {*_OF_EACH, *own}}
     rows["finish"][:] = 1

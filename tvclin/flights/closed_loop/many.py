@@ -22,6 +22,7 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
+from tvclin.flights.closed_loop.afterwards import swings_on
 from tvclin.flights.closed_loop.checks import (
     FASTEST,
     MOST,
@@ -72,7 +73,7 @@ class FlownCases:
         Part of the flight in which the whole limit was asked for.
     status : ndarray of str
         "survived", "lost", "undecided", or "no flight" where a case cannot be flown; "rings" where
-        a flexible vehicle is brought back, and an oscillation then grows from nothing.
+        a vehicle is brought back and its nozzle goes on swinging, see `fly_many`.
     """
 
     peak_attitude: FloatArray
@@ -150,10 +151,11 @@ def fly_many(
     -------
     FlownCases
         Largest values and outcomes. A flight is lost when after its wind it leaves the recoverable
-        set of its unstable modes, and survives when it has settled well inside. A flexible vehicle
-        rings where it does so, but an oscillation of its loop grows near rest, of bending or slosh
-        most often: then the nozzle will swing from stop to stop. A case whose
-        limit is not positive, or whose wind is nothing, never ends or lasts for more than a million
+        set of its unstable modes, and survives when it has settled well inside. One that does
+        so rings where an oscillation of its loop grows near rest, of bending or slosh most often,
+        for then the nozzle will swing from stop to stop; and a flexible vehicle also where its
+        nozzle, flown on in still air, does not come to rest between its limits. A case whose limit
+        is not positive, or whose wind is nothing, never ends or lasts for more than a million
         samples, is "no flight", and so is one that could never be decided; the others go on.
 
     Raises
@@ -216,7 +218,8 @@ def fly_many(
     if not np.any(good):
         return _flown_cases(None, good, good)
     some = batch if np.all(good) else _only(batch, good)
-    return _flown_cases(flown(some), good, _rings(some))
+    f = flown(some)
+    return _flown_cases(f, good, _rings(some, f))
 
 
 def _only(batch: Batch, good: NDArray[np.bool_]) -> Batch:
@@ -248,11 +251,12 @@ def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> 
     return np.broadcast_to(array, shape).ravel()[where]
 
 
-def _rings(batch: Batch) -> NDArray[np.bool_]:
-    """In which flights of a flexible vehicle an oscillation grows near rest, ``(m,)``."""
+def _rings(batch: Batch, f: Flights) -> NDArray[np.bool_]:
+    """In which flights an oscillation grows near rest, or lives on between limits, ``(m,)``."""
+    grows = swing_near_rest(batch) > _RINGING
     if not isinstance(batch.plant, FlexiblePlant):
-        return np.zeros(int(np.prod(batch.shape)), dtype=bool)
-    return swing_near_rest(batch) > _RINGING
+        return grows
+    return grows | swings_on(f, batch.laws)
 
 
 def _flown_cases(

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.flights.closed_loop.growth import step_near_rest
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.sampled import Batch
@@ -101,8 +101,14 @@ def delay_at_growth(batch: Batch, pace: float) -> float:
     return float((whole + part - late) * h)
 
 
-def with_effectiveness(plant: Plant, factor: FloatArray | float) -> Plant:
-    """Return a plant whose deflection does so many times as much, moment and side force alike."""
+def with_effectiveness(plant: AnyPlant, factor: FloatArray | float) -> AnyPlant:
+    """Return a plant whose deflection does so many times as much, moment and side force alike.
+
+    The inertia of an engine stays.
+    """
+    if isinstance(plant, FlexiblePlant):
+        slope = factor * np.asarray(plant.vehicle.control_force)
+        return replace(plant, vehicle=plant.vehicle.replace(control_force_slope=slope))
     c = plant.coefficients
     return replace(plant, coefficients=c.replace(mu_delta=factor * np.asarray(c.mu_delta)))
 
@@ -111,7 +117,6 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
     """L at angles of z on the unit circle, with so many whole samples of delay more."""
 
     def step(gain: float, effectiveness: float) -> FloatArray:
-        assert isinstance(batch.plant, Plant)
         plant = with_effectiveness(batch.plant, effectiveness)
         return step_near_rest(replace(batch, gain=np.asarray(gain), plant=plant))
 

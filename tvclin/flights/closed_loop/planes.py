@@ -6,7 +6,6 @@ vector of both demands is brought back into the stop; see `laws.planes`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,21 +27,14 @@ from tvclin.flights.closed_loop.checks import (
     check_samples,
 )
 from tvclin.flights.closed_loop.edges import STEPS, edge_above_losses
-from tvclin.flights.closed_loop.law_batch import law_batch
-from tvclin.flights.closed_loop.many import LOST, STATUS, SURVIVED, UNDECIDED
+from tvclin.flights.closed_loop.in_step import Course, flown_in_step, ready
+from tvclin.flights.closed_loop.many import STATUS, SURVIVED
 from tvclin.flights.closed_loop.outcomes import decidable
-from tvclin.flights.closed_loop.sampled import Batch, Stepper, flights
-from tvclin.kernels.flights import LOOK, Flights
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
 FloatArray = NDArray[np.float64]
-
-_LONGEST = 20_000
-"""Samples after its wind in which a flight may be decided; then it stays undecided."""
-_INSIDE = 0.999
-"""Of what can be returned from: a flight that is saved is inside with both planes together."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -188,10 +180,10 @@ def fly_planes(
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
     flat = np.atleast_1d(limit).ravel()
     pair = [
-        _ready(one, law, wind, part, flat * side, most, actuator, 1.0 / rate, late)
+        ready(one, law, wind, part, flat * side, most, actuator, 1.0 / rate, late)
         for one, part, side in zip(planes, (wind.pitch, wind.yaw), whole.sides, strict=True)
     ]
-    return _answer(_flown(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
+    return _answer(flown_in_step(pair, whole, flat), float(wind.onset), 1.0 / rate, limit.shape)
 
 
 def flown_plane_limit(
@@ -277,125 +269,7 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
         )
 
 
-def _ready(
-    plant: Plant,
-    law: Law,
-    wind: PlaneWind,
-    part: History,
-    limit: FloatArray,
-    rate_limit: float,
-    actuator: Actuator | None,
-    length: float,
-    delay: float,
-) -> Flights:
-    """The flights of one plane at rest, which begin with the whole wind and end with it."""
-    shape = limit.shape
-    ones, step, late = np.ones(shape), np.asarray(length), np.asarray(delay)
-    laws, most = law_batch(law, shape), np.full(shape, rate_limit)
-    batch = Batch(plant, part, laws, ones, limit, most, actuator, step, late, np.inf, shape)
-    with np.errstate(invalid="ignore"):  # a plane without wind
-        f = flights(batch)
-    onset = float(wind.onset)
-    ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))
-    return f._replace(
-        start=np.full(shape, onset),
-        ends=np.full(shape, ends),
-        finish=ends + np.minimum(f.waiting, _LONGEST),
-        piece=(f.knots[f.wind] <= onset).sum(axis=1) - 1,
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Course:
-    """What was kept of flights on their way."""
-
-    attitude: FloatArray
-    deflection: FloatArray
-    saturated: FloatArray
-    ended: NDArray[np.int64]
-    outcome: NDArray[np.int64]
-    shown: list[tuple[complex, complex]]
-
-
-def _flown(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> _Course:
-    """Fly both planes in step until all is decided."""
-    m, own, stop = limit.size, len(law.law.states[0]), law.shape
-    course = _Course(np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), [])
-    steppers = [Stepper(f) for f in pair]
-    last = int(max(f.finish.max(initial=-1) for f in pair))
-    for f in pair:
-        f.finish[:] = last
-    for k in range(last + 1):
-        going = np.flatnonzero(course.ended < 0)
-        with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-            for stepper in steppers:
-                stepper.look(k)
-        x, s = _both(pair, _attitude)[going], _both(pair, _nozzle)[going]
-        course.attitude[going] = np.maximum(course.attitude[going], np.abs(x))
-        course.deflection[going] = np.maximum(course.deflection[going], stop.gauge(s))
-        if m == 1:
-            course.shown.append((complex(x[0]), complex(s[0])))
-        if k % LOOK == 0 or k == last:
-            _decide(pair, stop, limit, course, k, k == last)
-            going = np.flatnonzero(course.ended < 0)
-            if not going.size:
-                break
-        measured, states = _both(pair, _measured)[going], _both(pair, _states)[going, :own]
-        demand, command = law.demand(measured, states, limit[going]), np.zeros(m, complex)
-        command[going], at_stop = law.limited(demand, limit[going])
-        course.saturated[going] += at_stop
-        for stepper, part in zip(steppers, (command.real, command.imag), strict=True):
-            stepper.advance(k, np.ascontiguousarray(part))
-    return course
-
-
-def _both(pair: list[Flights], part: Callable[[Flights], FloatArray]) -> Vectors:
-    """The vectors of both planes."""
-    pitch, yaw = (part(f) for f in pair)
-    return np.asarray(pitch + 1j * yaw)
-
-
-def _measured(f: Flights) -> FloatArray:
-    return f.measured
-
-
-def _states(f: Flights) -> FloatArray:
-    return f.states
-
-
-def _attitude(f: Flights) -> FloatArray:
-    return f.y[:, 0]
-
-
-def _nozzle(f: Flights) -> FloatArray:
-    """The deflections [rad] of one plane."""
-    return f.y[:, f.A.shape[1]]
-
-
-def _decide(
-    pair: list[Flights], stop: Stop, limit: FloatArray, course: _Course, k: int, last: bool
-) -> None:
-    """End flights of which one plane is lost, or both are saved."""
-    pitch, yaw = (f.outcome for f in pair)
-    lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
-    saved = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
-    if np.any(saved):
-        z = [(f.judges[f.vehicle] @ f.y[:, :, np.newaxis])[:, 0, 0] / f.reach[0] for f in pair]
-        with np.errstate(all="ignore"):
-            near = stop.gauge(np.where(saved, z[0] + 1j * z[1], 0.0))
-        saved &= near < _INSIDE * limit
-    done = (lost | saved | last) & (course.ended < 0)
-    course.outcome[done] = np.where(
-        lost[done],
-        STATUS.index(LOST),
-        np.where(saved[done], STATUS.index(SURVIVED), STATUS.index(UNDECIDED)),
-    )
-    course.ended[done] = k
-    for f in pair:
-        f.ended[done] = k
-
-
-def _answer(course: _Course, start: float, length: float, shape: tuple[int, ...]) -> FlownPlanes:
+def _answer(course: Course, start: float, length: float, shape: tuple[int, ...]) -> FlownPlanes:
     shown = np.array(course.shown).reshape(-1, 2)
     end: FloatArray = np.asarray(start + course.ended * length)
     return FlownPlanes(

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.answers.flexible import flexible_plant, shift_words
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.linear.plant import MODELS
@@ -14,6 +15,7 @@ from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import new_picture, round_up
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.file import list_vehicles, load_vehicle
+from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import PULSES
 
@@ -45,6 +47,7 @@ class Panel:
     def __init__(self, vehicle: str | Vehicle) -> None:
         widgets = _widgets()
         first, own = _named(vehicle)
+        self._source = vehicle
         self._vehicles = {first: own} | {
             name: load_vehicle(name) for name in list_vehicles() if name != first
         }
@@ -75,7 +78,8 @@ class Panel:
         found = answer(self.choices)
         self.verdict.value = _paragraphs(found.verdict, weight="bold")
         self.margins.value = _paragraphs(_margins(found))
-        self.notes.value = _paragraphs(*found.notes)
+        bends = _bends(self.controls["vehicle"].value, self._source, found.choices)
+        self.notes.value = _paragraphs(*found.notes, *bends)
         self.image.value = self._picture.png(found)
 
     def _set_canonical_gains(self, _button: Any) -> None:
@@ -134,6 +138,18 @@ def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
     if batch := Coefficients.from_vehicle(vehicle).batch:
         raise InputError(f"vehicle must be one vehicle; got a batch of shape {batch}")
     return vehicle.name or "vehicle", vehicle
+
+
+def _bends(name: str, source: str | Vehicle, choices: Choices) -> tuple[str, ...]:
+    """What is to be said of a vehicle whose file has a structure: that all here is rigid."""
+    if isinstance(source, Vehicle) and name not in list_vehicles():
+        return ()
+    structure = load_structure(name)
+    if structure.is_rigid:
+        return ()
+    moved = shift_words(flexible_plant(choices.vehicle, structure, choices.plane))
+    rigid = "All here, margins too, is of the rigid vehicle, without the structure in its file"
+    return (f"{rigid}{f', which {moved}' if moved else ''} (tvclin margins has it).",)
 
 
 def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[str, Any]:

@@ -144,12 +144,14 @@ def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
 
 
 def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
-    """y_BR by eq (7), (12) or (16) with its pole, at once; NaN for plants not on a fixed path."""
+    """y_BR by eq (7), (12) or (16) with its pole, at once; NaN where there is none."""
     c = plant.coefficients
     if float(c.mu_alpha) <= 0.0 or plant.model != "fixed-path":
         return np.nan
     x = c.pole * np.asarray(duration)
-    return rectangular_limit(x) if shape == "rectangular" else triangular_limit(x, dead_band)
+    if shape == "rectangular":
+        return rectangular_limit(x)
+    return triangular_limit(x, dead_band) if shape == "triangular" else np.nan
 
 
 @_part

@@ -6,7 +6,7 @@ from importlib.metadata import version
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.study import OUTLASTS, Study, outlasts_one_pole
+from tvclin.answers.study import OUTLASTS, outlasts_one_pole
 from tvclin.base.lines import Line, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import Check, Checks, Paragraph, Section, Table
@@ -51,7 +51,7 @@ def assumptions(found: Findings) -> Section:
             ),
         ),
         Check("reader", ("The deflection limit is sharp, and no rate limit counts.",)),
-        Check("reader", (f"Bending, slosh{_undamped(s)} and sensor noise are left out.",)),
+        Check("reader", (_left_out(found),)),
     ]
     if found.dispersed is not None:
         checks.append(
@@ -60,8 +60,14 @@ def assumptions(found: Findings) -> Section:
     return Section("assumptions", "Assumptions", (Checks(tuple(checks)),))
 
 
-def _undamped(s: Study) -> str:
-    return "" if s.coefficients.damping else ", damping of the attitude rate"
+def _left_out(found: Findings) -> str:
+    damped = "" if found.study.coefficients.damping else ", damping of the attitude rate"
+    if found.plan.structure is None:
+        return f"Bending, slosh{damped} and sensor noise are left out."
+    return (
+        "Bending and slosh count for the autopilot alone, and are left out of all else; sensor"
+        f" noise{damped} is left out."
+    )
 
 
 def equations(found: Findings) -> Section:
@@ -71,7 +77,8 @@ def equations(found: Findings) -> Section:
     for name in s.boundaries:
         drifts = name != "fixed-path"
         used["(B8)" if drifts else "(5)"] = f"the {name} model"
-        used[_BY_SHAPE[s.shape, drifts]] = f"the boundary, {name}"
+        if (s.shape, drifts) in _BY_SHAPE:
+            used[_BY_SHAPE[s.shape, drifts]] = f"the boundary, {name}"
         if drifts:
             used["(15b)"] = "K1"
     texts = {one["id"]: _as_it_should_read(one) for one in every_equation()}

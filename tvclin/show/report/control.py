@@ -3,14 +3,17 @@
 import numpy as np
 
 from tvclin.answers.campaign.statistics import shares
-from tvclin.answers.findings import Findings
+from tvclin.answers.findings import Findings, gains_of
+from tvclin.answers.flexible import nozzle_of
 from tvclin.answers.trials import LawTrial, standard_winds
 from tvclin.base.errors import InputError
 from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.comparison.trim import TrimComparison
+from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.edges import OK
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, no_answer, pairs
@@ -49,9 +52,13 @@ def laws(found: Findings) -> Section | None:
         for one in found.trials
         if not one.monotone
     ]
+    flown, rate = f"the {asked.model} model", asked.sample_rate
+    if found.plan.structure is not None:
+        rate = nozzle_of(gains_of(found.plan), rate)["sample_rate"]
+        flown += " of the flexible vehicle, with filters, actuator and delay of the autopilot"
     words = (
-        f"Each law is flown with limits on the {asked.model} model, sampled at"
-        f" {asked.sample_rate:g} Hz, in winds with the peak and duration of this study. The number"
+        f"Each law is flown with limits on {flown}, sampled at {rate:g} Hz, in winds with the peak"
+        " and duration of this study. The number"
         " is the least deflection limit above which every limit that was tried survives. Trim and"
         " dead band hold the attitude and are designed on a fixed path."
         + (" The gust is left out here." if s.gust is not None else "")
@@ -68,26 +75,31 @@ def autopilot(found: Findings) -> Section | None:
     c = found.comparison
     if c is None:
         return None
-    met = found.criteria.are_met(c.margins)
+    f, judged = found.flexible, found.margins or c.margins
+    plant: AnyPlant = c.plant if f is None else f.plant
+    margins = c.margins if f is None else f.bands.whole
+    met = found.criteria.are_met(judged)
     verdict = "met" if met else "not met"
+    whose = "" if f is None else ", flexible"
     words = (
-        f"Criteria {found.criteria.name}: {verdict}. The loop is that of the {c.plant.model} model."
+        f"Criteria {found.criteria.name}: {verdict}. The loop is that of the {plant.model}"
+        f" model{whose}."
     )
     blocks: list[Block] = [
         Paragraph((words,)),
         Table("Autopilot", ("quantity", "value"), pairs(c.autopilot.rows())),
-        _margins(found, c),
+        _margins(found, margins),
     ]
-    if c.margins.stable:
+    if margins.stable:
         label = f"Nichols chart of the loop; criteria {found.criteria.name} {verdict}"
         blocks.append(
             Figure(
                 label,
                 "Nichols chart of the loop with its margins and the box of the criteria.",
-                inline_svg(nichols_chart(c.autopilot, c.plant, found.criteria), "nichols", label),
+                inline_svg(nichols_chart(c.autopilot, plant, found.criteria), "nichols", label),
             )
         )
-    blocks.append(_in_the_wind(c))
+    blocks.append(_in_the_wind(found, c))
     if c.margins.stable:
         label = "Deflection of the autopilot over time beside trim, boundaries and minimum"
         blocks.append(
@@ -179,12 +191,13 @@ def _no_forecast(plant: Plant, wind: object) -> float:
         return float(np.nan)
 
 
-def _margins(found: Findings, c: TrimComparison) -> Block:
-    if not c.margins.stable:
-        return Paragraph((f"There are no margins: {c.margins.reason}.",))
-    judged = {one.requirement.margin: one for one in found.criteria.judge(c.margins)}
+def _margins(found: Findings, whole: Margins) -> Block:
+    if not whole.stable:
+        return Paragraph((f"There are no margins: {whole.reason}.",))
+    asked = found.criteria.judge(found.margins or whole)
+    judged = {one.requirement.margin: one for one in asked if not one.band}
     rows: list[tuple[Line, ...]] = []
-    for name, label, value, unit, at in c.margins.rows():
+    for name, label, value, unit, at in whole.rows():
         row = [
             (label,),
             number(f"margin.{name}", value, 3, unit),
@@ -200,7 +213,7 @@ def _margins(found: Findings, c: TrimComparison) -> Block:
     return Table("Margins", ("margin", "value", "at [rad/s]", "asked", "criterion"), tuple(rows))
 
 
-def _in_the_wind(c: TrimComparison) -> Block:
+def _in_the_wind(found: Findings, c: TrimComparison) -> Block:
     rows: list[tuple[Line, ...]] = [
         (("largest deflection",), degrees("wind.deflection", c.peak_deflection, unit="deg")),
         (("over ideal trim",), number("wind.relative", c.relative)),
@@ -216,4 +229,9 @@ def _in_the_wind(c: TrimComparison) -> Block:
         (("ideal trim",), degrees("wind.trim", c.trim_deflection, unit="deg")),
         (("minimum, wind known",), degrees("wind.minimum", c.minimum, unit="deg")),
     ]
-    return Table("The autopilot in this wind", ("quantity", "value"), tuple(rows))
+    title = "The autopilot in this wind"
+    if found.flexible is not None:
+        peak = degrees("wind.flexible", found.flexible.peak_deflection, unit="deg")
+        rows.insert(1, (("the same, flexible vehicle",), peak))
+        title += ", rigid vehicle"
+    return Table(title, ("quantity", "value"), tuple(rows))

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 _WIDTH, _PANEL, _FOOT = 6.4, 2.6, 1.1
 """Sizes [inch]: of a figure, of one panel where there are several, and of the legend."""
 _ALONE = 4.2
+_LINE, _TWO_COLUMNS = 0.21, 46
+"""Height of a line of the legend [inch], and the letters of an entry that fit beside another."""
 _COLOUR = re.compile(r"#([0-9a-f]{6})\b")
 _NAMED = re.compile(r'\b(id="|href="#|url\(#)')
 
@@ -68,11 +70,13 @@ def _narrow(plot: "ControlPlot") -> None:
         legend.remove()
     figure.suptitle("")
     height = _ALONE if len(panels) == 1 else _PANEL * len(panels)
-    figure.set_size_inches(_WIDTH, height + _FOOT)
+    long = max(map(len, entries), default=0) > _TWO_COLUMNS
+    foot = _FOOT if not long else _LINE * (len(entries) + 1)
+    figure.set_size_inches(_WIDTH, height + max(foot, _FOOT))
     figure.legend(
         handles=list(entries.values()),
         labels=list(entries),
         loc="outside lower center",
-        ncols=2,
+        ncols=1 if long else 2,
         frameon=False,
     )

@@ -12,7 +12,7 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
 from tvclin.base.lines import Number
-from tvclin.show.report import basis, control, flight, planes, sections, verdict
+from tvclin.show.report import basis, control, flexible, flight, planes, sections, verdict
 from tvclin.show.report.blocks import Section
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
     flight.over_flight,
     control.laws,
     control.autopilot,
+    flexible.flexible,
     control.dispersed,
     sections.inputs,
     basis.assumptions,

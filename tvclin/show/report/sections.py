@@ -15,6 +15,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.plots import response_chart, response_curves, study_chart
 from tvclin.show.report.blocks import Figure, Paragraph, Section, Table, pairs
 from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.flexible import given
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def inputs(found: Findings) -> Section:
     name = s.vehicle.name or "unnamed"
     blocks = (
         Table(f"Vehicle: {name}", ("quantity", "value"), pairs(vehicle)),
+        *([] if plan.structure is None else given(plan.structure)),
         Table("Wind and question", ("quantity", "value"), pairs(case)),
         Table("Linear coefficients", ("quantity", "value"), pairs(_coefficients(found))),
     )

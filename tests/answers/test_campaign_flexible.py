@@ -1,0 +1,171 @@
+"""Campaigns of vehicles that bend and slosh: each case is what the library says of its numbers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.answers.campaign.cases import draw_case, evaluate
+from tvclin.answers.campaign.file import document_of, parse_campaign
+from tvclin.answers.campaign.replay import replay_case
+
+VEHICLE = tv.load_vehicle("configuration-i")
+MODE = tv.BendingMode(
+    frequency=24.0 * np.pi,
+    damping=0.005,
+    modal_mass=5e4,
+    gimbal_displacement=1.0,
+    gimbal_slope=-0.07,
+    attitude_slope=-0.4,
+    rate_slope=-0.4,
+)
+TANK = tv.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
+STRUCTURE = tv.Structure(bending=(MODE,), slosh=(TANK,))
+NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)
+GAINS = tv.GainsAsked(natural_frequency=1.5, delay=0.01, filters=(NOTCH,))
+LAW = {"attitude_gain": 0.97, "rate_gain": 0.80}
+FACTORS = ("bending_frequency", "bending_1_damping", "slosh_frequency", "slosh_1_damping")
+
+
+def campaign(**changes):
+    spreads = [tv.Dispersion(name, "uniform", 0.25) for name in FACTORS]
+    given = {
+        "vehicle": VEHICLE,
+        "structure": STRUCTURE,
+        "gains": GAINS,
+        "wind": tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5),
+        "dispersions": tv.Dispersions((*spreads, tv.Dispersion("thrust", "truncated", 0.01))),
+        "cases": 40,
+        "model": "drift-exact",
+        "outputs": ("margins", "flight"),
+        "flight": tv.Flight(
+            deflection_limit=np.radians(0.5),
+            sample_rate=100.0,
+            natural_frequency=25.1,
+            **LAW,
+        ),
+    }
+    return tv.Campaign(**(given | changes))
+
+
+def plant_of(values, structure=STRUCTURE):
+    """Return the flexible plant of drawn numbers, from its equations alone."""
+    one = {name: float(value[0]) for name, value in values.items()}
+    mode = replace(
+        MODE,
+        frequency=MODE.frequency * one["bending_frequency"],
+        damping=MODE.damping * one["bending_1_damping"],
+    )
+    tank = replace(
+        TANK,
+        pendulum_length=TANK.pendulum_length / one["slosh_frequency"] ** 2,
+        damping=TANK.damping * one["slosh_1_damping"],
+    )
+    whole = replace(structure, bending=(mode,), slosh=(tank,))
+    return tv.FlexiblePlant.from_vehicle(
+        VEHICLE.replace(thrust=one["thrust"]), whole, "drift-exact"
+    )
+
+
+def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
+    asked = campaign()
+    found = evaluate(asked, 0, 12)
+    autopilot = GAINS.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"))
+    wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    flying = tv.SaturatedLaw(tv.Autopilot(**LAW, filters=(NOTCH,)))
+    for k in range(0, 12, 3):
+        plant = plant_of(draw_case(asked, k).values)
+        bands = autopilot.band_margins(plant)
+        assert found["margin_stable"][k] == bands.whole.stable
+        pairs = {
+            "margin_aero_dB": bands.whole.aero_margin_dB,
+            "margin_gain_dB": bands.whole.gain_increase_dB,
+            "margin_phase_deg": bands.whole.phase_margin_deg,
+            "margin_delay": bands.whole.delay_margin,
+            "margin_bending_1_peak_dB": bands.mode("bending 1").peak_dB,
+        }
+        for name, value in pairs.items():
+            assert found[name][k] == pytest.approx(value, rel=1e-9, nan_ok=True)
+        flown = tv.fly_many(
+            plant,
+            flying,
+            wind,
+            deflection_limit=np.radians(0.5),
+            actuator=tv.Actuator(natural_frequency=25.1, damping=0.7),
+            sample_rate=100.0,
+        )
+        assert found["flight_survived"][k] == (flown.status == "survived")
+
+
+def test_a_case_has_the_same_bits_alone_and_among_others():
+    asked = campaign()
+    together = evaluate(asked, 0, 12)
+    alone = evaluate(asked, 7, 1)
+    for name, values in alone.items():
+        assert values[0] == together[name][7] or np.isnan(values[0])
+
+
+def test_a_flight_that_rings_has_not_survived():
+    """Without a notch the mode grows near rest in every case."""
+    found = evaluate(campaign(gains=replace(GAINS, filters=())), 0, 6)
+    assert found["flight_survived"].tolist() == [0.0] * 6
+    assert found["margin_stable"].tolist() == [0.0] * 6
+    assert np.all(np.isinf(found["flight_peak_attitude"]))
+
+
+def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
+    engine = tv.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
+    whole = replace(STRUCTURE, engine=engine, rate_gyro=tv.Filter.low_pass(120.0, 0.7))
+    asked = campaign(structure=whole)
+    again = parse_campaign(document_of(asked))
+    assert document_of(again) == document_of(asked)
+    assert again.structure.bending == whole.bending
+    assert again.structure.slosh == whole.slosh
+    assert again.structure.engine == engine
+    one, other = evaluate(asked, 0, 3), evaluate(again, 0, 3)
+    for name in one:
+        np.testing.assert_array_equal(one[name], other[name])
+    rigid = campaign(structure=None, gains=None, dispersions=tv.Dispersions(()))
+    kept = document_of(rigid)
+    assert {"structure", "autopilot"}.isdisjoint({*kept["campaign"], *kept})
+
+
+def test_a_case_is_flown_again_as_the_flexible_vehicle():
+    asked = campaign()
+    fates = evaluate(asked, 0, 12)["flight_survived"]
+    assert set(fates) == {0.0, 1.0}
+    one = replay_case(asked, int(fates.argmax()))
+    values = {name: np.array([value]) for name, value in one.inputs.items()}
+    np.testing.assert_allclose(one.flexible.poles, plant_of(values).poles, rtol=1e-12, atol=1e-12)
+    flown = one.flown()
+    attitude = np.abs(flown.outputs["attitude"]).max()
+    assert attitude == pytest.approx(one.outputs["flight_peak_attitude"], rel=1e-9)
+    assert "sensed_attitude" in flown.output_labels
+
+
+def test_modes_that_are_not_there_cannot_be_dispersed():
+    spread = tv.Dispersions((tv.Dispersion("bending_frequency", "uniform", 0.1),))
+    with pytest.raises(tv.InputError, match="bending_frequency is dispersed, but has no nominal"):
+        campaign(structure=None, dispersions=spread)
+    second = tv.Dispersions((tv.Dispersion("bending_2_frequency", "uniform", 0.1),))
+    with pytest.raises(tv.InputError, match="bending_2_frequency is dispersed, but has no nominal"):
+        campaign(dispersions=second)
+    with pytest.raises(tv.InputError, match="parameter"):
+        tv.Dispersion("bending_0_frequency", "uniform", 0.1)
+    with pytest.raises(tv.InputError, match="structure belongs into the vehicle file"):
+        parse_campaign(
+            {"campaign": {"vehicle": "configuration-i", "cases": 3, "structure": {}}}
+            | {"wind": {"shape": "triangular", "peak_deg": 5, "duration_s": 7.5}}
+        )
+
+
+def test_margins_of_a_rigid_vehicle_are_an_output_as_well():
+    spread = tv.Dispersions((tv.Dispersion("thrust", "uniform", 0.1),))
+    asked = campaign(structure=None, dispersions=spread, outputs=("margins",), flight=None)
+    found = evaluate(asked, 0, 2)
+    autopilot = GAINS.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"))
+    thrust = float(draw_case(asked, 1).values["thrust"][0])
+    plant = tv.Plant.from_vehicle(VEHICLE.replace(thrust=thrust), "drift-exact")
+    expected = autopilot.margins(plant).gain_increase_dB
+    assert found["margin_gain_dB"][1] == pytest.approx(expected, rel=1e-9)

@@ -1,0 +1,194 @@
+"""`tvclin fly` of a vehicle that bends and sloshes: flights of the library, beside the rigid."""
+
+import json
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.vehicle.file import vehicle_text
+
+mpl.use("Agg")
+
+STRUCTURE = """
+[[bending]]
+frequency_Hz = 12.0
+damping = 0.005
+modal_mass_kg = 5.0e4
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.07
+attitude_slope_per_m = -0.40
+rate_slope_per_m = -0.40
+
+[[slosh]]
+mass_kg = 2000
+station_m = 12.0
+damping = 0.01
+pendulum_length_m = 2.0
+"""
+GAINS = ("--natural-frequency", "1.5", "--delay-ms", "10")
+NOTCH = ("--notch-hz", "12,0.05,0.5")
+WIND = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+NOZZLE = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}
+
+
+@pytest.fixture
+def mine(tmp_path: Path) -> str:
+    """Return a file of configuration I with a mode and a tank."""
+    path = tmp_path / "my.toml"
+    path.write_text(vehicle_text("configuration-i")[0] + STRUCTURE)
+    return str(path)
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["fly", *map(str, arguments)])
+
+
+def plant_of(source):
+    return tv.FlexiblePlant.from_vehicle(
+        tv.load_vehicle(source), tv.load_structure(source), "drift-exact"
+    )
+
+
+def law_of(plant, *filters):
+    gains = tv.design_gains(plant.coefficients, natural_frequency=1.5, damping=0.7, filters=filters)
+    return tv.SaturatedLaw(gains)
+
+
+def test_the_flexible_vehicle_flies_with_limits_beside_the_rigid_one(mine, tmp_path):
+    curves = tmp_path / "flown.csv"
+    more = ("--limit-deg", 0.45, "--rate-limit-deg", 1.2, "--until", 6, "--csv", curves, "--json")
+    result = run(mine, *GAINS, *NOTCH, *more)
+    assert result.exit_code == 0, result.output
+    document, plant = json.loads(result.stdout), plant_of(mine)
+    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
+    nozzle = NOZZLE | {"deflection_limit": np.radians(0.45), "rate_limit": np.radians(1.2)}
+    many = {
+        "flown": tv.fly_many(plant, law, WIND, **nozzle),
+        "rigid": tv.fly_many(plant.rigid, law, WIND, **nozzle),
+    }
+    assert document["flexible"]
+    for name, one in many.items():
+        assert document["status"][name] == one.status == "survived"
+        rate = document["peak_deflection_rate_deg_s"][name]
+        assert np.radians(rate) == pytest.approx(one.peak_deflection_rate, rel=1e-12)
+        peak = document["peaks_over_the_wind_deg"]["attitude"][name]
+        # Of 401 samples in 45 s, and of the flight at 100 Hz.
+        assert np.radians(peak) == pytest.approx(one.peak_attitude, rel=2e-3)
+    assert curves.read_text().splitlines()[1].startswith("time")
+    assert "rigid" in curves.read_text()
+
+
+def test_without_a_limit_the_flight_has_a_tenth_more_than_the_boundary_of_the_law(mine):
+    document = json.loads(run(mine, *GAINS, *NOTCH, "--boundary", "--json").stdout)
+    plant = plant_of(mine)
+    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
+    for name, one in (("flown", plant), ("rigid", plant.rigid)):
+        found = tv.closed_loop_boundary(one, law, WIND, highest=4.0, **NOZZLE)
+        least = abs(np.degrees(found.deflection))
+        assert document["boundary_deg"][name] == pytest.approx(least, rel=1e-12)
+    assert document["limit_deg"] == pytest.approx(1.1 * document["boundary_deg"]["flown"])
+
+
+def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
+    result = run(mine, *GAINS, "--limit-deg", 0.45)
+    assert result.exit_code == 1
+    assert "Flexible vehicle (--rigid: without): 1 bending mode, 1 tank" in result.output
+    assert "Flown: NOT SURVIVED, it rings. Rigid: SURVIVED." in result.output
+    without = run(mine, *GAINS)
+    assert without.exit_code == 2
+    assert "no limit in the range survives" in without.stderr
+
+
+def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
+    asked = ("margins", mine, *GAINS, *NOTCH, "--flown", "--limit-deg", "0.5", "--json")
+    result = CliRunner().invoke(app, list(asked))
+    assert not result.stderr
+    plant = plant_of(mine)
+    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
+    expected = tv.flown_margins(plant, law, WIND, limit=np.radians(0.5), **NOZZLE)
+    found = json.loads(result.stdout)["flown"]
+    for name in ("gain_rise", "effectiveness_fall"):
+        assert found[name]["value"] == pytest.approx(getattr(expected, name).value, rel=1e-12)
+
+
+def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
+    beside = json.loads(run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--json").stdout)
+    more = ("--engine", "linear", "--rigid", "--limit-deg", 0.45, "--json")
+    alone = json.loads(run(mine, *GAINS, *NOTCH, *more).stdout)
+    assert not alone["flexible"]
+    peaks = beside["peaks_over_the_wind_deg"]["attitude"]
+    assert alone["peaks_over_the_wind_deg"]["attitude"]["flown"] == peaks["rigid"]
+    planar = run(mine, "--engine", "planar")
+    assert planar.exit_code == 0
+    assert re.search(r"of the rigid vehicle, without the structure .* fast pole by", planar.stderr)
+    quiet = run(mine, "--rigid")
+    assert quiet.stdout == planar.stdout == run("configuration-i").stdout
+    assert not quiet.stderr
+
+
+@pytest.mark.parametrize("law", ["trim", "dead-band", "recoverable"])
+def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
+    result = run(mine, "--law", law, *NOTCH, "--limit-deg", 0.6, "--json")
+    document, plant = json.loads(result.stdout), plant_of(mine)
+    names = {"trim": "trim", "dead-band": "dead band 0.5", "recoverable": "recoverable attitude"}
+    chosen = tv.standard_laws(plant.rigid, np.radians(5))[names[law]]
+    filtered = tv.FilteredLaw(chosen, filters=(tv.Filter.notch(24 * np.pi, 0.05, 0.5),))
+    nozzle = NOZZLE | {"delay": 0.0, "deflection_limit": np.radians(0.6)}
+    assert document["status"]["flown"] == tv.fly_many(plant, filtered, WIND, **nozzle).status
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--law", "report"), "--law report has no actuator and no samples"),
+        (("--along-trajectory", "--engine", "linear"), "--along-trajectory belongs to"),
+        (("--engine", "planar", "--sample-rate", "50"), "belong to --engine linear"),
+        (("--engine", "planar", "--notch-hz", "12,0.05,0.5"), "belong to --engine linear"),
+        (("--law", "trim", "--natural-frequency", "2"), "gains belong to --law saturated"),
+        (("--sample-rate", "0"), "--sample-rate must be"),
+        (("--sample-rate", "30"), "sample_rate must be at least 50.2 Hz"),
+        (("--rate-limit-deg", "-1"), "--rate-limit-deg must be"),
+        (("--actuator-frequency", "0"), "second order"),
+        (("--engine", "euler"), "--engine"),
+    ],
+)
+def test_what_does_not_go_together_is_one_sentence(arguments, message):
+    result = run("made-up-booster", "--limit-deg", "2", *arguments)
+    assert result.exit_code == 2, result.output
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path):
+    picture = tmp_path / "flown.svg"
+    assert run(mine, *GAINS, *NOTCH, "--limit-deg", 0.45, "--plot", picture).exit_code == 0
+    assert picture.stat().st_size > 10_000
+
+
+def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
+    every = tv.standard_laws
+    monkeypatch.setattr(
+        "tvclin.answers.trials.standard_laws",
+        lambda plant, peak: {"trim": every(plant, peak)["trim"]},
+    )
+    asked = ("laws", mine, "--wind", "triangle", *NOTCH, "--delay-ms", "10", "--json")
+    document = json.loads(CliRunner().invoke(app, list(asked)).stdout)
+    plant = plant_of(mine)
+    law = tv.FilteredLaw(
+        tv.standard_laws(plant.rigid, np.radians(5))["trim"],
+        filters=(tv.Filter.notch(24 * np.pi, 0.05, 0.5),),
+    )
+    expected = tv.closed_loop_boundary(plant, law, WIND, highest=4.0, **NOZZLE)
+    (trim,) = [one for one in document["trials"] if one["law"] == "trim"]
+    assert document["flexible"]
+    assert trim["limit"] == pytest.approx(expected.limit, rel=1e-12)
+    assert trim["status"] == expected.status == "ok"
+    drawn = CliRunner().invoke(app, ["laws", mine, "--plot", "laws.png"])
+    assert drawn.exit_code == 2
+    assert "--plot draws the laws on the rigid vehicle" in drawn.stderr

@@ -1,0 +1,82 @@
+"""`tvclin autopilot --least`, `tvclin margins --box`, and study files that ask for least gains."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.answers.findings import find
+from tvclin.cli.app import app
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+[wind]
+peak_deg = 5
+duration_s = 7.5
+[autopilot]
+design = "least-nozzle"
+model = "drift-exact"
+crossover_rad_per_s = 2
+delay_ms = 20
+"""
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, list(arguments))
+
+
+def test_gains_are_sought_and_their_winds_listed():
+    found = run("autopilot", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
+    assert found.exit_code == 0
+    document = json.loads(found.output)
+    least = document["least"]
+    assert least["meaning"] == "peak"
+    assert len(least["each_deg"]) == 3
+    assert least["deflection_deg"] >= document["peak_deflection_deg"] * (1.0 - 1e-9)
+    assert "crossover" in least["active"]
+
+
+def test_a_study_file_asks_for_them(tmp_path):
+    file = tmp_path / "least.toml"
+    file.write_text(STUDY)
+    found = find(tv.load_study(file)).comparison
+    assert found.relative == pytest.approx(1.109, abs=2e-3)
+    assert tv.CRITERIA["classic"].are_met(found.margins)
+
+
+def test_the_worst_margins_of_a_box_are_judged():
+    fine = ("margins", "--natural-frequency", "1", "--delay-ms", "20")
+    good = run(*fine, "--box", "thrust=-3%..3%", "--box", "delay=0..0.04")
+    assert good.exit_code == 0
+    assert "Criteria classic in the box: MET" in good.output
+    bad = run(*fine, "--box", "gain=0.2..1", "--json")
+    assert bad.exit_code == 1
+    document = json.loads(bad.output)
+    assert document["criteria"]["met"]
+    assert not document["box"]["met"]
+    assert document["box"]["margins"]["aero_margin_dB"]["at"] == {"gain": 0.2}
+    assert document["bounds"]["disk_margin"] == pytest.approx(1.73, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["autopilot", "--stops", "3"], "are of --least"),
+        (["autopilot", "--least", "--stops", "3"], "give limits=True"),
+        (["autopilot", "--least", "--design", "lqr"], "not both"),
+        (["autopilot", "--least", "--damping", "0.7"], "give no damping"),
+        (["autopilot", "--least", "--actuator-frequency", "0"], "give an actuator, a delay"),
+        (["margins", "--design", "least-nozzle"], "needs a wind"),
+        (["margins", "--box", "delay"], "NAME=LO..HI"),
+        (["margins", "--box", "delay=a..b"], "numbers on both sides"),
+        (["margins", "--box", "delay=1%..2%"], "no nominal value"),
+        (["margins", "--box", "thrst=1..2"], "thrust"),
+        (["margins", "--box", "gain=1..2", "--box", "gain=1..2"], "twice"),
+    ],
+)
+def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
+    found = run(*arguments)
+    assert found.exit_code == 2
+    assert words in " ".join(found.output.split())

@@ -1,0 +1,187 @@
+"""The page of a vehicle that bends and sloshes: its numbers are the library's, and judged."""
+
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.answers.findings import Findings, find
+from tvclin.answers.questions import questions, sufficient
+from tvclin.answers.study_file.parse import parse_study
+from tvclin.base.lines import Number
+from tvclin.show.report import basis, control, flexible, sections
+from tvclin.show.report.page import page_of
+from tvclin.vehicle.file import vehicle_text
+
+pytest.importorskip("jinja2")
+
+STRUCTURE = """
+[[bending]]
+frequency_Hz = 12.0
+damping = 0.005
+modal_mass_kg = 5.0e4
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.07
+attitude_slope_per_m = -0.40
+rate_slope_per_m = -0.40
+
+[[slosh]]
+mass_kg = 2000
+station_m = 12.0
+damping = 0.01
+pendulum_length_m = 2.0
+"""
+STUDY = """
+[study]
+vehicle = "my.toml"
+[wind]
+shape = "triangular"
+peak_deg = 5
+duration_s = 7.5
+[question]
+limit_deg = 0.45
+[autopilot]
+natural_frequency_rad_per_s = 1.5
+damping = 0.7
+delay_ms = 10
+[[autopilot.filter]]
+kind = "notch"
+frequency_Hz = 12
+zero_damping = 0.05
+pole_damping = 0.5
+[criteria]
+name = "classic"
+mode_gain_margin_dB = 10
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a vehicle that bends and a study of it."""
+    place = tmp_path_factory.mktemp("flexible")
+    (place / "my.toml").write_text(vehicle_text("configuration-i")[0] + STRUCTURE)
+    (place / "all.toml").write_text(STUDY)
+    return place
+
+
+@pytest.fixture(scope="module")
+def plan(folder: Path) -> tv.StudyPlan:
+    return tv.load_study(folder / "all.toml")
+
+
+@pytest.fixture(scope="module")
+def found(plan: tv.StudyPlan) -> Findings:
+    return find(plan)
+
+
+def numbers(section) -> dict[str, float]:
+    lines = [
+        line
+        for block in section.blocks
+        if block.kind == "table"
+        for row in block.rows
+        for line in row
+    ]
+    lines += [block.line for block in section.blocks if block.kind == "paragraph"]
+    return {one.name: one.value for line in lines for one in line if isinstance(one, Number)}
+
+
+def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
+    assert plan.structure == tv.load_structure(folder / "my.toml")
+    assert tv.load_study(folder / "my.toml").structure == plan.structure
+    assert tv.load_study("configuration-i").structure is None
+    assert [one.margin for one in plan.criteria.requirements][-1] == "mode_gain_margin_dB"
+
+
+def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, plan):
+    shown = numbers(flexible.flexible(found))
+    plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.structure, "drift-exact")
+    autopilot = plan.gains.autopilot(plant.rigid)
+    bands = autopilot.band_margins(plant)
+    assert shown["flexible.rigid.gain"] == pytest.approx(bands.rigid.gain_increase_dB, rel=1e-12)
+    mode = bands.mode("bending 1")
+    assert shown["flexible.band.0.gain"] == pytest.approx(mode.gain_margin_dB, rel=1e-12)
+    off = tv.detuned(autopilot, plant, criteria=plan.criteria)
+    for k in range(len(off.changes)):
+        phase = off.margins.phase_margin_deg[k]
+        assert shown.get(f"flexible.detuned.{k}.phase_deg", np.nan) == pytest.approx(
+            phase, rel=1e-12, nan_ok=True
+        )
+    assert shown["flexible.edge.0.lower"] == pytest.approx(off.edges[0].lower, rel=1e-12)
+    moved = plant.shift()
+    assert shown["flexible.shift.trim_price"] == pytest.approx(moved.trim_price, rel=1e-12)
+    margin = numbers(control.autopilot(found))
+    assert margin["margin.gain_increase_dB"] == pytest.approx(bands.whole.gain_increase_dB)
+
+
+def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, plan):
+    shown = numbers(flexible.flexible(found))
+    plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.structure, "drift-exact")
+    gains = replace(plan.gains.autopilot(plant.rigid), actuator=None, delay=0.0)
+    wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
+    nozzle = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}
+    law = tv.SaturatedLaw(gains)
+    for k, one in enumerate((plant, plant.rigid)):
+        least = tv.closed_loop_boundary(one, law, wind, **nozzle).deflection
+        assert shown[f"flexible.boundary.{k}_deg"] == pytest.approx(abs(np.degrees(least)))
+        many = tv.fly_many(one, law, wind, deflection_limit=plan.limit, **nozzle)
+        rate = np.degrees(many.peak_deflection_rate)
+        assert shown[f"flexible.flown.rate.{k}_deg"] == pytest.approx(float(rate))
+    answers = {one.name: one for one in questions(found)}
+    assert answers["flexible flight"].yes
+    assert answers["flexible flight"].text == "flown at 100 Hz the flexible vehicle survives"
+    assert answers["margins"].yes
+    assert "flexible vehicle meets the criteria classic as changed" in answers["margins"].text
+
+
+def test_the_whole_page_holds_the_section_and_what_went_in(plan):
+    page, found = page_of(plan)
+    assert 'id="flexible"' in page
+    assert page.count("<svg") == 5
+    inputs = numbers(sections.inputs(found))
+    assert inputs["structure.bending.0.modal_mass"] == 5e4
+    assert inputs["structure.slosh.0.station"] == 12.0
+    assert "structure.slosh.0.frequency" not in inputs
+    assert re.search("the autopilot alone", str(basis.assumptions(found)))
+
+
+def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
+    found = find(replace(plan, gains=replace(plan.gains, filters=())))
+    answers = {one.name: one for one in questions(found)}
+    assert sufficient(found) is False
+    for name in ("autopilot", "margins", "flexible flight"):
+        assert answers[name].yes is False
+    assert "its nozzle goes on swinging" in answers["flexible flight"].text
+    assert "flexible vehicle is not stable" in answers["autopilot"].text
+    shown = flexible.flexible(found)
+    assert "flexible.rigid.gain" not in numbers(shown)
+    assert "no limit in the range survives" in str(shown.blocks)
+
+
+def test_a_vehicle_alone_says_what_its_margins_need(folder):
+    found = find(tv.load_study(folder / "my.toml"))
+    section = flexible.flexible(found)
+    assert "need an autopilot: [autopilot] in a study file" in str(section.blocks[-1])
+    assert [one.name for one in questions(found)] == []
+    assert flexible.flexible(find(tv.load_study("configuration-i"))) is None
+
+
+def test_what_is_asked_of_modes_needs_modes():
+    document = tomllib.loads(STUDY) | {"study": {"vehicle": "configuration-i"}}
+    with pytest.raises(tv.InputError, match=r"the vehicle needs \[\[bending\]\] or \[\[slosh\]\]"):
+        parse_study(document)
+
+
+def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_lost():
+    heavy = tv.load_study("made-up-booster")
+    plan = replace(heavy, gains=tv.GainsAsked(actuator_frequency=0.0), limit=0.1)
+    found = find(plan)
+    assert "second order" in found.reasons["flexible"]
+    answers = {one.name: one for one in questions(found)}
+    assert answers["margins"].yes is None
+    assert answers["flexible flight"].yes is None
+    assert "second order" in str(flexible.flexible(found).blocks[-1])

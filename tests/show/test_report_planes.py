@@ -1,0 +1,41 @@
+"""The page of a wind with a direction: both planes, each number the library's."""
+
+import re
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+from tvclin.answers.study_file.parse import parse_study
+
+pytest.importorskip("jinja2")
+
+WIND = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
+
+
+def values(html: str) -> dict[str, float]:
+    """Return the numbers of a page by their names."""
+    found = re.findall(r'data-name="([^"]+)"\s+data-value="([^"]+)"', html)
+    return {name: float(value) for name, value in found}
+
+
+@pytest.mark.parametrize("stop", [None, "square"])
+def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None:
+    head = {"vehicle": "configuration-i"} | ({} if stop is None else {"nozzle_stop": stop})
+    plan = parse_study({"study": head, "wind": WIND})
+    html, study = tv.report_html(plan), plan.study()
+    assert study.planes is not None
+    numbers = values(html)
+    assert numbers["planes.required_deg"] == np.degrees(study.planes.deflection)
+    assert numbers["planes.pitch_deg"] == np.degrees(study.planes.alone["pitch"])
+    assert numbers["planes.heading_deg"] == pytest.approx(225.0)
+    assert numbers["verdict.required_deg"] == np.degrees(study.required_deflection)
+    words = "The verdict is on both." if stop else "The verdict is on one plane."
+    assert words in html
+    assert ("in both planes with one stop" in html) is (stop is not None)
+
+
+def test_a_wind_without_a_direction_has_no_such_section() -> None:
+    plain = {key: value for key, value in WIND.items() if key in ("peak_deg", "duration_s")}
+    html = tv.report_html(parse_study({"study": {"vehicle": "configuration-i"}, "wind": plain}))
+    assert 'id="planes"' not in html

@@ -1,0 +1,161 @@
+"""What a structure changes: margins by band, modes off their places, and a flight with limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tvclin.answers.least_gains.asked import autopilot_asked
+from tvclin.base.errors import InputError
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.detuning import Detuned, detuned
+from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.filtered import FilteredLaw
+from tvclin.control.laws.law import Law
+from tvclin.control.margins.bands import BandMargins
+from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
+from tvclin.flights.flexible import SampledFlight, fly_sampled
+from tvclin.linear.flexible import FlexiblePlant, Shift
+from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.control.margins.criteria import Criteria
+
+_MODELS = {"drift": "drift-exact"}
+"""The model of a flexible plant, where another has none."""
+_RATE, _PER_ACTUATOR = 100.0, 2.0
+"""Least samples of the flights [Hz], and those of them in the time 1/omega_n of the actuator."""
+_LONG, _POINTS = 2.0, 401
+"""A flight is looked at for so many durations of its wind, at so many points."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleAnswer:
+    """An autopilot around a flexible vehicle.
+
+    Attributes
+    ----------
+    plant, autopilot : FlexiblePlant, Autopilot
+        The loop.
+    bands : BandMargins
+        Its margins.
+    detuned : Detuned or None
+        With modes off their places; None where there are no modes.
+    peak_deflection : float
+        Largest deflection in the wind without limits [rad]; infinite for a loop that is not stable.
+    sample_rate : float
+        Samples of the law in what is flown [Hz].
+    boundaries : tuple of ClosedLoopBoundary
+        The least limit of the autopilot, flown in the wind: of the flexible vehicle, and of the
+        rigid one.
+    flight : SampledFlight or None
+        With the limit in question; None without one.
+    """
+
+    plant: FlexiblePlant
+    autopilot: Autopilot
+    bands: BandMargins
+    detuned: Detuned | None
+    peak_deflection: float
+    sample_rate: float
+    boundaries: tuple[ClosedLoopBoundary, ClosedLoopBoundary]
+    flight: SampledFlight | None
+
+
+def flexible_answer(
+    plant: FlexiblePlant,
+    asked: GainsAsked,
+    criteria: Criteria,
+    wind: History,
+    limit: float | None,
+) -> FlexibleAnswer:
+    """Return what an autopilot does with a flexible vehicle.
+
+    Its gains are for the rigid one, but those for the least nozzle: they have the margins that are
+    asked for with the structure.
+
+    Parameters
+    ----------
+    plant : FlexiblePlant
+        One plant.
+    asked : GainsAsked
+        The autopilot.
+    criteria : Criteria
+        What detuned modes are held to.
+    wind : History
+        One wind that ends.
+    limit : float or None
+        The deflection limit in question [rad].
+
+    Raises
+    ------
+    InputError
+        As `Autopilot.band_margins` and `closed_loop_boundary`.
+    """
+    autopilot = autopilot_asked(asked, plant, wind, criteria)
+    bands = autopilot.band_margins(plant)
+    law = SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
+    nozzle = nozzle_of(asked)
+    bends, rigid = (closed_loop_boundary(one, law, wind, **nozzle) for one in (plant, plant.rigid))
+    start, end = float(wind.onset), float(wind.end)
+    times = np.linspace(start, start + _LONG * (end - start), _POINTS)
+    peak = np.inf
+    if bands.whole.stable:
+        peak = abs(autopilot.answer(plant, wind).peak("deflection")[0])
+    return FlexibleAnswer(
+        plant=plant,
+        autopilot=autopilot,
+        bands=bands,
+        detuned=detuned(autopilot, plant, criteria=criteria) if bands.modes else None,
+        peak_deflection=float(peak),
+        sample_rate=nozzle["sample_rate"],
+        boundaries=(bends, rigid),
+        flight=None
+        if limit is None
+        else fly_sampled(plant, law, wind, times, deflection_limit=limit, **nozzle),
+    )
+
+
+def nozzle_of(asked: GainsAsked, rate: float = _RATE) -> dict[str, Any]:
+    """Return actuator and delay of an autopilot, and at least so many samples [Hz] for flights."""
+    servo = asked.actuator
+    least = 0.0 if servo is None else _PER_ACTUATOR * float(servo.natural_frequency)
+    return {"actuator": servo, "delay": float(asked.delay), "sample_rate": max(rate, least)}
+
+
+def with_filters(law: Law, asked: GainsAsked) -> Law:
+    """Return a law with the filters of an autopilot."""
+    chains = {name: getattr(asked, name) for name in CHAINS}
+    return FilteredLaw(law, **chains) if any(chains.values()) else law
+
+
+def flexible_plant(
+    vehicle: Vehicle, structure: Structure, plane: str, model: str = "drift"
+) -> FlexiblePlant:
+    """Return the flexible plant of a vehicle; "drift" has none, and is "drift-exact" here."""
+    return FlexiblePlant.from_vehicle(vehicle, structure, _MODELS.get(model, model), plane)
+
+
+def shift_of(plant: FlexiblePlant) -> Shift | None:
+    """Return by how much the structure moves the rigid theory; None where nothing grows."""
+    try:
+        return plant.shift()
+    except InputError:
+        return None
+
+
+def shift_words(plant: FlexiblePlant) -> str:
+    """Return in words by how much the structure moves what the rigid theory rests on."""
+    moved = shift_of(plant)
+    if moved is None:
+        return ""
+    return (
+        f"would move the fast pole by {moved.fast_pole:+.2f} percent and the deflection that a"
+        f" wind asks for by {moved.trim_price:+.2f} percent"
+    )

@@ -1,0 +1,225 @@
+"""What is asked of gains for the least nozzle, and what a row of gains lacks of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.base.errors import (
+    InputError,
+    each,
+    ending,
+    flag,
+    instance,
+    nonnegative,
+    number,
+    positive,
+    shown,
+    single,
+    whole_number,
+)
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.criteria import Criteria, Requirement
+from tvclin.control.margins.record import MARGINS, Margins, loop_margins
+from tvclin.flights.closed_loop.checks import check_sample_rate
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
+from tvclin.vehicle.filters import Filter
+from tvclin.winds.histories import History
+
+FloatArray = NDArray[np.float64]
+
+FREE = (("attitude", "rate"), ("attitude", "rate", "alpha"))
+"""Gains that can be free."""
+CROSSOVER = "crossover"
+MISSES = 10.0
+"""What gains that miss a criterion are worth, over full trim, and by how much they miss it more."""
+_UNSTABLE = 100.0
+"""What an unstable loop lacks: more than any other."""
+_LEAST_STIFFNESS, _LEAST_RATE = 1.01, 0.05
+"""Least (a0 + b0)/B and a1 beta/B."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Question:
+    """A plant, its winds and nozzle, and the margins that its autopilot shall have.
+
+    The attributes are the arguments of `least_deflection_gains`.
+    """
+
+    plant: AnyPlant
+    winds: tuple[History, ...]
+    criteria: Criteria
+    gains: Sequence[str]
+    actuator: Actuator | None
+    delay: float
+    crossover: float | None
+    filters: tuple[Filter, ...]
+    limits: bool
+    stops: int
+    sample_rate: float
+
+    def __post_init__(self) -> None:
+        check_plant(self.plant)
+        single("plant", self.plant.batch)
+        winds = each("winds", self.winds, History, "such as TriangularWind")
+        if not winds:
+            raise InputError("winds must be one or more; got none")
+        for one in winds:
+            single("wind", one.batch)
+            ending("wind", one.end)
+            number("the peak of a wind", abs(float(one.peak)), positive, "rad")
+        object.__setattr__(self, "winds", winds)
+        instance("criteria", self.criteria, Criteria, 'such as CRITERIA["classic"]')
+        given = self.gains if isinstance(self.gains, list | tuple) else ()
+        free = tuple(one for one in given if isinstance(one, str))
+        if free not in FREE or len(free) < len(given):
+            raise InputError(
+                f"gains must be {' or '.join(map(str, FREE))}: those that are free, in this order;"
+                f" got {shown(self.gains)}"
+            )
+        object.__setattr__(self, "gains", free)
+        if not isinstance(self.actuator, Actuator | None):
+            raise InputError(f"actuator must be an Actuator or None; got {shown(self.actuator)}")
+        single("actuator", () if self.actuator is None else self.actuator.batch)
+        rate = number("sample_rate", self.sample_rate, positive, "Hz")
+        if flag("limits", self.limits):
+            check_sample_rate(rate, self.actuator)
+        object.__setattr__(self, "sample_rate", rate)
+        object.__setattr__(self, "delay", number("delay", self.delay, nonnegative, "s"))
+        if self.crossover is not None:
+            most = number("crossover", self.crossover, positive, "rad/s")
+            object.__setattr__(self, "crossover", most)
+        if whole_number("stops", self.stops) and not self.limits:
+            raise InputError(
+                "stops are sudden ends of a wind in flights with a limit: give limits=True with"
+                " them, or stops=0"
+            )
+        mu_alpha = float(self.plant.coefficients.mu_alpha)
+        if mu_alpha <= 0.0:
+            raise InputError(
+                "gains for the least nozzle are sought for an aerodynamically unstable vehicle,"
+                f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (the least of a stable one is none)"
+            )
+        if not np.isfinite(self.fastest):
+            raise InputError(
+                "with an ideal nozzle and no delay gains have no end, and the least deflection is"
+                " that of endless gains: give an actuator, a delay or a crossover"
+            )
+        _ = self.autopilot(np.full((1, len(free)), 0.5))  # checks actuator, delay and filters
+
+    @property
+    def fastest(self) -> float:
+        """The frequency [rad/s] beyond which nothing is worth trying: of the slowest part."""
+        parts = [np.inf if self.crossover is None else self.crossover]
+        if self.actuator is not None:
+            parts.append(float(np.max(self.actuator.natural_frequency)))
+        if self.delay:
+            parts.append(0.5 * np.pi / self.delay)
+        return min(parts)
+
+    @property
+    def trims(self) -> FloatArray:
+        """``|B alpha_w,max|`` of each wind [rad]."""
+        peaks = [float(one.peak) for one in self.winds]
+        return np.abs(float(self.plant.coefficients.B) * np.array(peaks))
+
+    def autopilot(self, points: FloatArray) -> Autopilot:
+        """Return the autopilots at points of the unit box, ``(n, axes)``.
+
+        The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free.
+        """
+        B, beta, (stiffest, fastest) = self._scales
+        stiffness = _LEAST_STIFFNESS * (stiffest / _LEAST_STIFFNESS) ** points[:, 0]
+        rate = _LEAST_RATE * (fastest / _LEAST_RATE) ** points[:, 1]
+        share = points[:, 2] if len(self.gains) > 2 else np.zeros(len(points))
+        return Autopilot(
+            attitude_gain=B * stiffness * (1.0 - share),
+            rate_gain=B / beta * rate,
+            alpha_gain=B * stiffness * share,
+            actuator=self.actuator,
+            delay=self.delay,
+            filters=self.filters,
+        )
+
+    def point(self, autopilot: Autopilot) -> FloatArray:
+        """Return where the gains of one autopilot lie in the unit box, ``(axes,)``."""
+        B, beta, (stiffest, fastest) = self._scales
+        a0, a1, b0 = (
+            float(gain)
+            for gain in (autopilot.attitude_gain, autopilot.rate_gain, autopilot.alpha_gain)
+        )
+        stiffness, rate = (a0 + b0) / B / _LEAST_STIFFNESS, a1 * beta / B / _LEAST_RATE
+        parts = [
+            np.log(stiffness) / np.log(stiffest / _LEAST_STIFFNESS),
+            np.log(rate) / np.log(fastest / _LEAST_RATE),
+            b0 / (a0 + b0),
+        ]
+        return np.clip(parts[: len(self.gains)], 0.0, 1.0)
+
+    @property
+    def _scales(self) -> tuple[float, float, tuple[float, float]]:
+        """B, beta, and the largest (a0 + b0)/B and a1 beta/B that are worth trying."""
+        c = self.plant.coefficients
+        beta = float(np.sqrt(c.mu_alpha))
+        pace = max(self.fastest / beta, 2.0)
+        return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
+
+    def one(self, point: FloatArray) -> Autopilot:
+        """Return the autopilot at one point, ``(axes,)``."""
+        row = self.autopilot(point[np.newaxis])
+        a0, a1, b0 = (
+            np.ravel(gain).tolist()[0]
+            for gain in (row.attitude_gain, row.rate_gain, row.alpha_gain)
+        )
+        return replace(row, attitude_gain=a0, rate_gain=a1, alpha_gain=b0)
+
+    def lacks(self, points: FloatArray) -> FloatArray:
+        """Return by what part of a limit each row of gains misses that which it misses most.
+
+        Zero or less where all criteria are met; ``(n,)``.
+        """
+        rows = self.autopilot(points)
+        found = loop_margins(rows.exact_loop(self.plant))
+        every = [np.full(len(points), -np.inf)]
+        every += [
+            lacking(one, getattr(found, one.margin))
+            for one in self.criteria.requirements
+            if one.margin in MARGINS
+        ]
+        if self.crossover is not None:
+            every.append(highest_crossover(found) / self.crossover - 1.0)
+        lacks = np.where(found.stable, np.max(np.nan_to_num(every, nan=_UNSTABLE), axis=0), 100.0)
+        some = np.flatnonzero(lacks <= 0.0)
+        if isinstance(self.plant, FlexiblePlant) and some.size and self._of_modes:
+            lacks[some] = np.maximum(lacks[some], self._lacks_of_modes(points[some]))
+        return np.asarray(lacks)
+
+    @property
+    def _of_modes(self) -> tuple[Requirement, ...]:
+        return tuple(one for one in self.criteria.requirements if one.margin not in MARGINS)
+
+    def _lacks_of_modes(self, points: FloatArray) -> FloatArray:
+        assert isinstance(self.plant, FlexiblePlant)
+        bands = self.autopilot(points).band_margins(self.plant)
+        worst = np.full(len(points), -np.inf)
+        for one in replace(self.criteria, requirements=self._of_modes).judge(bands):
+            surplus = np.asarray(one.surplus) / max(one.requirement.limit, 1e-9)
+            worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
+        return worst
+
+
+def lacking(asked: Requirement, value: Any) -> FloatArray:
+    """Return by what part of its limit a margin misses what is asked; negative where it is met."""
+    lack = (asked.limit - np.asarray(value)) / max(asked.limit, 1e-9)
+    return np.asarray(-lack if asked.at_most else lack)
+
+
+def highest_crossover(found: Margins) -> FloatArray:
+    """Return the highest gain crossover [rad/s] of each loop; zero without one."""
+    every = np.nan_to_num(found.crossings.gain_frequencies, nan=0.0)
+    return np.asarray(np.max(every, axis=-1, initial=0.0))

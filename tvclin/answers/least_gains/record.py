@@ -1,0 +1,79 @@
+"""The gains that need the least nozzle, what holds them, and what is to be known about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.least_gains.question import Question
+from tvclin.base.cards import card
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.margins.record import Margins
+
+FloatArray = NDArray[np.float64]
+
+PEAK, BOUNDARY = "peak", "boundary"
+
+
+@dataclass(frozen=True, eq=False)
+class LeastGains:
+    """Of all gains that have the margins asked for, those that need the least deflection.
+
+    Attributes
+    ----------
+    question : Question
+        What was asked: plant, winds, criteria, nozzle.
+    autopilot : Autopilot
+        The gains, with actuator and delay.
+    meaning : str
+        "peak": the deflection is the largest of the linear loop, without a stop. "boundary": it is
+        the least limit with which flights survive, as of `closed_loop_boundary`; it is lower, by
+        0.15 to 0.4 of trim as a rule.
+    deflection : float
+        The largest over the winds [rad], in size.
+    relative : float
+        The same over ``|B alpha_w,max|`` of the wind that asks it.
+    each : ndarray
+        The deflection [rad] of each wind, ``(winds,)``.
+    worst_wind : int
+        The place of the wind that asks most.
+    margins : Margins
+        Of the loop.
+    active : tuple of str
+        What keeps the deflection from being less: names of margins that are met with less than 0.5
+        percent to spare, "crossover", and "wind k" where several winds ask the same. Empty where
+        more gain and less gain both ask more.
+    unseen : float
+        With limits the boundary [rad] in the same winds with 23 sudden stops, most of which the
+        search did not know; else None.
+    notes : tuple of str
+        What is to be known before these gains are believed.
+    """
+
+    question: Question
+    autopilot: Autopilot
+    meaning: str
+    deflection: float
+    relative: float
+    each: FloatArray
+    worst_wind: int
+    margins: Margins
+    active: tuple[str, ...]
+    unseen: float | None
+    notes: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        a = self.autopilot
+        rows = [
+            ("attitude gain a0", a.attitude_gain, "-"),
+            ("rate gain a1", a.rate_gain, "s"),
+            ("alpha gain b0", a.alpha_gain, "-"),
+            (f"{self.meaning} deflection", np.degrees(self.deflection), "deg"),
+            ("over trim", self.relative, "-"),
+            ("held by", ", ".join(self.active) or "nothing: a valley", ""),
+            ("disk margin", self.margins.disk_margin, "-"),
+            *(("note", one, "") for one in self.notes),
+        ]
+        return card("Gains for the least nozzle", rows)

@@ -1,0 +1,96 @@
+"""Gains for the least nozzle over a flight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tvclin.answers.least_gains.least import least_deflection_gains
+from tvclin.answers.least_gains.record import LeastGains
+from tvclin.base.errors import InputError, instance, times_row
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.schedule import GainSchedule
+from tvclin.linear.plant import RIGID, Plant
+from tvclin.winds.histories import History
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSchedule:
+    """Gains for the least nozzle at several flight times.
+
+    Attributes
+    ----------
+    schedule : GainSchedule
+        The gains, straight lines between the times.
+    each : tuple of LeastGains
+        What was found at each of them.
+    """
+
+    schedule: GainSchedule
+    each: tuple[LeastGains, ...]
+
+    @property
+    def deflection(self) -> float:
+        """The largest of all times [rad]: what the nozzle needs for this flight."""
+        return max(one.deflection for one in self.each)
+
+
+def least_gain_schedule(
+    time: ArrayLike, plants: Plant, winds: History | Sequence[History], **options: Any
+) -> LeastSchedule:
+    """Return the gains for the least nozzle at each time of a flight.
+
+    Parameters
+    ----------
+    time : array_like
+        Flight times [s], rising, ``(n,)``.
+    plants : Plant
+        The plant at each of them, ``(n,)``.
+    winds, **options
+        As of `least_deflection_gains`; the winds may come at any of the times.
+
+    Raises
+    ------
+    InputError
+        As `GainSchedule` and `least_deflection_gains`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
+    >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
+    >>> found = tv.least_gain_schedule(
+    ...     [40.0, 66.0], tv.Plant.from_coefficients(c), wind, actuator=tv.Actuator(), crossover=2.0
+    ... )
+    >>> [round(one.relative, 2) for one in found.each]
+    [1.12, 1.14]
+    """
+    instance("plants", plants, Plant, RIGID)
+    when = times_row("time", time)
+    if plants.batch != when.shape:
+        raise InputError(
+            f"plants must be one for each of the {when.size} times; got a batch of shape"
+            f" {plants.batch}"
+        )
+    each = tuple(
+        least_deflection_gains(plants.one(k, plants.batch), winds, **options)
+        for k in range(when.size)
+    )
+    a0, a1, b0 = (
+        np.array([getattr(one.autopilot, name) for one in each])
+        for name in ("attitude_gain", "rate_gain", "alpha_gain")
+    )
+    one = each[0].autopilot
+    gains = Autopilot(
+        attitude_gain=a0,
+        rate_gain=a1,
+        alpha_gain=b0,
+        actuator=one.actuator,
+        delay=one.delay,
+        filters=one.filters,
+    )
+    return LeastSchedule(GainSchedule(when, gains), each)

@@ -1,0 +1,309 @@
+"""The worst margins and the worst deflection when numbers lie anywhere in a box, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.campaign.dispersions import PARAMETERS, UNITS_OF, WIND
+from tvclin.answers.requirement import required_deflection
+from tvclin.answers.search import least
+from tvclin.base.cards import card
+from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind
+
+FloatArray = NDArray[np.float64]
+
+PROVED, SEARCHED = "corners (proved)", "searched"
+LOOP = {
+    "gain": "-",
+    "delay": "s",
+    "actuator_frequency": "rad/s",
+    "actuator_damping": "-",
+}
+"""Numbers of the loop that are no gains of the autopilot, and their units; `gain` is a factor on
+all of them."""
+_VEHICLE = tuple(name for name in PARAMETERS if name not in {*WIND, *GAINS})
+_COEFFICIENTS = tuple(one.name for one in fields(Coefficients))
+_MOST = 10
+"""Numbers in a box: it has 1024 corners."""
+_INSIDE = 256
+_STEPS: dict[str, Any] = {"each": 32, "rounds": 10, "tolerance": 1e-9, "islands": 1}
+"""Even points in the box, and the search from the worst of them."""
+_WORSE = 1e-6
+"""A point inside is worse than all corners where it is by more than this part."""
+_ALL = tuple(name for name in MARGINS if not name.startswith("peak"))
+"""The margins that are told; peaks of S and T say the same as the disk margin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Worst:
+    """The worst value of one number in a box, and where it happens.
+
+    Attributes
+    ----------
+    value : float
+        The worst value, in the unit of its name; of a margin zero where a loop is unstable.
+    nominal : float
+        The value where nothing has changed.
+    at : dict of str to float
+        The numbers of the box there [SI].
+    corner : bool
+        Whether that is a corner of the box.
+    how : str
+        "corners (proved)": it is proved that a corner is the worst. "searched": all corners, even
+        points inside and points near the worst of them were tried; there may be worse ones.
+    """
+
+    value: float
+    nominal: float
+    at: dict[str, float]
+    corner: bool
+    how: str
+
+
+@dataclass(frozen=True, eq=False)
+class WorstCase:
+    """The worst margins and the worst required deflection in a box.
+
+    Attributes
+    ----------
+    box : dict of str to pair of float
+        The numbers and their bounds [SI].
+    margins : dict of str to Worst
+        aero_margin_dB, gain_increase_dB, phase_margin_deg, delay_margin [s] and disk_margin.
+    stable : bool
+        Whether every loop that was tried is stable.
+    deflection : Worst or None
+        The required deflection [rad], in size; None without a wind.
+    tried : int
+        How many loops were tried.
+    """
+
+    box: dict[str, tuple[float, float]]
+    margins: dict[str, Worst]
+    stable: bool
+    deflection: Worst | None
+    tried: int
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (MARGINS[name][0], factor_to(MARGINS[name][1]) * one.value, MARGINS[name][1])
+            for name, one in self.margins.items()
+        ]
+        return card("Worst case in a box", rows)
+
+
+def worst_case(
+    subject: Vehicle | Coefficients,
+    autopilot: Autopilot,
+    box: Mapping[str, tuple[float, float]],
+    *,
+    model: str = "drift",
+    plane: str = "pitch",
+    wind: ShapedWind | None = None,
+    dead_band: float = 1.0,
+) -> WorstCase:
+    """Return the worst margins, and the worst required deflection, anywhere in a box.
+
+    Parameters
+    ----------
+    subject : Vehicle or Coefficients
+        The nominal vehicle, or its coefficients.
+    autopilot : Autopilot
+        The nominal loop: one, continuous.
+    box : mapping of str to pairs
+        Least and largest value [SI] of each number that is not known, up to ten: fields of
+        `Vehicle` or of `Coefficients`, "wind_peak", "wind_duration", gains of `Autopilot`,
+        "gain" (a factor on all gains), "delay", "actuator_frequency", "actuator_damping".
+    model, plane : str
+        Of the plant; the plane is that of a `Vehicle`.
+    wind : ShapedWind, optional
+        The nominal wind; without it no deflection is asked for.
+    dead_band : float
+        K of the required deflection.
+
+    Raises
+    ------
+    InputError
+        For unknown names, bounds that do not rise, a box of more than ten numbers, an actuator that
+        is in the box and not in the loop, an autopilot with a sample rate, batches, and as
+        `Coefficients` and `required_deflection` for what lies in the box.
+
+    Notes
+    -----
+    On a fixed path, with K = 1 and a wind of one peak, the required deflection is B alpha_w,max
+    y(tau beta), and y rises with tau beta; so it rises or falls with each number by itself, and a
+    corner is the worst. The page on least gains has the proof. All else is searched.
+
+    Examples
+    --------
+    >>> import numpy as np, tvclin as tv
+    >>> vehicle = tv.load_vehicle("configuration-i")
+    >>> autopilot = tv.canonical_gains(tv.Coefficients.from_vehicle(vehicle), delay=0.02)
+    >>> box = {"thrust": (0.97 * vehicle.thrust, 1.03 * vehicle.thrust), "delay": (0.0, 0.04)}
+    >>> found = tv.worst_case(vehicle, autopilot, box)
+    >>> worst = found.margins["phase_margin_deg"]
+    >>> round(worst.nominal, 1), round(worst.value, 1), worst.at["delay"], worst.how
+    (26.3, 24.7, 0.04, 'searched')
+    """
+    ends = _checked(subject, autopilot, box, wind)
+    case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
+    K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
+    corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))
+    found = {name: case.worst(corners, case.margin(name)) for name in _ALL}
+    deflection = None
+    if wind is not None:
+        proved = model == "fixed-path" and K == 1.0
+        deflection = case.worst(corners, case.deflection(K), proved)
+        deflection = replace(
+            deflection, value=abs(deflection.value), nominal=abs(deflection.nominal)
+        )
+    return WorstCase(
+        box=ends,
+        margins=found,
+        stable=all(one.value > 0.0 for one in found.values()),
+        deflection=deflection,
+        tried=sum(np.size(one.status) for one in case.seen.values()),
+    )
+
+
+def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tuple[float, float]]:
+    """The box with plain numbers, all of which the case has."""
+    if not isinstance(subject, Vehicle | Coefficients):
+        raise InputError(f"subject must be a Vehicle or Coefficients; got {type(subject).__name__}")
+    single("subject", subject.batch)
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
+    single("autopilot", autopilot.batch)
+    if autopilot.sample_rate is not None:
+        raise InputError("a box is for continuous autopilots; replace sample_rate by None")
+    if wind is not None:
+        instance("wind", wind, ShapedWind, "of a shape, a peak and a duration")
+    instance("box", box, Mapping, "of names to a least and a largest value")
+    if not 0 < len(box) <= _MOST:
+        raise InputError(f"box must have 1 to {_MOST} numbers; got {len(box)}")
+    own = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
+    known = (*own, *GAINS, *LOOP, *(WIND if wind is not None else ()))
+    ends = {}
+    for name, pair in box.items():
+        one_of("a number in box", name, known)
+        given = finite(name, pair)
+        if given.shape != (2,) or not given[0] < given[1]:
+            raise InputError(f"box of {name} must be a least and a larger value; got {pair!r}")
+        ends[name] = (float(given[0]), float(given[1]))
+    if autopilot.actuator is None and {"actuator_frequency", "actuator_damping"} & ends.keys():
+        raise InputError("an actuator is in the box, but the autopilot has none")
+    first_order = autopilot.actuator is not None and autopilot.actuator.damping is None
+    if first_order and "actuator_damping" in ends:
+        raise InputError("the actuator is of first order and has no damping")
+    return ends
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """A vehicle, its autopilot and wind, with numbers of a box changed."""
+
+    subject: Vehicle | Coefficients
+    autopilot: Autopilot
+    names: tuple[str, ...]
+    ends: FloatArray
+    model: str
+    plane: str
+    wind: ShapedWind | None
+
+    seen: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
+
+    def values(self, points: FloatArray) -> dict[str, FloatArray]:
+        """The numbers [SI] at points of the unit box, ``(n,)`` each."""
+        spread = self.ends[:, 0] * (1.0 - points) + self.ends[:, 1] * points
+        return dict(zip(self.names, spread.T, strict=True))
+
+    def plant(self, values: Mapping[str, FloatArray]) -> Plant:
+        """The plants with these numbers."""
+        own = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
+        changed = self.subject.replace(**{k: v for k, v in values.items() if k in own})
+        if isinstance(changed, Vehicle):
+            return Plant.from_vehicle(changed, self.model, self.plane)
+        return Plant.from_coefficients(changed, self.model)
+
+    def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
+        """The autopilots with these numbers."""
+        a = self.autopilot
+        factor = values.get("gain", 1.0)
+        changes: dict[str, Any] = {
+            name: factor * values.get(name, getattr(a, name)) for name in GAINS
+        }
+        if "delay" in values:
+            changes["delay"] = values["delay"]
+        if a.actuator is not None:
+            changes["actuator"] = Actuator(
+                natural_frequency=values.get("actuator_frequency", a.actuator.natural_frequency),
+                damping=values.get("actuator_damping", a.actuator.damping),
+            )
+        return replace(a, **changes)
+
+    def margin(self, name: str) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
+        """The function from numbers to a margin, which is zero where the loop is unstable."""
+
+        def value(values: Mapping[str, FloatArray]) -> FloatArray:
+            key = tuple(np.asarray(v).tobytes() for v in values.values())
+            if key not in self.seen:
+                self.seen[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
+            found: Margins = self.seen[key]
+            return np.nan_to_num(np.asarray(getattr(found, name), float), nan=0.0, posinf=np.inf)
+
+        return value
+
+    def deflection(self, dead_band: float) -> Callable[[Mapping[str, FloatArray]], FloatArray]:
+        """The function from numbers to minus the required deflection [rad]."""
+
+        def value(values: Mapping[str, FloatArray]) -> FloatArray:
+            assert self.wind is not None
+            found = required_deflection(
+                self.plant(values), self.wind.history(dict(values)), dead_band
+            )
+            return np.asarray(-np.abs(found.deflection), float)
+
+        return value
+
+    def worst(
+        self,
+        corners: FloatArray,
+        value: Callable[[Mapping[str, FloatArray]], FloatArray],
+        proved: bool = False,
+    ) -> Worst:
+        """The least of a value in the box: at a corner, or where a search finds a lesser one."""
+        nominal = float(value({}))
+        edges = np.broadcast_to(value(self.values(corners)), len(corners))
+        best = int(np.argmin(edges))
+        point, worst, corner = corners[best], float(edges[best]), True
+        if not proved and np.isfinite(worst):
+            points, found = least(
+                lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
+                len(self.names),
+                first=_INSIDE,
+                known=corners,
+                **_STEPS,
+            )
+            if found[0] < worst - _WORSE * abs(worst):
+                point, worst = points[0], float(found[0])
+                corner = bool(np.all((point == 0.0) | (point == 1.0)))
+        at = {name: float(v[0]) for name, v in self.values(point[np.newaxis]).items()}
+        return Worst(worst, nominal, at, corner, PROVED if proved else SEARCHED)
+
+
+def unit_of(name: str) -> str:
+    """Return the SI unit of a number of a vehicle, a wind or a loop that can be in a box."""
+    return LOOP.get(name) or UNITS_OF[name]

@@ -1,0 +1,267 @@
+"""`tvclin fly --engine linear`: a law in steps, with the nozzle's limits, also of what bends."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from tvclin.cli.gains import GainOptions
+
+if TYPE_CHECKING:
+    from tvclin.control.laws.law import Law
+    from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
+    from tvclin.flights.flexible import SampledFlight
+    from tvclin.linear.flexible import AnyPlant
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.structure import Structure
+    from tvclin.vehicle.vehicle import Vehicle
+
+_RATE = 100.0
+"""Samples of a law [Hz] where nothing is asked."""
+_SPARE, _HIGHEST = 1.1, 4.0
+"""Of the limit over the boundary, and of the limits tried for that over the largest trim."""
+_OF_ALL = ("actuator_frequency", "actuator_damping", "delay_ms", "notch_hz", "low_pass_hz")
+"""Options of gains that any law takes."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The options of a law in steps: gains and filters, samples [Hz], and rate limit [deg/s]."""
+
+    gains: GainOptions = field(default_factory=GainOptions)
+    sample_rate: float | None = None
+    rate_limit_deg: float | None = None
+
+    @property
+    def rate(self) -> float:
+        """Samples of the law [Hz]."""
+        return _RATE if self.sample_rate is None else self.sample_rate
+
+    @property
+    def hardware(self) -> GainOptions:
+        """The options that any law takes: filters, actuator and delay."""
+        return GainOptions(**{name: getattr(self.gains, name) for name in _OF_ALL})
+
+
+@dataclass(frozen=True, eq=False)
+class LinearCase:
+    """What is flown; `frame` is the rigid plant of the same model."""
+
+    vehicle: "Vehicle"
+    plant: "AnyPlant"
+    frame: "Plant"
+    plane: str
+    shape: str
+    wind: Any
+    law: str
+    dead_band: float | None
+    steps: "Steps"
+
+    @property
+    def structure(self) -> "Structure | None":
+        """What bends and sloshes; None of a rigid vehicle."""
+        return getattr(self.plant, "structure", None)
+
+    @property
+    def bends(self) -> bool:
+        """Whether the vehicle is flexible."""
+        return self.structure is not None
+
+    @cached_property
+    def control(self) -> "Law":
+        """The law, with the filters that were asked for."""
+        from tvclin.base.errors import InputError
+        from tvclin.cli.flight_cases import LAWS, standard_law
+        from tvclin.control.laws.attitude import SaturatedLaw
+        from tvclin.control.laws.filtered import FilteredLaw
+
+        if self.law == "report":
+            raise InputError(
+                "--law report has no actuator and no samples: fly it by --engine planar or sixdof,"
+                " or give --law trim"
+            )
+        chosen = standard_law(self.frame, self.law, self.dead_band, float(self.wind.peak))
+        if self.law == "saturated":
+            gains = self.steps.gains.autopilot(self.frame)
+            return SaturatedLaw(replace(gains, actuator=None, delay=0.0))
+        if self.steps.hardware != self.steps.gains:
+            raise InputError(
+                f"gains belong to --law saturated; {LAWS[self.law]} takes filters, actuator and"
+                " delay"
+            )
+        filters = self._hardware.filters
+        return FilteredLaw(chosen, filters=filters) if filters else chosen
+
+    @cached_property
+    def nozzle(self) -> dict[str, Any]:
+        """Actuator, delay, samples and rate limit."""
+        import numpy as np
+
+        from tvclin.base.errors import number, positive
+
+        most = self.steps.rate_limit_deg
+        return {
+            "actuator": self._hardware.actuator,
+            "delay": float(self._hardware.delay),
+            "sample_rate": number("--sample-rate", self.steps.rate, positive, "Hz"),
+            "rate_limit": np.inf
+            if most is None
+            else float(np.radians(number("--rate-limit-deg", most, positive, "deg/s"))),
+        }
+
+    @cached_property
+    def _hardware(self) -> Any:
+        """An autopilot with filters, actuator and delay as asked, whatever its gains."""
+        return replace(self.steps.hardware, attitude_gain=1.0, rate_gain=1.0).autopilot(self.frame)
+
+    def boundary(self, plant: "AnyPlant") -> "ClosedLoopBoundary":
+        """Return the boundary of the law on a plant."""
+        from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+
+        return closed_loop_boundary(plant, self.control, self.wind, highest=_HIGHEST, **self.nozzle)
+
+    @property
+    def title(self) -> str:
+        """The vehicle, the wind, and what flies, in lines."""
+        import numpy as np
+
+        from tvclin.cli.bands import parts_line
+        from tvclin.cli.margin_tables import lines
+
+        peak = float(np.degrees(self.wind.peak))
+        length = float(self.wind.end - self.wind.onset)
+        servo, delay = self.nozzle["actuator"], 1000.0 * self.nozzle["delay"]
+        with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
+        said = [
+            self.vehicle.name or "Vehicle",
+            f"{self.shape} wind of {peak:.4g} deg and {length:.4g} s, {self.plane}, law {self.law}",
+            *([lines(parts_line(self.structure))] if self.structure else []),
+            f"linear equations, {self.plant.model}; law at {self.steps.rate:g} Hz, delay"
+            f" {delay:g} ms, actuator {with_servo}",
+        ]
+        return "\n".join(said)
+
+
+def fly_linear(case: LinearCase, limit_deg: float | None, boundary: bool, times: Any) -> "Flown":
+    """Return the flight of a case; without a limit that has a tenth to spare."""
+    import numpy as np
+
+    from tvclin.base.errors import InputError, within
+    from tvclin.flights.flexible import fly_sampled
+
+    least = None
+    if limit_deg is None or boundary:
+        plants = (case.plant, case.frame) if case.bends else (case.plant,)
+        least = tuple(case.boundary(plant) for plant in plants)
+    if limit_deg is not None:
+        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    else:
+        assert least is not None
+        limit = _SPARE * abs(least[0].deflection)
+        if not np.isfinite(limit):
+            raise InputError(f"{least[0].status}: give --limit-deg, or another law")
+    nozzle = case.nozzle
+    flight = fly_sampled(
+        case.plant, case.control, case.wind, times, deflection_limit=limit, **nozzle
+    )
+    return Flown(case, limit, flight, least)
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """A case that has flown with a limit [rad], and boundaries where they were asked for."""
+
+    case: LinearCase
+    limit: float
+    flight: "SampledFlight"
+    boundaries: "tuple[ClosedLoopBoundary, ...] | None"
+
+    def rows(self) -> list[tuple[str, tuple[float, float]]]:
+        """What is largest over the wind, and the boundary, flown and of the rigid vehicle [deg]."""
+        import numpy as np
+
+        names = ("attitude", "deflection", "angle_of_attack")
+        rows = [(f"largest {n.replace('_', ' ')}", self.flight.peaks(n)) for n in names]
+        if self.boundaries is not None:
+            ends = [abs(one.deflection) for one in self.boundaries]
+            rows.append(("boundary of this law", (ends[0], ends[-1])))
+        return [(name, (np.degrees(a), np.degrees(b))) for name, (a, b) in rows]
+
+    def print(self) -> None:
+        """Print the flight, and beside it that of the rigid vehicle."""
+        import numpy as np
+
+        from tvclin.cli.margin_tables import lines
+        from tvclin.cli.output import print_table
+
+        typer.echo(self.case.title)
+        bends = self.case.bends
+        rates = (float(np.degrees(one)) for one in self.flight.peak_rates)
+        rows = [*self.rows(), ("largest rate, whole flight [deg/s]", tuple(rates))]
+        columns = ("flexible", "rigid", "differ by") if bends else ("flown",)
+        cells = [
+            [name, f"{a:.4f}", *([f"{b:.4f}", f"{a - b:+.4f}"] if bends else [])]
+            for name, (a, b) in rows
+        ]
+        headings = ["over the wind, in deg", *columns]
+        print_table(f"Limit {np.degrees(self.limit):.4f} deg", headings, cells)
+        flown, rigid = self.flight.status
+        typer.echo(f"Flown: {_word(flown)}." + (f" Rigid: {_word(rigid)}." if bends else ""))
+        if "rings" in (flown, rigid):
+            typer.echo(lines(RINGS_MEANS))
+        for name, one in zip(
+            ("flexible", "rigid")[not bends :], self.boundaries or (), strict=False
+        ):
+            if one.status != "ok":
+                typer.echo(lines(f"Note: boundary, {name}: {one.status}"))
+
+    def document(self) -> dict[str, Any]:
+        """Return the same for JSON."""
+        import numpy as np
+
+        case, flight, least, deg = self.case, self.flight, self.boundaries, np.degrees
+
+        def both(values: Any) -> dict[str, float]:
+            return dict(zip(("flown", "rigid"), values, strict=True))
+
+        return {
+            "vehicle": case.vehicle.name,
+            "engine": "linear",
+            "flexible": case.bends,
+            "plane": case.plane,
+            "law": case.law,
+            "dead_band": case.dead_band,
+            "linear_model": case.plant.model,
+            "sample_rate_Hz": case.steps.rate,
+            "delay_s": case.nozzle["delay"],
+            "wind": {
+                "shape": case.shape,
+                "peak_deg": deg(case.wind.peak),
+                "onset_s": case.wind.onset,
+                "end_s": case.wind.end,
+            },
+            "limit_deg": deg(self.limit),
+            "survived": flight.survived,
+            "status": both(flight.status),
+            "peaks_over_the_wind_deg": {
+                name: both([deg(peak) for peak in flight.peaks(name)])
+                for name in ("attitude", "deflection", "angle_of_attack")
+            },
+            "peak_deflection_rate_deg_s": both([deg(rate) for rate in flight.peak_rates]),
+            "boundary_deg": both([deg(abs(one.deflection)) for one in (least[0], least[-1])])
+            if least
+            else None,
+        }
+
+
+RINGS_MEANS = (
+    "RINGS: the vehicle is brought back, and the nozzle goes on swinging: an oscillation of the"
+    " loop, of bending or slosh most often, grows near rest or lives on between the limits."
+)
+
+
+def _word(status: str) -> str:
+    return {"survived": "SURVIVED", "lost": "NOT SURVIVED", "rings": "NOT SURVIVED, it rings"}.get(
+        status, status.upper()
+    )

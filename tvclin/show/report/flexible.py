@@ -1,0 +1,245 @@
+"""The section of a flexible vehicle: its modes, margins by band, detuning, and the flight."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.findings import Findings
+from tvclin.answers.flexible import FlexibleAnswer, flexible_plant, shift_of
+from tvclin.answers.questions import FLOWN
+from tvclin.base.lines import Line, degrees, least, number, significant
+from tvclin.control.margins.bands import GAIN, PHASE, ModeBand
+from tvclin.control.margins.criteria import Judgement
+from tvclin.control.margins.record import MARGINS
+from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.flexible_modes import named_modes
+from tvclin.plots import bode_chart
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table
+from tvclin.show.report.figures import inline_svg
+from tvclin.vehicle.structure import Structure
+
+_NAME, _TITLE = "flexible", "The flexible vehicle"
+_HEAD = ("quantity", "flexible", "rigid")
+_BENDING = {
+    "frequency": " [rad/s]",
+    "damping": "",
+    "modal_mass": " [kg]",
+    "gimbal_displacement": "",
+    "gimbal_slope": " [1/m]",
+    "attitude_slope": " [1/m]",
+    "rate_slope": " [1/m]",
+    "pressure_displacement": "",
+}
+_SLOSH = {
+    "mass": " [kg]",
+    "station": " [m]",
+    "damping": "",
+    "pendulum_length": " [m]",
+    "frequency": " [rad/s]",
+}
+_ENGINE = {"mass": " [kg]", "arm": " [m]", "moment_of_inertia": " [kg m^2]"}
+"""What is shown of each, and its unit."""
+
+
+def flexible(found: Findings) -> Section | None:
+    """Return what bends and sloshes, and what that does to the autopilot; None of a rigid one."""
+    plan = found.plan
+    if plan.structure is None:
+        return None
+    f = found.flexible
+    plant = flexible_plant(plan.vehicle, plan.structure, plan.plane) if f is None else f.plant
+    blocks: list[Block] = [Paragraph(_words(plant)), *_modes(plant)]
+    if f is None:
+        none = "Its margins and flights need an autopilot: [autopilot] in a study file."
+        why = found.reasons.get("flexible")
+        blocks.append(Paragraph((f"There is no answer: {why}." if why else none,)))
+        return Section(_NAME, _TITLE, tuple(blocks))
+    blocks += [_bands(found, f), *_detuned(f)]
+    label = "Bode diagram of the loop of the flexible vehicle, each mode marked by its name"
+    caption = "Magnitude and phase of the loop, with its margins; each mode is named at its peak."
+    blocks.append(Figure(label, caption, inline_svg(bode_chart(f.autopilot, plant), "bode", label)))
+    blocks += [_flown(f), *_notes(f)]
+    return Section(_NAME, _TITLE, tuple(blocks))
+
+
+def given(structure: Structure) -> list[Table]:
+    """Return what went in: numbers of modes, of tanks and of the engine, in SI units."""
+    kinds: tuple[tuple[str, str, tuple[Any, ...], dict[str, str]], ...] = (
+        ("Bending", "bending", structure.bending, _BENDING),
+        ("Slosh", "slosh", structure.slosh, _SLOSH),
+        ("Engine", "engine", () if structure.engine is None else (structure.engine,), _ENGINE),
+    )
+    tables = []
+    for title, name, every, units in kinds:
+        rows: list[tuple[Line, ...]] = []
+        for field, unit in units.items():
+            values = [getattr(one, field) for one in every]
+            if any(value is not None for value in values):
+                cells = (
+                    ("-",)
+                    if value is None
+                    else significant(f"structure.{name}.{k}.{field}", value, 6)
+                    for k, value in enumerate(values)
+                )
+                rows.append(((f"{field.replace('_', ' ')}{unit}",), *cells))
+        head = ("quantity", *(f"{name} {k}" for k in range(1, len(every) + 1)))
+        tables += [Table(title, head, tuple(rows))] if every else []
+    return tables
+
+
+def _words(plant: FlexiblePlant) -> Line:
+    """What is flexible here and what is rigid, and by how much that matters."""
+    said = (
+        "The margins and flights of the autopilot are those of the flexible vehicle, on the"
+        f" {plant.model} model. Boundaries, minimum and sizes are those of the rigid vehicle"
+    )
+    moved = shift_of(plant)
+    if moved is None:
+        return (f"{said}.",)
+    pole = number("flexible.shift.fast_pole", moved.fast_pole, 2, "percent")
+    price = number("flexible.shift.trim_price", moved.trim_price, 2, "percent")
+    ask = ", and the deflection that a wind asks for by "
+    return (f"{said}; the structure would move its fast pole by ", *pole, ask, *price, ".")
+
+
+def _modes(plant: FlexiblePlant) -> list[Block]:
+    names, poles = named_modes(plant)
+    if not names:
+        return []
+    rows: list[tuple[Line, ...]] = []
+    for k, (name, pole) in enumerate(zip(names, poles, strict=True)):
+        size = abs(pole)
+        key = f"flexible.mode.{k}"
+        rows.append(
+            (
+                (name,),
+                significant(f"{key}.rad_per_s", size),
+                significant(f"{key}.Hz", size / (2.0 * np.pi)),
+                significant(f"{key}.damping", -pole.real / size if size else np.nan),
+            )
+        )
+    head = ("mode", "[rad/s]", "[Hz]", "damping")
+    return [Table("Modes in the vehicle, free and coupled", head, tuple(rows))]
+
+
+def _bands(found: Findings, f: FlexibleAnswer) -> Table:
+    """What the rigid body has, if the loop is stable, and what each mode has."""
+    rigid = f.bands.rigid
+    rows: list[tuple[Line, ...]] = []
+    parts = (
+        ("gain may fall", "aero_margin", rigid.aero_margin_dB, "dB", rigid.aero_frequency),
+        ("gain may rise", "gain", rigid.gain_increase_dB, "dB", rigid.gain_increase_frequency),
+        ("phase", "phase", rigid.phase_margin_deg, "deg", rigid.crossover_frequency),
+    )
+    for label, key, value, unit, at in parts if f.bands.whole.stable else ():
+        margin = number(f"flexible.rigid.{key}", value, 2, unit)
+        where = number(f"flexible.rigid.{key}.rad_per_s", at, 3)
+        rows.append(((f"rigid body, {label}",), ("",), where, margin, ("",), ("",)))
+    asked = {
+        one.band: one
+        for one in found.criteria.judge(f.bands)
+        if one.band and not np.isnan(one.value)
+    }
+    rows += [_mode(k, mode, asked.get(mode.name)) for k, mode in enumerate(f.bands.modes)]
+    head = ("band", "held by", "at [rad/s]", "margin", "asked", "criterion")
+    return Table("Margins by band", head, tuple(rows))
+
+
+def _mode(k: int, mode: ModeBand, asked: Judgement | None) -> tuple[Line, ...]:
+    key = f"flexible.band.{k}"
+    margin: Line = ("none",)
+    if mode.stabilised == GAIN:
+        margin = number(f"{key}.gain", mode.gain_margin_dB, 2, "dB")
+    elif mode.stabilised == PHASE:
+        margin = number(f"{key}.phase", mode.phase_margin_deg, 2, "deg")
+    elif mode.closed_pole.real < 0.0:
+        margin = (*number(f"{key}.distance", mode.distance, 2), " from -1")
+    cells: tuple[Line, ...] = (
+        (mode.name,),
+        (str(mode.stabilised),),
+        significant(f"{key}.rad_per_s", mode.frequency),
+        margin,
+    )
+    if asked is None:
+        return (*cells, ("",), ("",))
+    limit, unit = asked.requirement.shown
+    verdict = "met" if asked.met else "not met"
+    return (*cells, significant(f"{key}.asked", limit, 4, unit), (verdict,))
+
+
+def _detuned(f: FlexibleAnswer) -> list[Block]:
+    """Each mode off its place: the margins of the whole loop, and what fails first."""
+    d = f.detuned
+    if d is None:
+        return []
+    rows: list[tuple[Line, ...]] = []
+    for k, change in enumerate(d.changes):
+        key, m = f"flexible.detuned.{k}", d.margins
+        rows.append(
+            (
+                (change,),
+                number(f"{key}.aero_dB", m.aero_margin_dB[k], 2),
+                number(f"{key}.gain_dB", m.gain_increase_dB[k], 2),
+                number(f"{key}.phase_deg", m.phase_margin_deg[k], 2),
+                (_first(d.first[k]),),
+                ("met" if d.met[k] else "not met",),
+            )
+        )
+    head = ("change", "down [dB]", "up [dB]", "phase [deg]", "fails first", "criteria")
+    line: Line = ()
+    for j, edge in enumerate(d.edges):
+        for side in ("lower", "upper"):
+            at = getattr(edge, side)
+            if np.isfinite(at):
+                times = number(f"flexible.edge.{j}.{side}", at, 3)
+                line += (f"{edge.name} at ", *times, " times its frequency; ")
+    if line:
+        said: Line = ("The loop becomes unstable with ", *line[:-1], " times its frequency.")
+    else:
+        said = ("Between these frequencies the loop becomes unstable nowhere.",)
+    table = Table("Modes off their places, and what is left of the margins", head, tuple(rows))
+    return [table, Paragraph(said)]
+
+
+def _first(name: str) -> str:
+    """What fails first, in words."""
+    margin, _, mode = name.partition(" of ")
+    if mode:
+        return f"{mode}, {'gain' if 'gain' in margin else 'phase'}"
+    return MARGINS[name][0] if name in MARGINS else name
+
+
+def _flown(f: FlexibleAnswer) -> Table:
+    """What the autopilot needs with limits, and what becomes of the limit in question."""
+    ends = [
+        degrees(f"flexible.boundary.{k}", abs(b.deflection)) for k, b in enumerate(f.boundaries)
+    ]
+    rows: list[tuple[Line, ...]] = [
+        (("least limit of this autopilot [deg]",), *(least(one) for one in ends))
+    ]
+    if f.flight is not None:
+        rows.append(
+            (("with the limit in question it",), *((FLOWN[one],) for one in f.flight.status))
+        )
+        for name in ("attitude", "deflection", "angle_of_attack"):
+            label = f"largest {name.replace('_', ' ')} over the wind [deg]"
+            rows.append(((label,), *_both(f"flown.{name}", f.flight.peaks(name))))
+        rates = _both("flown.rate", f.flight.peak_rates)
+        rows.append((("largest rate of the nozzle [deg/s]",), *rates))
+    caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
+    return Table(caption, _HEAD, tuple(rows))
+
+
+def _both(key: str, angles: Sequence[float]) -> list[Line]:
+    """Cells of an angle [rad] of the flexible and of the rigid vehicle."""
+    return [degrees(f"flexible.{key}.{k}", one) for k, one in enumerate(angles)]
+
+
+def _notes(f: FlexibleAnswer) -> list[Block]:
+    said = [
+        f"{name} vehicle: {one.status}."
+        for name, one in zip(("Flexible", "Rigid"), f.boundaries, strict=True)
+        if one.status != "ok"
+    ]
+    return [Paragraph((" ".join(said),))] if said else []
