@@ -96,7 +96,7 @@ def differences(stored: Any, new: Any) -> list[str]:
 
     Words are the same to the letter. A number may differ by one in the last digit that is shown,
     by `ROUNDING`, and by what its cell allows with a tag: "within 1e-3", the error that the method
-    states, relative; "rounding", a cell that shows rounding itself, of which words alone count.
+    states (of what minimises a peak the root of that), relative; "rounding", a cell that shows rounding itself, of which words alone count.
 
     Parameters
     ----------
