@@ -94,9 +94,10 @@ def texts(cell: Any) -> list[str]:
 def differences(stored: Any, new: Any) -> list[str]:
     """Return where two runs of one notebook do not say the same.
 
-    Words are the same to the letter. A number may differ by one in the last digit that is shown,
-    by `ROUNDING`, and by what its cell allows with a tag: "within 1e-3", the error that the method
-    states (of what minimises a peak the root of that), relative; "rounding", a cell that shows rounding itself, of which words alone count.
+    Words are the same to the letter. A number may differ by one in the last digit that is shown, by
+    `ROUNDING`, and by what its cell allows with a tag: "within 1e-3", the relative error that the
+    method states (of what minimises a peak, the root of that of the peak); "rounding", a cell that
+    shows rounding itself, of which words alone count.
 
     Parameters
     ----------

@@ -63,7 +63,7 @@ class WindProfile:
     source: str = ""
     notes: tuple[str, ...] = ()
 
-    _repr_html_ = shows("Sounding", "height [m]", "speed [m/s]", "source", "notes")
+    _repr_html_ = shows("Sounding", "height [m]", "speed [m/s]", "notes")
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in RANGES.items():
