@@ -14,7 +14,7 @@ from typing import Any
 
 FOLDER = Path(__file__).parent
 COLOURS = 64
-"""So many are kept of a figure: lines and their edges look the same, in a third of the bytes."""
+"""So many are kept of a figure: it looks the same, in a third of the bytes."""
 ROUNDING = 1e-9
 """Relative, what processors may differ by; and what a number of order one leaves at zero."""
 
@@ -62,11 +62,11 @@ def executed(source: Path) -> Any:
     notebook.metadata.language_info = {"name": "python"}  # else with the version that ran it
     for cell in notebook.cells:
         for output in cell.get("outputs", []):
-            _reduce(output.get("data", {}))
+            reduce(output.get("data", {}))
     return notebook
 
 
-def _reduce(data: dict[str, str]) -> None:
+def reduce(data: dict[str, str]) -> None:
     """Keep a table or a figure and not also its text, and of a figure few colours."""
     if "text/html" in data or "image/png" in data:
         data.pop("text/plain", None)
@@ -75,7 +75,8 @@ def _reduce(data: dict[str, str]) -> None:
 
         picture = Image.open(io.BytesIO(base64.b64decode(data["image/png"]))).convert("RGB")
         small = io.BytesIO()
-        picture.quantize(COLOURS, dither=Image.Dither.NONE).save(small, "png", optimize=True)
+        most = Image.Quantize.MAXCOVERAGE  # keeps the colour of thin lines
+        picture.quantize(COLOURS, most, dither=Image.Dither.NONE).save(small, "png", optimize=True)
         data["image/png"] = base64.b64encode(small.getvalue()).decode("ascii")
 
 

@@ -1,5 +1,7 @@
 """Every notebook asks, runs to its answer, and says what the stored one beside it says."""
 
+import base64
+import io
 import os
 from functools import cache
 from importlib import import_module
@@ -8,7 +10,12 @@ from pathlib import Path
 from types import ModuleType
 
 import nbformat
+import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+from tvclin.plots.style import COLOURS
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
@@ -79,6 +86,21 @@ def test_a_notebook_has_its_question_an_equation_a_picture_something_to_try_and_
     assert any("image/png" in data for data in shown)
     assert "**Try:**" in words
     assert cells[-1].source.endswith("\nprint(answer)")
+
+
+def test_thin_lines_keep_their_colours_when_a_figure_is_made_small(notebooks: ModuleType) -> None:
+    shades = np.linspace(0, 255, 200)[:, None, None] * np.ones((1, 200, 3))
+    for row, colour in enumerate(COLOURS):
+        shades[20 * row] = 255.0 * np.array(to_rgb(colour))
+    raw = io.BytesIO()
+    Image.fromarray(shades.astype(np.uint8)).save(raw, "png")
+    data = {"image/png": base64.b64encode(raw.getvalue()).decode(), "text/plain": "<Figure>"}
+    notebooks.reduce(data)
+    small = np.asarray(Image.open(io.BytesIO(base64.b64decode(data["image/png"]))).convert("RGB"))
+
+    assert set(data) == {"image/png"}
+    # 64 colours over the whole range are 4 apart in each channel if they are grey
+    assert np.abs(small - shades.astype(int)).max() <= 12
 
 
 def test_there_is_a_stored_notebook_for_each_source_and_no_other() -> None:
