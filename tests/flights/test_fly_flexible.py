@@ -317,9 +317,9 @@ def test_an_oscillation_that_lives_on_between_the_limits_has_not_survived():
     assert replace(gains, actuator=quick, sample_rate=100.0).margins(plant).stable
     wind = tv.AsymmetricTriangularWind(peak=np.radians(5), duration=7.5, peak_time=7.5)
     nozzle = {"deflection_limit": np.radians(0.8), "actuator": quick, "sample_rate": 100.0}
-    rates = np.radians([1.0, 3.0, 6.0, 12.0])
+    rates = np.radians([1.0, 3.0, 12.0])
     many = tv.fly_many(plant, tv.SaturatedLaw(gains), wind, rate_limit=rates, **nozzle)
-    assert many.status.tolist() == ["rings", "rings", "rings", "survived"]
+    assert many.status.tolist() == ["rings", "rings", "survived"]
     for rate, status in zip(rates, many.status, strict=True):
         times = np.linspace(70.0, 80.0, 1001)
         flown = tv.fly(plant, tv.SaturatedLaw(gains), wind, times, rate_limit=float(rate), **nozzle)

@@ -17,7 +17,7 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
+    from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.bands import BandMargins
@@ -179,28 +180,37 @@ def gains_of(plan: StudyPlan) -> GainsAsked:
 
 
 def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
-    from tvclin.answers.flexible import flexible_plant
-    from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.control.comparison.trim import compare_with_trim
-    from tvclin.control.margins.criteria import CRITERIA
 
-    asked, wind = gains_of(plan), blown(study)
-    plant: AnyPlant = Plant(study.coefficients, asked.model)
-    whole = plant
-    if plan.structure is not None:
-        whole = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
-    autopilot = autopilot_asked(asked, whole, wind, plan.criteria or CRITERIA["classic"])
-    return compare_with_trim(plant.rigid, autopilot, wind)
+    plant = Plant(study.coefficients, gains_of(plan).model)
+    flying = plant if plan.structure is None else _flexible_plant(plan)
+    return compare_with_trim(plant, _autopilot(plan, study, flying), blown(study))
 
 
 def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
-    from tvclin.answers.flexible import flexible_answer, flexible_plant
+    from tvclin.answers.flexible import flexible_answer
     from tvclin.control.margins.criteria import CRITERIA
 
-    asked, criteria = gains_of(plan), plan.criteria or CRITERIA["classic"]
+    plant, criteria = _flexible_plant(plan), plan.criteria or CRITERIA["classic"]
+    autopilot = _autopilot(plan, study, plant)
+    return flexible_answer(plant, autopilot, criteria, blown(study), plan.limit)
+
+
+def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:
+    from tvclin.answers.flexible import flexible_plant
+
     assert plan.structure is not None
-    plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
-    return flexible_answer(plant, asked, criteria, blown(study), plan.limit)
+    return flexible_plant(plan.vehicle, plan.structure, plan.plane, gains_of(plan).model)
+
+
+def _autopilot(plan: StudyPlan, study: Study, plant: AnyPlant) -> Autopilot:
+    """The autopilot that is asked for; gains that are sought meet the criteria."""
+    from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.control.margins.criteria import CRITERIA
+
+    return autopilot_asked(
+        gains_of(plan), plant, blown(study), plan.criteria or CRITERIA["classic"]
+    )
 
 
 def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers.least_gains.asked import autopilot_asked
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
@@ -70,22 +69,21 @@ class FlexibleAnswer:
 
 def flexible_answer(
     plant: FlexiblePlant,
-    asked: GainsAsked,
+    autopilot: Autopilot,
     criteria: Criteria,
     wind: History,
     limit: float | None,
 ) -> FlexibleAnswer:
     """Return what an autopilot does with a flexible vehicle.
 
-    Its gains are for the rigid one, but those for the least nozzle: they have the margins that are
-    asked for with the structure.
+    Gains that are sought, such as those for the least nozzle, are sought with the structure.
 
     Parameters
     ----------
     plant : FlexiblePlant
         One plant.
-    asked : GainsAsked
-        The autopilot.
+    autopilot : Autopilot
+        One, designed on the rigid plant.
     criteria : Criteria
         What detuned modes are held to.
     wind : History
@@ -98,10 +96,9 @@ def flexible_answer(
     InputError
         As `Autopilot.band_margins` and `closed_loop_boundary`.
     """
-    autopilot = autopilot_asked(asked, plant, wind, criteria)
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
-    nozzle = nozzle_of(asked)
+    nozzle = nozzle_of(autopilot)
     bends, rigid = (closed_loop_boundary(one, law, wind, **nozzle) for one in (plant, plant.rigid))
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, start + _LONG * (end - start), _POINTS)
@@ -122,7 +119,7 @@ def flexible_answer(
     )
 
 
-def nozzle_of(asked: GainsAsked, rate: float = _RATE) -> dict[str, Any]:
+def nozzle_of(asked: GainsAsked | Autopilot, rate: float = _RATE) -> dict[str, Any]:
     """Return actuator and delay of an autopilot, and at least so many samples [Hz] for flights."""
     servo = asked.actuator
     least = 0.0 if servo is None else _PER_ACTUATOR * float(servo.natural_frequency)

@@ -123,13 +123,13 @@ def _autopilot(found: Findings, limit: float) -> Question:
         return Question("autopilot", None, (_reason(found, "comparison"),))
     if not c.margins.stable:
         return Question("autopilot", False, (f"the loop is not stable: {c.margins.reason}",))
-    peak, whose = c.peak_deflection, ""
+    peak, said = c.peak_deflection, "the autopilot, which has no limits here, asks for "
     if found.flexible is not None and found.flexible.peak_deflection > peak:
-        peak, whose = found.flexible.peak_deflection, " around the flexible vehicle"
+        peak = found.flexible.peak_deflection
+        said = "the flexible vehicle's autopilot, without limits, asks for "
     if np.isinf(peak):
-        return Question("autopilot", False, (f"the loop{whose} is not stable",))
-    asks = degrees("asked.autopilot", peak, unit="deg")
-    line: Line = (f"the autopilot{whose}, which has no limits here, asks for ", *asks)
+        return Question("autopilot", False, ("the loop of the flexible vehicle is not stable",))
+    line: Line = (said, *degrees("asked.autopilot", peak, unit="deg"))
     return Question("autopilot", bool(covers(limit, peak)), line)
 
 

@@ -119,7 +119,8 @@ def margins(
     fine = flown and found.whole.stable
     in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
     in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, case)
-    if plant is not frame and in_box is not None:
+    in_all = asked.without_modes or asked  # the box is of the rigid vehicle
+    if in_box is not None:
         note_structure(loaded, getattr(plant, "structure", None), plane, "the margins in the box")
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
@@ -127,7 +128,7 @@ def margins(
         head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
         beside = {} if moved is None else {"detuned": detuned_document(moved)}
         beside |= {} if in_wind is None else {"flown": flown_document(in_wind)}
-        beside |= {} if in_box is None else {"box": worst_document(in_box, asked)}
+        beside |= {} if in_box is None else {"box": worst_document(in_box, in_all)}
         print_json({**head, **margins_document(found), **beside})
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
@@ -136,8 +137,8 @@ def margins(
         if in_wind is not None:
             print_flown(in_wind, case.title)
         if in_box is not None:
-            print_worst(in_box, asked)
-    if not (found.met and (in_box is None or met_in_box(in_box, asked))):
+            print_worst(in_box, in_all)
+    if not (found.met and (in_box is None or met_in_box(in_box, in_all))):
         raise typer.Exit(1)
 
 

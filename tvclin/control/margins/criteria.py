@@ -183,6 +183,12 @@ class Criteria:
         """Whether something is asked of modes."""
         return any(one.margin in _OF_MODES for one in self.requirements)
 
+    @property
+    def without_modes(self) -> "Criteria | None":
+        """What is asked of the whole loop; None where all is asked of modes."""
+        kept = tuple(one for one in self.requirements if one.margin not in _OF_MODES)
+        return Criteria(self.name, kept) if kept else None
+
     def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
         """Return each margin beside what is asked for.
 
