@@ -507,7 +507,7 @@ def test_the_root_locus_marks_where_it_ends_and_at_which_factor():
 
 @pytest.mark.parametrize("name", CHARTS)
 def test_a_loop_is_drawn_with_the_name_of_its_vehicle(name):
-    assert "Configuration I" in heading(CHARTS[name](*drifting()))
+    assert "Configuration I" in heading(CHARTS[name](*drifting())).replace("\u00a0", " ")
 
 
 def test_legends_are_in_words():
