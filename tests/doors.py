@@ -369,6 +369,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "b2": 0.1,
                 "q": 0.0,
                 "damping": 0.03,
+                "name": "Booster",
             },
         ),
         "Coefficients.from_beta": Door(

@@ -76,6 +76,7 @@ def study_document(result: "Study") -> dict[str, Any]:
     """Return a study as a document for JSON."""
     import numpy as np
 
+    from tvclin.vehicle.coefficients import NUMBERS
     from tvclin.vehicle.vehicle import Vehicle
 
     v, c, deg = result.vehicle, result.coefficients, np.degrees
@@ -86,7 +87,7 @@ def study_document(result: "Study") -> dict[str, Any]:
             "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
             "pole_per_s": c.pole if c.mu_alpha > 0.0 else None,
             "B": c.B,
-            **{name: getattr(c, name) for name in c.__dataclass_fields__},
+            **{name: getattr(c, name) for name in NUMBERS},
         },
         "wind": {
             "shape": result.shape,

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
-from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.coefficients import NUMBERS, Coefficients
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, coefficients_of
 
 if TYPE_CHECKING:
@@ -82,6 +82,9 @@ class Plant:
             return cls(vehicle.known_for(one_of("model", model, MODELS)), model)
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
 
+    def _repr_html_(self) -> str:
+        return self.coefficients._repr_html_().replace("Coefficients", f"Plant, {self.model}", 1)
+
     @property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
@@ -90,16 +93,19 @@ class Plant:
     def one(self, case: int, shape: tuple[int, ...]) -> Plant:
         """Return one plant of the batch spread to `shape`, by its flat position there."""
         few = self.some(np.array([case]), shape).coefficients
-        held = {name: float(getattr(few, name)[0]) for name in Coefficients.__dataclass_fields__}
-        return Plant(Coefficients(**held), self.model)
+        held = {name: float(getattr(few, name)[0]) for name in NUMBERS}
+        return self._with(held)
 
     def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Plant:
         """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
         held = {
             name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[cases]
-            for name in Coefficients.__dataclass_fields__
+            for name in NUMBERS
         }
-        return Plant(Coefficients(**held), self.model)
+        return self._with(held)
+
+    def _with(self, numbers: dict[str, Any]) -> Plant:
+        return Plant(Coefficients(**numbers, name=self.coefficients.name), self.model)
 
     @property
     def rigid(self) -> Plant:

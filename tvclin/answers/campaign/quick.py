@@ -19,6 +19,7 @@ from tvclin.answers.campaign.statistics import (
 )
 from tvclin.answers.requirement import covers
 from tvclin.answers.study import Study
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     fraction,
@@ -72,6 +73,18 @@ class DispersedStudy:
     required: Quantile
     success: Success | None
     drivers: dict[str, float]
+
+    _repr_html_ = shows(
+        "Dispersed study",
+        "nominal.vehicle.name",
+        "nominal.required_deflection [deg]",
+        "required.estimate [deg]",
+        "required.upper [deg]",
+        "required.probability",
+        "required.confidence",
+        "required.cases",
+        "part [-]",
+    )
 
     @property
     def part(self) -> float:
