@@ -25,14 +25,14 @@ from tvclin.base.errors import InputError, instance, one_of
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
 from tvclin.vehicle.coefficients import NUMBERS, Coefficients
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, coefficients_of
 
 if TYPE_CHECKING:
     import control
 
 FloatArray = NDArray[np.float64]
 
-MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
+MODELS = (FIXED_PATH, "drift", "drift-exact", "drift-and-speed")
 INPUTS = ("deflection", "wind")
 RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
 """How to get a `Plant`, for messages where only a rigid one has an answer."""
@@ -72,9 +72,14 @@ class Plant:
 
     @classmethod
     def from_vehicle(
-        cls, vehicle: Vehicle, model: str = "fixed-path", plane: str = "pitch"
+        cls, vehicle: AnyVehicle, model: str = "fixed-path", plane: str = "pitch"
     ) -> Self:
-        """Return the plant of a vehicle in the pitch or the yaw plane."""
+        """Return the plant of a vehicle in the pitch or the yaw plane.
+
+        One that is known by its coefficients is what these are of, in either plane.
+        """
+        if isinstance(vehicle, LinearVehicle):
+            return cls(vehicle.known_for(one_of("model", model, MODELS)), model)
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
 
     def _repr_html_(self) -> str:
@@ -369,6 +374,13 @@ def available_models(coefficients: Coefficients) -> list[str]:
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
     return [name for name in MODELS if name != "drift" or not without_moment]
+
+
+def models_of(vehicle: AnyVehicle) -> list[str]:
+    """Return the models that exist for a vehicle, with what is known of it."""
+    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
+        return [FIXED_PATH]
+    return available_models(coefficients_of(vehicle))
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.winds.shaped import ShapedWind
 
@@ -178,7 +179,7 @@ def _campaign(
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
-        vehicle=study.vehicle,
+        vehicle=whole_vehicle(study.vehicle, "a dispersed study"),
         structure=structure,
         wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),
         dispersions=dispersions,
