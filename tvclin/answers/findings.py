@@ -22,6 +22,7 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
+    from tvclin.answers.availability.record import Availability
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.sizing.record import Sizing
@@ -59,6 +60,8 @@ class Findings:
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
         The whole flight, and the worst of all that its nozzle has to do.
+    availability : Availability or None
+        On how many days of an archive it flies.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -72,6 +75,7 @@ class Findings:
     flexible: FlexibleAnswer | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
+    availability: Availability | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -93,8 +97,9 @@ class Findings:
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
         asked = asdict(self.plan)
-        if self.plan.structure is None:
-            del asked["structure"]  # the seals of rigid vehicles stay what they were
+        for later in ("structure", "availability"):
+            if asked[later] is None:
+                del asked[later]  # the seals of what could be asked before stay what they were
         return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
 
 
@@ -105,10 +110,12 @@ def blown(study: Study) -> History:
 
 
 def _plain(value: Any) -> Any:
-    """What arrays and histories are in JSON: lists, complex numbers as pairs."""
+    """What arrays and histories are in JSON: lists, complex numbers as pairs, times as text."""
     array = np.asarray(value)
     if np.iscomplexobj(array):
         return [array.real.tolist(), array.imag.tolist()]
+    if array.dtype.kind == "M":
+        return array.astype(str).tolist()
     return array.tolist()
 
 
@@ -143,6 +150,7 @@ def find(plan: StudyPlan) -> Findings:
             flexible=part("flexible", plan.structure and (plan.gains or plan.criteria), _flexible),
             dispersed=part("dispersed", plan.dispersions, _dispersed),
             flight=part("flight", plan.sizing, _flight),
+            availability=part("availability", plan.availability, _availability),
             reasons=reasons,
             warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
         )
@@ -218,6 +226,12 @@ def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
     assert plan.sizing is not None
     found = plan.sizing.sizing()
     return found, plan.sizing.total(found)
+
+
+def _availability(plan: StudyPlan, study: Study) -> Availability:
+    del study
+    assert plan.availability is not None
+    return plan.availability.availability()
 
 
 def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:

@@ -26,7 +26,8 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "whole flight", "probability", "autopilot", "margins" or "flexible flight".
+        "wind", "whole flight", "availability", "probability", "autopilot", "margins" or "flexible
+        flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -72,6 +73,9 @@ def _asked(found: Findings) -> Iterator[Question]:
         yield _wind(found)
         if found.plan.sizing is not None:
             yield _flight(found)
+        asked = found.plan.availability
+        if asked is not None and asked.least_part is not None:
+            yield _availability(found, asked.least_part)
         if found.plan.dispersions is not None:
             yield _probability(found, limit)
     if found.plan.gains is not None or found.plan.criteria is not None:
@@ -99,6 +103,16 @@ def _flight(found: Findings) -> Question:
     total = found.flight[1]
     needed = degrees("asked.flight", total.required, unit="deg")
     return Question("whole flight", total.sufficient, ("the whole flight needs ", *needed))
+
+
+def _availability(found: Findings, least: float) -> Question:
+    if found.availability is None:
+        return Question("availability", None, (_reason(found, "availability"),))
+    line: Line = (
+        *number("asked.least_part_percent", 100.0 * least, 1, "% of days must fly"),
+        f": {found.availability.part()}",
+    )
+    return Question("availability", found.availability.reaches(least), line)
 
 
 def _probability(found: Findings, limit: float) -> Question:

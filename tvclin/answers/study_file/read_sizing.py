@@ -1,10 +1,11 @@
-"""The tables [schedule], [size] and [[wind]] with soundings: what is asked of a whole flight."""
+"""The tables [schedule], [size], [[wind]] with soundings and [availability]: of a whole flight."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
 from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked, SoundingAsked
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import InputError, shown
@@ -57,6 +58,30 @@ def sizing_of(
         gust=gust,
         **(study | given),
     )
+
+
+def availability_of(
+    document: Mapping[str, Any], folder: Path, gust: History | None, limit: float | None
+) -> AvailabilityAsked | None:
+    """Return what a document asks of an archive of soundings; None without [availability].
+
+    The model and a nozzle_stop of the study count where the table says nothing; both planes, unless
+    it names one.
+
+    Raises
+    ------
+    InputError
+        Without a limit, and as `AvailabilityAsked.of_table`.
+    """
+    if "availability" not in document:
+        return None
+    if limit is None:
+        raise InputError("[availability] needs limit_deg in [question]")
+    head, table = document.get("study", {}), AVAILABILITY_TABLE.one(document)
+    study = {"model": head["model"]} if "model" in head else {}
+    study |= {"stop": head["nozzle_stop"]} if "nozzle_stop" in head else {}
+    flight = _flight(document, folder)["schedule"]
+    return AvailabilityAsked.of_table(table, folder, flight=flight, limit=limit, gust=gust, **study)
 
 
 def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
