@@ -231,7 +231,9 @@ def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
 def _availability(plan: StudyPlan, study: Study) -> Availability:
     del study
     assert plan.availability is not None
-    return plan.availability.availability()
+    if plan.limit is None:
+        raise InputError("on how many days it flies is asked of a limit: give limit_deg")
+    return plan.availability.availability(plan.limit)
 
 
 def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:

@@ -1,12 +1,13 @@
 """What is asked of a limit and an autopilot, each question with its answer."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.lines import Line, degrees, number, text
 
 FLOWN = {
@@ -47,6 +48,14 @@ class Question:
     def text(self) -> str:
         """Return why, as plain text."""
         return text(self.line)
+
+
+def questioned(plan: StudyPlan) -> StudyPlan:
+    """Return a plan without what is shown on its page and not asked with yes or no."""
+    archive = plan.availability
+    if archive is not None and archive.least_part is None:
+        archive = None
+    return replace(plan, laws=None, availability=archive)
 
 
 def questions(found: Findings) -> tuple[Question, ...]:
@@ -109,7 +118,7 @@ def _availability(found: Findings, least: float) -> Question:
     if found.availability is None:
         return Question("availability", None, (_reason(found, "availability"),))
     line: Line = (
-        *number("asked.least_part_percent", 100.0 * least, 1, "% of days must fly"),
+        *number("asked.least_part_percent", 100.0 * least, 1, "% of soundings must fly"),
         f": {found.availability.part()}",
     )
     return Question("availability", found.availability.reaches(least), line)

@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import InputError, between, instance, number, shown
+from tvclin.base.errors import InputError, between, fraction, instance, number, one_of, shown
 from tvclin.base.tables import Table
+from tvclin.linear.plant import MODELS
+from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.read_soundings import read_soundings
@@ -44,8 +47,6 @@ class AvailabilityAsked:
         The flight.
     soundings : Soundings
         The archive.
-    limit : float
-        Deflection capability [rad].
     azimuth, plane, stop, model, persistence, gust, known_to, confidence
         As of `availability`.
     least_part : float, optional
@@ -54,12 +55,11 @@ class AvailabilityAsked:
     Raises
     ------
     InputError
-        For what is no flight or archive, and a part out of range.
+        For what is no flight or archive, unknown names, and numbers out of range.
     """
 
     flight: FlightSchedule
     soundings: Soundings
-    limit: float
     azimuth: float
     plane: str = BOTH
     stop: str = "round"
@@ -73,6 +73,10 @@ class AvailabilityAsked:
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")
         instance("soundings", self.soundings, Soundings, "see read_soundings")
+        for name, names in {"plane": (BOTH, *PLANES), "stop": STOPS, "model": MODELS}.items():
+            one_of(f"{name} of availability", getattr(self, name), names)
+        number("azimuth", self.azimuth, unit="rad")
+        fraction("confidence", self.confidence)
         if self.least_part is not None:
             number("least_part", self.least_part, between(0.0, 1.0))
 
@@ -87,7 +91,7 @@ class AvailabilityAsked:
         folder : Path
             Where its archive is.
         **study
-            Flight, limit, gust, and more of the study that counts where the table says nothing.
+            Flight, gust, and more of the study that counts where the table says nothing.
 
         Raises
         ------
@@ -119,10 +123,10 @@ class AvailabilityAsked:
             given["persistence"] = PairGrowth(hours)
         return cls(soundings=soundings, **(study | given))
 
-    def availability(self) -> Availability:
-        """Return on how many days it flies; raise `InputError` as `availability`."""
+    def availability(self, limit: float) -> Availability:
+        """Return on how many days a limit [rad] is enough; raise `InputError` as `availability`."""
         from tvclin.answers.availability.availability import availability
 
         asked = {one.name: getattr(self, one.name) for one in fields(self)}
         del asked["least_part"]
-        return availability(asked.pop("flight"), asked.pop("soundings"), **asked)
+        return availability(asked.pop("flight"), asked.pop("soundings"), limit=limit, **asked)

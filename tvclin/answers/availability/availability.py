@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by
-from tvclin.answers.availability.judge import BOTH, STOPS, Judge, Needs
+from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, Needs
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
@@ -158,7 +158,11 @@ def availability(
         known=needs.known[0] if one else needs.known,
         persistence=added,
         confidence=trusted,
-        notes=(*soundings.notes, *told, *near, *_seasons(soundings, needs.why)),
+        notes=(
+            *(*soundings.notes, *told, *near),
+            *_too_fast(judge, needs.why),
+            *_seasons(soundings, needs.why),
+        ),
         reasons=tuple(needs.why),
         judge=judge,
     )
@@ -213,6 +217,19 @@ def _added(
         ]
     told = [f"persistence: {np.degrees(growth):.4f} deg are added"] if growth else []
     return np.full(least.shape[0], growth), told
+
+
+def _too_fast(judge: Judge, why: list[str]) -> list[str]:
+    """How many soundings have a wind that the flight cannot meet, and where it is slowest."""
+    count, slowest = why.count(TOO_FAST), int(np.argmin(judge.path.speed))
+    if not count:
+        return []
+    speed, time = judge.path.speed[slowest], judge.path.time[slowest]
+    return [
+        f"{count} soundings are unknown since their wind is faster than the flight somewhere; it"
+        f" flies {speed:.4g} m/s at {time:.4g} s, and near lift-off any wind is faster: a schedule"
+        " that begins later leaves that out"
+    ]
 
 
 def _seasons(soundings: Soundings, why: list[str]) -> list[str]:

@@ -48,7 +48,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         wind=wind,
         gust=gust,
         sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
-        availability=availability_of(document, folder, gust, question["limit"]),
+        availability=availability_of(document, folder, gust),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
         gains=GainsAsked.from_table(document["autopilot"]) if "autopilot" in document else None,
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,

@@ -61,7 +61,7 @@ def sizing_of(
 
 
 def availability_of(
-    document: Mapping[str, Any], folder: Path, gust: History | None, limit: float | None
+    document: Mapping[str, Any], folder: Path, gust: History | None
 ) -> AvailabilityAsked | None:
     """Return what a document asks of an archive of soundings; None without [availability].
 
@@ -71,17 +71,15 @@ def availability_of(
     Raises
     ------
     InputError
-        Without a limit, and as `AvailabilityAsked.of_table`.
+        As `AvailabilityAsked.of_table`.
     """
     if "availability" not in document:
         return None
-    if limit is None:
-        raise InputError("[availability] needs limit_deg in [question]")
     head, table = document.get("study", {}), AVAILABILITY_TABLE.one(document)
     study = {"model": head["model"]} if "model" in head else {}
     study |= {"stop": head["nozzle_stop"]} if "nozzle_stop" in head else {}
     flight = _flight(document, folder)["schedule"]
-    return AvailabilityAsked.of_table(table, folder, flight=flight, limit=limit, gust=gust, **study)
+    return AvailabilityAsked.of_table(table, folder, flight=flight, gust=gust, **study)
 
 
 def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
