@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by
-from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, Needs
+from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
+from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, Needs, checked_gust
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
     between,
     callable_for,
-    ending,
     fraction,
     instance,
     nonnegative,
     number,
     one_of,
-    single,
 )
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -35,7 +32,6 @@ FloatArray = NDArray[np.float64]
 _CLOSE = 0.02
 """Needs with calm and with a strong wind that differ by more than this part are not compared."""
 _FEW_YEARS = 3
-_LARGEST = np.pi / 2
 
 
 def availability(
@@ -122,12 +118,9 @@ def availability(
         raise InputError("soundings must hold one or more; there are none of what was asked for")
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
-    if gust is not None:
-        instance("gust", gust, History, "such as OneMinusCosineGust")
-        single("gust", gust.batch)
-        ending("gust", gust.end)
+    checked_gust(gust)
     azimuths = one_row_or_one("azimuth", azimuth)
-    growth = _growth(persistence)
+    growth = growth_of(persistence)
     capability = number("limit", limit, nonnegative, "rad")
     trusted = fraction("confidence", confidence)
     if utc_offset is not None:
@@ -166,18 +159,6 @@ def availability(
         reasons=tuple(needs.why),
         judge=judge,
     )
-
-
-def _growth(asked: Any) -> float | WindGrowth | PairGrowth:
-    """What persistence is: an angle [rad], zero without any, or one of the two others."""
-    if asked is None:
-        return 0.0
-    if isinstance(asked, WindGrowth | PairGrowth):
-        return asked
-    if isinstance(asked, str):
-        one_of("persistence", asked, ("pairs",))
-        return PairGrowth()
-    return number("persistence", asked, between(0.0, _LARGEST), "rad")
 
 
 def _flown_where_that_decides(

@@ -90,11 +90,14 @@ def _answer(a: Availability, whole: Part) -> Line:
 
 def _how(a: Availability) -> str:
     azimuth = f"{np.degrees(float(a.azimuth)):.4g}"
+    first, last = a.soundings.times[[0, -1]].astype("datetime64[D]")
+    station = a.soundings.station or "an archive"
     planes = "both planes" if a.plane == "both" else f"the {a.plane} plane"
     return (
-        f"Each wind of {a.soundings!r} is flown through towards {azimuth} deg, with parameters that"
-        f" vary, on the {a.model} model in {planes}, with trim up to the limit (K = 1), which needs"
-        " no forecast. What a balloon did not see is unknown, and in no part."
+        f"Each of the {len(a.soundings)} winds of {station} from {first} to {last} is flown through"
+        f" towards {azimuth} deg, with parameters that vary, on the {a.model} model in {planes},"
+        " with trim up to the limit (K = 1), which needs no forecast. What a balloon did not see is"
+        " unknown, and in no part."
     )
 
 
