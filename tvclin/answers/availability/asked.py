@@ -9,7 +9,7 @@ from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS, checked_gust
 from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import between, fraction, instance, number, one_of
+from tvclin.base.errors import InputError, between, fraction, instance, number, one_of
 from tvclin.base.tables import Table
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -52,7 +52,7 @@ class AvailabilityAsked:
     Raises
     ------
     InputError
-        For what is no flight or archive, unknown names, and numbers out of range.
+        For what is no flight or archive, an empty one, unknown names, and numbers out of range.
     """
 
     flight: FlightSchedule
@@ -70,6 +70,10 @@ class AvailabilityAsked:
     def __post_init__(self) -> None:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")
         instance("soundings", self.soundings, Soundings, "see read_soundings")
+        if not len(self.soundings):
+            raise InputError(
+                "soundings must hold one or more; there are none of what was asked for"
+            )
         for name, names in {"plane": (BOTH, *PLANES), "stop": STOPS, "model": MODELS}.items():
             one_of(f"{name} of availability", getattr(self, name), names)
         number("azimuth", self.azimuth, unit="rad")
