@@ -2,6 +2,8 @@
 
 import json
 import re
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
+from tvclin.answers.availability.asked import AVAILABILITY_TABLE
 from tvclin.answers.findings import find
 from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
@@ -218,3 +221,16 @@ def test_model_stop_and_gust_are_those_of_the_study_unless_the_table_says_so(fol
     del given["availability"]["model"], given["availability"]["plane"]
     asked = parse_study(given, folder).availability
     assert (asked.model, asked.plane) == ("drift", "both")
+
+
+def test_the_table_of_the_page_is_read(folder) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "availability.md").read_text()
+    (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
+    table = tomllib.loads(text)["availability"]
+    known = {*AVAILABILITY_TABLE.words, *AVAILABILITY_TABLE.lists}
+    known |= {name for name, _ in AVAILABILITY_TABLE.keys.values()} - {"persistence_hours"}
+    assert known == {key.removesuffix("_deg").removesuffix("_m") for key in table}
+    table |= {"archive": "s-data.txt", "station": "ZZM00088801"}
+    asked = parse_study(document() | {"availability": table}, folder).availability
+    assert (asked.known_to, asked.least_part) == (16e3, 0.9)
+    assert set(asked.soundings.months.tolist()) == {2}

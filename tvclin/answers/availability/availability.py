@@ -207,9 +207,9 @@ def _too_fast(judge: Judge, why: list[str]) -> list[str]:
         return []
     speed, time = judge.path.speed[slowest], judge.path.time[slowest]
     return [
-        f"{count} soundings are unknown since their wind is faster than the flight somewhere; it"
-        f" flies {speed:.4g} m/s at {time:.4g} s, and near lift-off any wind is faster: a schedule"
-        " that begins later leaves that out"
+        f"{count} of {len(why)} soundings are unknown: somewhere their wind is faster than the"
+        f" flight, which has {speed:.4g} m/s at {time:.4g} s; near lift-off any wind is faster, and"
+        " a schedule that begins later leaves that out"
     ]
 
 
