@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tvclin.answers.least_gains import least as search_of
 from tvclin.answers.least_gains.question import MISSES, Question
 from tvclin.answers.least_gains.race import needs, stopped
 from tvclin.answers.search import least
@@ -42,11 +43,24 @@ def question(**changes):
     return Question(**(asked | changes))
 
 
+@pytest.fixture(scope="module")
+def two():
+    """Two gains in one wind, sought without a warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return tv.least_deflection_gains(plant(), triangles(4), crossover=2.0, **NOZZLE)
+
+
+@pytest.fixture
+def hasty(monkeypatch):
+    """Let a search end early, where what it finds is not what is asked."""
+    monkeypatch.setitem(search_of._LINEAR, "rounds", 4)
+
+
 @pytest.mark.parametrize(
     ("model", "gains", "crossover", "tau_beta", "peak", "held"),
     [
         ("fixed-path", TWO, None, (4,), 1.0353, (10.41, 3.544, 0.0)),
-        ("drift-exact", THREE, 2.0, (4,), 0.5949, (0.325, 0.700, 0.488)),
         ("drift-exact", THREE, 2.0, (2, 4, 8, 16), 0.8952, (0.983, 0.507, 0.292)),
     ],
 )
@@ -62,14 +76,11 @@ def test_least_gains_are_those_of_another_search(model, gains, crossover, tau_be
     assert tv.CRITERIA["classic"].are_met(a.margins(plant(model)))
 
 
-def test_a_differential_evolution_with_single_loops_finds_the_same():
+def test_a_differential_evolution_with_single_loops_finds_the_same(two):
     """It asks `answer` and `margins` one by one, in a box around, and finds nothing less."""
     from scipy.optimize import differential_evolution
 
-    wind = triangles(4)[0]
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = tv.least_deflection_gains(plant(), wind, crossover=2.0, **NOZZLE)
+    wind, found = triangles(4)[0], two
     assert found.active == ("phase_margin_deg", "crossover")
 
     def cost(gains):
@@ -92,10 +103,9 @@ def test_a_differential_evolution_with_single_loops_finds_the_same():
     assert found.relative - 1e-4 <= other.fun <= found.relative + 0.02
 
 
-def test_a_brute_scan_finds_nothing_less():
+def test_a_brute_scan_finds_nothing_less(two):
     """Over the whole box, 50 by 50, in the batch engines and the best then exactly."""
-    asked = question(crossover=2.0)
-    found = tv.least_deflection_gains(asked.plant, asked.winds, crossover=2.0, **NOZZLE)
+    asked, found = question(crossover=2.0), two
     axes = np.meshgrid(*2 * [np.linspace(0.0, 1.0, 50)], indexing="ij")
     points = np.stack([one.ravel() for one in axes], axis=-1)
     good = points[asked.lacks(points) <= 0.0]
@@ -182,6 +192,7 @@ def test_stops_are_the_winds_cut_at_even_instants():
     np.testing.assert_allclose(every(times)[6:], [one(times) for one in winds], atol=1e-15)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_what_is_overfitted_or_given_up_is_said():
     easy = tv.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=30.0)
     found = tv.least_deflection_gains(
@@ -200,14 +211,15 @@ def test_more_disk_margin_costs_what_another_search_says():
         criteria=tv.Criteria.own(aero_margin_dB=0.0),
         **NOZZLE,
     )
-    front = tv.least_gains_front(found, [0.8, 1.2, 1.4])
-    assert front.relative[:2] == pytest.approx([1.0541, 1.1233], abs=1e-3)
-    assert front.relative[2] == np.inf
-    assert front.each[2] is None
+    front = tv.least_gains_front(found, [1.2, 1.4])
+    assert front.relative[0] == pytest.approx(1.1233, abs=1e-3)
+    assert front.relative[1] == np.inf
+    assert front.each[1] is None
     boundary = tv.boundary_limit(plant("fixed-path"), triangles(4)[0])
     assert front.limits["boundary, K = 1"] == pytest.approx(boundary.limit)
 
 
+@pytest.mark.usefixtures("hasty")
 def test_a_flight_has_gains_at_each_time():
     c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     plants = tv.Plant.from_coefficients(c)

@@ -284,3 +284,13 @@ def test_what_a_pole_four_percent_slower_changes_is_what_the_page_says():
     for K_, numbers in page.items():
         found = triangular_limit(np.array([4.0, 0.96 * 4.0, 14.0, 0.96 * 14.0]), K_)
         np.testing.assert_allclose(found, numbers, atol=5e-5)
+
+
+@pytest.mark.parametrize("ratio", [1e2, 1e4])
+def test_a_damping_so_large_that_hardly_anything_grows_is_no_rounding(ratio):
+    """The pole goes to mu_alpha/d, and the limit to the wind's mean: p tau/2 for each K."""
+    c = tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=ratio * np.sqrt(0.28))
+    triangle = tv.TriangularWind(peak=PEAK, duration=7.5)
+    found = tv.boundary_limit(tv.Plant(c), triangle, [1.0, 0.5, 0.0]).limit
+    np.testing.assert_allclose(found, 7.5 / 2 * 0.28 / c.damping, rtol=2 * 7.5 * 0.28 / c.damping)
+    np.testing.assert_allclose(found, triangular_limit(7.5 * c.pole, [1.0, 0.5, 0.0]), rtol=1e-9)

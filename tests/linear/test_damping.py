@@ -10,6 +10,7 @@ import tvclin as tv
 from tests.damped import damped, fast_pole, plant_of
 from tvclin import InputError
 from tvclin.boundary.recoverable import unstable_coordinates
+from tvclin.kernels.choice import pinned
 from tvclin.linear.plant import INPUTS, MODELS, Plant
 
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)
@@ -236,7 +237,7 @@ def _answers(model):
         plant = Plant.from_vehicle(one, model)
         wind = tv.TriangularWind(peak=PEAK, duration=12.0)
         boundary = tv.boundary_limit(plant, wind, np.array([[1.0], [0.5], [0.0]]), "literal")
-        needed = tv.required_deflection(plant, wind, 1.0)
+        needed = tv.required_deflection(plant, wind, 0.5)
         trim = tv.TriangularWind(peak=-0.3 * PEAK, duration=11.0)
         motion = tv.attitude_responses(plant, trim, wind, np.linspace(0.0, 20.0, 11))
         modes = tv.all_modes(plant)
@@ -256,16 +257,17 @@ def _answers(model):
         law,
         wind,
         deflection_limit=np.array([0.008, 0.02]),
-        sample_rate=40.0,
+        sample_rate=10.0,
     )
     return [*found, flown.peak_attitude, flown.peak_angle_of_attack]
 
 
 @EACH_MODEL
 def test_without_damping_every_number_is_the_reports_to_the_last_bit(model, monkeypatch):
-    now = _answers(model)
-    leave_damping_out(monkeypatch)
-    before = _answers(model)
+    with pinned(False):  # machine code that is loaded in between would round otherwise
+        now = _answers(model)
+        leave_damping_out(monkeypatch)
+        before = _answers(model)
     assert len(now) == len(before) > 30
     for one, other in zip(now, before, strict=True):
         np.testing.assert_array_equal(one, other)

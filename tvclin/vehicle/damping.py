@@ -95,7 +95,9 @@ def aerodynamic_damping(
     }
     together(coefficient=C, **given)
     pressure, area, length, speed = given.values()
-    return plain(np.asarray(np.abs(C) * pressure * area * length**2 / (f * speed)))
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        found = np.abs(C) * pressure * area * length**2 / (f * speed)
+    return plain(finite("the damping of these numbers", found, "N m s/rad"))
 
 
 def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLike) -> Any:
@@ -130,7 +132,8 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
     arm = positive("exit_arm", exit_arm, "m")
     rate = finite("inertia_rate", inertia_rate, "kg m^2/s")
     together(mass_flow=flow, exit_arm=arm, inertia_rate=rate)
-    found = np.asarray(flow * arm**2 + rate)
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        found = finite("the damping of these numbers", flow * arm**2 + rate, "N m s/rad")
     if np.any(found < 0.0):
         raise InputError(
             "mass_flow times exit_arm squared must be at least what the moment of inertia loses,"

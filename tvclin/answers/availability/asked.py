@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
@@ -83,10 +84,13 @@ class AvailabilityAsked:
         if self.least_part is not None:
             number("least_part", self.least_part, between(0.0, 1.0))
 
-    def availability(self, limit: float) -> Availability:
+    def availability(
+        self, limit: float, progress: Callable[[int, int], None] | None = None
+    ) -> Availability:
         """Return on how many days a limit [rad] is enough; raise `InputError` as `availability`."""
         from tvclin.answers.availability.availability import availability
 
         asked = {one.name: getattr(self, one.name) for one in fields(self)}
         del asked["least_part"]
-        return availability(asked.pop("flight"), asked.pop("soundings"), limit=limit, **asked)
+        flight, soundings = asked.pop("flight"), asked.pop("soundings")
+        return availability(flight, soundings, limit=limit, progress=progress, **asked)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.answers.availability.judge import Judge
 from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
-from tvclin.base.cards import card
+from tvclin.base.cards import card, shows
 from tvclin.base.errors import (
     between,
     finite,
@@ -62,6 +62,10 @@ class Today:
     limit: float
     part: float
     why: str = ""
+
+    _repr_html_ = shows(
+        "Today", "least [deg]", "most [deg]", "limit [deg]", "go", "part [-]", "why"
+    )
 
     @property
     def go(self) -> bool | None:

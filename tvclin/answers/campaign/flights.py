@@ -19,7 +19,7 @@ from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.autopilot.gains import canonical_gains
+from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law
@@ -41,6 +41,7 @@ _DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
     "trim": lambda plant, _: TrimLaw(plant),
     "dead-band": lambda plant, _: DeadBandLaw(plant),
     "recoverable-attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
+    "half-relief": lambda plant, _: SaturatedLaw(half_relief_gains(plant.coefficients)),
 }
 LAWS = ("autopilot", *_DESIGNS)
 FLIGHT_TABLE = Table(
@@ -75,8 +76,8 @@ class Flight:
     Attributes
     ----------
     law : str
-        "autopilot" (gains, limited), "trim", "dead-band" or "recoverable-attitude", designed on
-        the nominal plant.
+        "autopilot" (gains, limited), "trim", "dead-band", "recoverable-attitude" or "half-relief",
+        designed on the nominal plant.
     deflection_limit : float
         Largest deflection [rad].
     rate_limit : float

@@ -67,7 +67,7 @@ def least_gain_schedule(
     ...     [40.0, 66.0], tv.Plant.from_coefficients(c), wind, actuator=tv.Actuator(), crossover=2.0
     ... )
     >>> [round(one.relative, 2) for one in found.each]
-    [1.12, 1.14]
+    [1.03, 1.14]
     """
     instance("plants", plants, Plant, RIGID)
     when = times_row("time", time)

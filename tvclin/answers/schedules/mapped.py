@@ -139,8 +139,8 @@ def _wanted(columns: Mapping[str, str | float]) -> Wanted:
         bare = key if isinstance(key, str) and key in _QUANTITIES else None
         if bare is None and key not in known:
             raise InputError(
-                f"columns must be among {', '.join(_QUANTITIES)}, with a unit of vehicle files or"
-                f" none; got {shown(key)}"
+                f"columns must be among {', '.join(_QUANTITIES)}, with or without a unit; got"
+                f" {shown(key)}"
             )
         name, factor = (bare, None) if bare is not None else known[key]
         if name in found:

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.errors import InputError, broadcast, instance, nonnegative, plain
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.sizes import sized
-from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 
 FloatArray = NDArray[np.float64]
@@ -178,10 +177,9 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
             "half-relief gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
             f" {np.min(coefficients.mu_alpha):.6g} 1/s^2 (use relief_gains instead)"
         )
-    pole = np.real(Plant.from_coefficients(coefficients).poles[..., 0])
     return relief_gains(
         coefficients,
-        natural_frequency=plain(_FREQUENCY * pole),
+        natural_frequency=plain(np.asarray(_FREQUENCY * coefficients.pole)),
         damping=_DAMPING,
         alpha_ratio=0.5,
         **options,
