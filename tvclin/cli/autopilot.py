@@ -42,6 +42,9 @@ if TYPE_CHECKING:
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
 
+USUAL = "drift"
+"""The model without --model, where all of it is known."""
+
 
 @takes_gains
 def autopilot(
@@ -61,7 +64,7 @@ def autopilot(
     limits: Limits = False,
     stops: Stops = 0,
     model: Annotated[
-        str | None, typer.Option(help=f"Model: {MODELS_HELP} drift; {FIXED_HELP}.")
+        str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
     ] = None,
     plane: Plane = "pitch",
     as_json: AsJson = False,
@@ -83,7 +86,7 @@ def autopilot(
     shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria)
-    plant = plant_of(loaded, model, "drift", plane)
+    plant = plant_of(loaded, model, USUAL, plane)
     blows = shape(peak=peak, duration=duration)
     sought = found_least(gains, plant, blows, asked, least, three_gains, crossover, limits, stops)
     autopilot = gains.autopilot(plant) if sought is None else sought.autopilot

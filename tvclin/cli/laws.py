@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
+USUAL = "drift-exact"
+"""The model without --model, where all of it is known."""
+
 
 def laws(
     vehicle: LinearVehicle = "configuration-i",
@@ -44,8 +47,7 @@ def laws(
     model: Annotated[
         str | None,
         typer.Option(
-            help=f"Model with one or two real unstable poles: {MODELS_HELP} drift-exact;"
-            f" {FIXED_HELP}."
+            help=f"Model with one or two real unstable poles: {MODELS_HELP} {USUAL}; {FIXED_HELP}."
         ),
     ] = None,
     plane: Plane = "pitch",
@@ -80,7 +82,7 @@ def laws(
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.linear.flexible import FlexiblePlant
 
-    loaded, flying, plant = load_plant(vehicle, model, plane, rigid, "drift-exact")
+    loaded, flying, plant = load_plant(vehicle, model, plane, rigid, USUAL)
     flexible = flying is not plant
     if flexible and plot is not None:
         raise InputError("--plot draws the laws on the rigid vehicle: give --rigid as well")

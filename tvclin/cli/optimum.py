@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
+USUAL = "drift-exact"
+"""The model without --model, where all of it is known."""
+
 
 def optimum(
     vehicle: LinearVehicle = "configuration-i",
@@ -40,7 +43,7 @@ def optimum(
         float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")
     ] = None,
     model: Annotated[
-        str | None, typer.Option(help=f"Model: {MODELS_HELP} drift-exact; {FIXED_HELP}.")
+        str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
     ] = None,
     plane: Plane = "pitch",
     csv: Annotated[
@@ -64,7 +67,7 @@ def optimum(
     loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     history = pulse("--wind", wind, peak, duration)
-    plant = plant_of(loaded, model, "drift-exact", plane)
+    plant = plant_of(loaded, model, USUAL, plane)
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
     if rate_limit_deg is not None:

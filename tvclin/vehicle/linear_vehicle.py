@@ -144,7 +144,7 @@ def whole_vehicle(vehicle: AnyVehicle, what: str) -> Vehicle:
 def _of_table(given: Mapping[str, Any]) -> LinearVehicle:
     table = COEFFICIENTS_TABLE
     values = table.read(given)
-    name = values.pop("name", "")
+    name = values.get("name", "")
     by_beta = values.keys() & _BY_BETA
     if by_beta and values.keys() & _SLOPES:
         raise InputError(
