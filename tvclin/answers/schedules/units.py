@@ -23,7 +23,7 @@ WRITTEN: dict[str, dict[str, float]] = {
         **{"oz·in²": _OUNCE * _INCH**2, "lb·in²": POUND * _INCH**2, "lb·ft²": POUND * FOOT**2},
         **{"lbf·ft·s²": POUND_FORCE * FOOT, "slug·ft²": _SLUG * FOOT**2},
     },
-    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND_FORCE, "kgf": _KILOPOND},
+    "force": {"N": 1.0, "kN": 1e3, "lbf": POUND_FORCE, "kgf": _KILOPOND, "MN": 1e6},
     "speed": {
         **{"m/s": 1.0, "km/s": 1e3, "km/h": 1 / 3.6, "kt": _NAUTICAL_MILE / 3600},
         **{"ft/s": FOOT, "ft/sec": FOOT, "mph": _MILE / 3600},
