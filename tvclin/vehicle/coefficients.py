@@ -25,7 +25,6 @@ from tvclin.base.errors import (
     one_of,
     plain,
     positive,
-    text,
     together,
     within,
 )
@@ -96,7 +95,7 @@ class Coefficients:
             )
         for name, array in checked.items():
             object.__setattr__(self, name, plain(array))
-        text("name", self.name)
+        instance("name", self.name, str, "the vehicle's")
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]

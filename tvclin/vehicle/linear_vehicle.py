@@ -8,7 +8,7 @@ from os import PathLike
 from typing import Any, TypeAlias
 
 from tvclin.base.cards import Quantity, card
-from tvclin.base.errors import InputError, instance, shown, single, text
+from tvclin.base.errors import InputError, flag, instance, shown, single, text
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import Table
 from tvclin.vehicle.coefficients import Coefficients
@@ -59,6 +59,7 @@ class LinearVehicle:
         instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_beta")
         single("coefficients", self.coefficients.batch)
         text("name", self.name)
+        flag("path_known", self.path_known)
 
     def quantities(self) -> list[Quantity]:
         """Return its numbers as tables show them."""
@@ -80,8 +81,8 @@ class LinearVehicle:
         """Return the coefficients for a model; raise `InputError` where it needs unknown ones."""
         if text("model", model) != FIXED_PATH and not self.path_known:
             raise InputError(
-                f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and mu_delta; give'
-                f' them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
+                f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and'
+                f' mu_delta; give them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
             )
         return self.coefficients
 

@@ -192,7 +192,8 @@ class Question:
             if one.margin in MARGINS
         ]
         if self.crossover is not None:
-            every.append(highest_crossover(found) / self.crossover - 1.0)
+            with np.errstate(over="ignore"):  # of the least crossover that a number can be
+                every.append(highest_crossover(found) / self.crossover - 1.0)
         lacks = np.where(found.stable, np.max(np.nan_to_num(every, nan=_UNSTABLE), axis=0), 100.0)
         some = np.flatnonzero(lacks <= 0.0)
         if isinstance(self.plant, FlexiblePlant) and some.size and self._of_modes:

@@ -241,10 +241,11 @@ def _late(
     cells, found = moments.cells, early.copy()
     for axis in (1.0, 1j):
         mine = np.flatnonzero(~fast & (moments.axes == axis))
-        if mine.size:
-            row = np.real(np.conj(axis) * cells[mine[0]])
+        row = np.real(np.conj(axis) * cells[mine[0]]) if mine.size else np.zeros(found.size)
+        later = float(row[k:].sum())
+        if later:  # else its share of these cells is below all numbers
             part = np.real(np.conj(axis) * found)
-            held = (d[mine[0]] - row[:k] @ part[:k]) / row[k:].sum()
+            held = (d[mine[0]] - row[:k] @ part[:k]) / later
             found[k:] += axis * (held - part[k:])
     return found
 

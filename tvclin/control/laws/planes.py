@@ -100,7 +100,8 @@ class LawInPlanes:
     def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, NDArray[np.bool_]]:
         """Return the demand within the limits [rad], and which of them meet the stop."""
         if self.radial:
-            over = self.shape.gauge(demand) / limit
+            with np.errstate(over="ignore"):  # of the least limit that a number can be
+                over = self.shape.gauge(demand) / limit
             return demand / np.maximum(over, 1.0), over >= 1.0
         most = self.sides[:, np.newaxis] * limit
         parts = np.stack([demand.real, demand.imag])
