@@ -237,11 +237,12 @@ def _varying(
         needs = 0.0 if wind.known else np.nan
         return VaryingNeed(needs, np.full(bands.shape, needs), needs)
     along = varying_need(mode, wind.in_flight, bands, wind.whole)
+    beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
+    required = np.maximum(along.required * beyond, along.minimum)
     if frozen.paired:
         with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
-            return replace(along, required=along.trim / bands)
-    beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
-    return replace(along, required=np.maximum(along.required * beyond, along.minimum))
+            required = np.where(bands == 1.0, required, along.trim / bands)
+    return replace(along, required=required)
 
 
 def _missing(required: dict[str, FloatArray], bands: FloatArray) -> list[str]:

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from tvclin.answers.requirement import path_counts
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
+from tvclin.boundary.limit import leading_pole
 from tvclin.flights.closed_loop.continuous import smooth_piece
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
@@ -124,7 +125,12 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
     def over(t: float) -> float:
         return course.trim(t) - course.demand(t)
 
-    most = max(float(np.max(np.minimum(side * trim, side * demand))) for side in sides)
+    held = Plant.from_vehicle(
+        course.mode.schedule.held(times), course.mode.model, course.mode.plane
+    )
+    paired = leading_pole(held)[1]  # there trim must never be limited
+    both = [np.where(paired, s * trim, np.minimum(s * trim, s * demand)) for s in sides]
+    most = float(np.max(both))
     turns = np.flatnonzero((trim[:-1] - demand[:-1]) * (trim[1:] - demand[1:]) < 0.0)
     for k in turns.tolist():
         ends = np.stack([trim[k : k + 2], demand[k : k + 2]])
@@ -133,10 +139,10 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
             most = max(most, *(side * course.demand(meets) for side in sides))
     above = np.abs(trim) > most
     again = above[0] + np.sum(above[1:] & ~above[:-1]) > 1
-    if course.mode.model == "fixed-path" or not (again or _drifts_fast(course.mode, times)):
+    if mode.model == "fixed-path" or not (again or _drifts_fast(mode, times)):
         return most
-    steps = flight_steps(course.mode)
-    return float(trim_law_needs(course.mode, steps, course.wind(steps)[np.newaxis], most)[0])
+    steps = flight_steps(mode)
+    return float(trim_law_needs(mode, steps, course.wind(steps)[np.newaxis], most)[0])
 
 
 def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
