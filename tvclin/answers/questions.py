@@ -129,7 +129,9 @@ def _autopilot(found: Findings, limit: float) -> Question:
         said = "the flexible vehicle's autopilot, without limits, asks for "
     if np.isinf(peak):
         return Question("autopilot", False, ("the loop of the flexible vehicle is not stable",))
-    line: Line = (said, *degrees("asked.autopilot", peak, unit="deg"))
+    peak *= found.study.of_both
+    whose = " in both planes" * found.study.in_both
+    line: Line = (said, *degrees("asked.autopilot", peak, unit="deg"), *([whose] if whose else []))
     return Question("autopilot", bool(covers(limit, peak)), line)
 
 
