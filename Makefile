@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test coverage lint bench docs packages clean help
+.PHONY: study test coverage lint bench notebooks docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -30,6 +30,9 @@ lint: $(VENV)/.installed-dev  ## style, types and the import contracts
 
 bench: $(VENV)/.installed-dev  ## measure tvclin and its peers in one run, and print the ratios
 	cd benchmarks && ../$(BIN)/pytest -q -p no:xdist --rootdir . --benchmark-columns=min,mean .
+
+notebooks: $(VENV)/.installed-dev  ## execute notebooks/*.py and write their .ipynb beside them
+	$(BIN)/python notebooks/execute.py
 
 docs: $(VENV)/.installed-docs  ## build the documentation as a site, docs/_build/html/index.html
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html

@@ -31,9 +31,7 @@ extensions = [
 myst_enable_extensions = ["amsmath", "dollarmath"]
 myst_heading_anchors = 4
 
-nb_execution_mode = "force"
-nb_execution_raise_on_error = True
-nb_execution_timeout = 600
+nb_execution_mode = "off"  # notebooks are stored with their outputs: `make notebooks`
 
 autosummary_generate = True
 autosummary_imported_members = True
@@ -72,5 +70,4 @@ def setup(app: Any) -> None:
     import pages
 
     app.connect("config-inited", lambda *_: pages.write(HERE / "_generated"))
-    app.connect("doctree-read", lambda _, page: pages.drop_parts_of_figures(page))
     app.connect("source-read", lambda _, name, text: pages.for_the_site(name, text))

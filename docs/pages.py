@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import gallery
 
@@ -26,8 +25,8 @@ def write(folder: Path) -> None:
     """
     pages = {folder / "api.rst": api()}
     pages |= {folder / f"{name.lower()}.md": root_page(name) for name in MOVED}
-    for notebook in sorted((ROOT / "notebooks").glob("*.py")):
-        pages[folder / "notebooks" / f"{notebook.stem}.ipynb"] = as_notebook(notebook)
+    for notebook in sorted((ROOT / "notebooks").glob("*.ipynb")):
+        pages[folder / "notebooks" / notebook.name] = notebook.read_text(encoding="utf-8")
     pages[folder / "gallery.md"] = gallery.write(folder / "figures")
     references = {folder / "api" / f"{name}.rst" for names in chapters().values() for name in names}
     for suffix in ("md", "rst", "ipynb"):
@@ -88,26 +87,3 @@ def for_the_site(name: str, text: list[str]) -> None:
         for moved in MOVED:
             text[0] = text[0].replace(f"](../{moved}.md", f"](_generated/{moved.lower()}.md")
     text[0] = re.sub(r"\[[\w/-]+\.md\](\([\w./-]+\.md\))", r"[]\1", text[0])
-
-
-def drop_parts_of_figures(page: Any) -> None:
-    """Take out what a notebook says of an object that is only its address or a figure's labels.
-
-    Parameters
-    ----------
-    page : docutils.nodes.document
-        The page, which is changed.
-    """
-    for block in list(page.findall(lambda node: node.tagname == "literal_block")):
-        if re.fullmatch(r"(?s)\W*<[\w. ]+ at 0x[0-9a-f]+>\W*|\[Text\(.*\)\]\s*", block.astext()):
-            block.parent.remove(block)
-
-
-def as_notebook(path: Path) -> str:
-    """Return a notebook in percent format as Jupyter keeps it."""
-    import jupytext
-
-    notebook = jupytext.read(path, fmt="py:percent")
-    for number, cell in enumerate(notebook.cells):
-        cell.id = f"cell-{number}"  # else a new one at random each time
-    return jupytext.writes(notebook, fmt="ipynb")

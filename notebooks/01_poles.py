@@ -29,9 +29,15 @@ vehicle = tv.load_vehicle("configuration-i")
 vehicle
 
 # %% [markdown]
-# The linear theory needs few numbers of it. `mu_alpha` is the angular acceleration of one radian
-# of angle of attack, `mu_delta` that of one radian of deflection; beta is the root of the first,
-# and B is their ratio: how much deflection holds one radian of wind.
+# The linear theory needs few numbers of it. On a fixed flight path they are two:
+#
+# $$\ddot\theta = \mu_\alpha (\theta - \alpha_w) - \mu_\delta\,\delta, \qquad
+# \mu_\alpha = \frac{N l_a}{I} = \beta^2, \qquad
+# \mu_\delta = \frac{T l_c}{I} = \frac{\beta^2}{B} .$$
+#
+# $\mu_\alpha$ is the angular acceleration of one radian of angle of attack, $\mu_\delta$ that of
+# one radian of deflection. $\beta$ is how fast the vehicle falls over, and
+# $B = \mu_\alpha/\mu_\delta$ is the deflection that holds one radian of wind.
 
 # %%
 coefficients = tv.Coefficients.from_vehicle(vehicle)
@@ -47,7 +53,7 @@ for model in tv.available_models(coefficients):
     print(f"{model:16s}", np.round(tv.all_modes(plant).poles, 4))
 
 # %%
-pole_map(coefficients)
+_ = pole_map(coefficients)
 
 # %% [markdown]
 # A mode grows with what excites it: its residues say how strongly. The residue of the attitude to
@@ -60,7 +66,10 @@ modes = tv.unstable_modes(plant)
 modes
 
 # %%
-modes.deflection_residues, modes.wind_residues
+for pole, push, gust in zip(
+    modes.poles, modes.deflection_residues, modes.wind_residues, strict=True
+):
+    print(f"pole {pole:.4f} 1/s: residue {push:8.4f} of a push, {gust:8.4f} of a gust")
 
 # %% [markdown]
 # The plant is an ordinary python-control system: everything of python-control works on it. The
@@ -70,7 +79,7 @@ modes.deflection_residues, modes.wind_residues
 fast, slow = float(np.max(modes.poles.real)), float(np.min(modes.poles.real))
 times = np.linspace(0.0, 10.0 / fast, 401)
 step = control.step_response(plant.ss()["attitude", "deflection"], times)
-step.plot()
+_ = step.plot()
 
 # %%
 late = times > 0.75 * times[-1]

@@ -15,6 +15,15 @@
 #
 # The report's question. The nozzle trims the wind's moment until a part K of its limit is asked
 # for, the dead band, and then goes to its limit. What limit is just enough?
+#
+# The attitude has one growing mode, $e^{pt}$. The vehicle survives if the deflection leaves nothing
+# of it behind, eq (4b). With drift, as here, that reads
+#
+# $$(p + b_1)\int_0^\infty e^{-pt}\,\delta(t)\,dt
+# + B\,(p + b_2)\int_0^\infty e^{-pt}\,\alpha_w(t)\,dt = 0 ,$$
+#
+# with $p = \beta$ in the report's model; on a fixed path $b_1 = b_2 = 0$. What comes early counts
+# most.
 
 # %%
 import numpy as np
@@ -41,22 +50,36 @@ for dead_band in (1.0, 0.75, 0.5, 0.25, 0.0):
     print(f"K = {dead_band:4.2f}: {found.limit:.4f} of trim, {degrees:.3f} deg")
 
 # %% [markdown]
-# Where do these numbers come from? A growing exponential is left behind unless the deflection
-# puts out what the wind has lit, eq (4b) of the report. On the boundary nothing is left:
+# Is that so? At the boundary limit nothing is left of the growing mode. With a tenth less
+# deflection something is, and it grows.
 
 # %%
 boundary = tv.boundary_limit(plant, wind, dead_band=K)
 on_it = tv.trim_then_hold(plant, wind, boundary.deflection, dead_band=K)
 below = tv.trim_then_hold(plant, wind, 0.9 * boundary.deflection, dead_band=K)
-tv.judge(plant, on_it, wind).stable, tv.judge(plant, below, wind).stable
+for name, held in {"on the boundary": on_it, "a tenth less": below}.items():
+    print(f"{name}: {'survives' if tv.judge(plant, held, wind).stable else 'is lost'}")
 
 # %% [markdown]
-# One number, tau*beta, decides: the duration of the wind in units of the time in which the
-# vehicle falls. Long winds need the whole of trim if K = 1, and little if K is small, for then
-# the vehicle has been leaning into the wind in time.
+# One number decides, $\tau\beta$: the duration of the wind in units of the time in which the
+# vehicle falls over. The chart is of the model *with drift*, eq (18). There the vehicle moves with
+# the wind, so that even $K = 1$ never needs the whole of trim: its curve has a highest point and
+# falls. With a small $K$ long winds need little, because the vehicle has leaned into the wind in
+# time.
 
 # %%
-boundary_chart(coefficients=plant.coefficients)
+_ = boundary_chart(coefficients=plant.coefficients)
+
+# %% [markdown]
+# On a *fixed path*, eq (12), nothing relieves the vehicle. There long winds do need the whole of
+# trim if $K = 1$:
+
+# %%
+fixed = tv.Plant.from_coefficients(plant.coefficients, model="fixed-path")
+for tau_beta in (4.0, 14.0, 40.0, 200.0):
+    long = tv.TriangularWind(peak=wind.peak, duration=tau_beta / float(fixed.coefficients.beta))
+    limits = [float(tv.boundary_limit(model, long).limit) for model in (fixed, plant)]
+    print("tau*beta = {:5.1f}: fixed path {:.3f}, with drift {:.3f}".format(tau_beta, *limits))
 
 # %% [markdown]
 # The same questions as arrays: a thousand durations in one call.

@@ -13,8 +13,14 @@
 # %% [markdown]
 # # What is the least deflection that any control could do with?
 #
-# If the whole wind were known beforehand, how little would do? Appendix C of the report. The
-# answer comes with its own proof, and everything else is measured by it.
+# If the whole wind were known beforehand, how little would do? Appendix C of the report asks for
+#
+# $$\min_\delta\ \max_t |\delta(t)| \quad\text{such that}\quad
+# (p_k + b_1)\int_{t_0}^\infty e^{-p_k t}\,\delta\,dt
+# = -B\,(p_k + b_2)\int_0^\infty e^{-p_k t}\,\alpha_w\,dt$$
+#
+# for every unstable pole $p_k$ (here without the small gravity term $q$). The answer comes with its
+# own proof, and everything else is measured by it.
 
 # %%
 import numpy as np
@@ -34,7 +40,10 @@ best
 # to rounding: that is the proof.
 
 # %%
-best.certificate
+proof = best.certificate
+print(
+    f"reached {np.degrees(proof.primal):.6f} deg, impossible below {np.degrees(proof.dual):.6f} deg"
+)
 
 # %% [markdown]
 # Beside it, the boundary limits of trim with a dead band, and the least limit of any law that
@@ -58,8 +67,8 @@ for name, peak in rows.items():
 # %%
 long = tv.TriangularWind(peak=np.radians(5.0), duration=40.0)
 switching = tv.optimum_deflection(plant, long)
-print(f"peak {np.degrees(switching.peak):.4f} deg, switches at {switching.switch_times} s")
-tv.is_stable(plant, switching.deflection, long)
+print(f"peak {np.degrees(switching.peak):.4f} deg, switches at {switching.switch_times.round(3)} s")
+print(f"nothing is left that grows: {tv.is_stable(plant, switching.deflection, long)}")
 
 # %%
 times = np.linspace(0.0, 60.0, 601)

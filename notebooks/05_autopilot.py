@@ -15,6 +15,14 @@
 #
 # The plant is unstable, so a margin has two sides: too much gain and too little. And good margins
 # say nothing about stops.
+#
+# With the loop $L(s)$, broken at the deflection command, the closed loop is
+#
+# $$1 + L(s) = 0, \qquad L(s) = (a_0 + a_1 s)\,\frac{\mu_\delta}{s^2 - \mu_\alpha}\,
+# F(s)\,e^{-s T},$$
+#
+# on a fixed path, with the actuator $F$ and the delay $T$. At low frequency $|L|$ must stay *above*
+# one ($a_0 > B$, the aero margin), at high frequency *below* it.
 
 # %%
 from dataclasses import replace
@@ -43,7 +51,7 @@ autopilot
 
 # %%
 margins = autopilot.margins(plant)
-margins.stable, margins.status
+print(f"status: {margins.status}")
 
 # %%
 print(f"aero margin      {margins.aero_margin_dB:5.1f} dB: the gain may fall by so much")
@@ -52,10 +60,10 @@ print(f"phase margin     {margins.phase_margin_deg:5.1f} deg")
 print(f"delay margin     {margins.delay_margin:5.2f} s")
 
 # %%
-nichols_chart(autopilot, plant)
+_ = nichols_chart(autopilot, plant)
 
 # %%
-bode_chart(autopilot, plant)
+_ = bode_chart(autopilot, plant)
 
 # %% [markdown]
 # A review asks for numbers against a rule.
@@ -71,14 +79,14 @@ for one in tv.CRITERIA["aircraft"].judge(margins):
 # %%
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 beside = tv.compare_with_trim(plant, autopilot, wind)
-comparison_chart(beside)
+_ = comparison_chart(beside)
 
 # %% [markdown]
 # Linear margins know no stop. With a stop at 0.9 of trim, in this wind, less may change before the
 # flight is lost. And of all gains with these margins and this crossover, which need the least
 # nozzle, if the angle of attack is fed back too? Three durations: one wind alone is overfitted.
 
-# %%
+# %% tags=["within 3e-2"]
 same = tv.Criteria.own(
     aero_margin_dB=margins.aero_margin_dB,
     gain_increase_dB=margins.gain_increase_dB,
@@ -114,8 +122,7 @@ changes.set_ylabel("[dB]")
 changes.set_title("outline: linear; filled: in this wind, with this stop", fontsize=9)
 changes.legend()
 needs.set_xticks([0.2, 1.2], ["linear peak", "boundary, flown"])
-needs.set_ylabel("nozzle, of trim [-]")
-figure
+_ = needs.set_ylabel("nozzle, of trim [-]")
 
 # %% [markdown]
 # **Try:** half the attitude gain, `0.5 * gains.attitude_gain`: a third of the aero margin is gone,

@@ -32,7 +32,7 @@ import tvclin as tv
 vehicle = tv.load_vehicle("configuration-i")
 study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5.0), model="drift")
 first = tv.disperse_study(study)
-first.required
+first
 
 # %% [markdown]
 # A campaign says everything itself: what is dispersed and how, what is to be computed, how many
@@ -60,25 +60,31 @@ campaign = tv.Campaign(
 found = tv.run_campaign(campaign, Path(tempfile.mkdtemp()) / "results")
 
 # %% [markdown]
-# The deflection that covers 99.865 percent. `upper` is what may be claimed with 90 percent
-# confidence, whatever the distribution; it needs 1705 cases at least.
+# The deflection that covers $P = 99.865$ percent. `upper` is what may be claimed with $C = 90$
+# percent confidence, whatever the distribution. The largest of $n$ cases covers that part if
+#
+# $$1 - P^n \ge C, \qquad n \ge \frac{\ln(1 - C)}{\ln P} = \frac{\ln 0.1}{\ln 0.99865} = 1705$$
+#
+# cases; with more cases a smaller one does.
 
 # %%
 required = found.quantile()
-np.degrees([required.lower, required.estimate, required.upper]).round(4)
+for name in ("lower", "estimate", "upper"):
+    print(f"{name:8s} {np.degrees(getattr(required, name)):.4f} deg")
 
 # %%
 deflections = np.degrees(np.sort(found.to_xarray()["required_K1"].values))
 fig, axes = plt.subplots()
 axes.plot(deflections, np.arange(1, deflections.size + 1) / deflections.size)
 axes.axvline(np.degrees(required.upper), ls="--", color="0.4")
-axes.set(xlabel="required deflection, K = 1 [deg]", ylabel="part of the cases [-]")
+_ = axes.set(xlabel="required deflection, K = 1 [deg]", ylabel="part of the cases [-]")
 
 # %% [markdown]
 # Which dispersion drives it? Rank correlations with the required deflection, the strongest first.
 
 # %%
-{name: round(float(value), 2) for name, value in found.drivers().items()}
+for name, value in found.drivers().items():
+    print(f"{name.replace('_', ' '):20s} {value:+.2f}")
 
 # %% [markdown]
 # And the worst case, in full.

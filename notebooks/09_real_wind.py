@@ -15,6 +15,13 @@
 #
 # The report's winds are triangles. A balloon measures something else: a wind over height, from all
 # sides. This notebook takes such a file, flies through it, and asks at every time of the flight.
+#
+# A horizontal wind $V_w$ makes an angle of attack, eq (B1e):
+#
+# $$\sin\alpha_w = \frac{V_w}{V_R}\,\sin\gamma ,$$
+#
+# with the speed $V_R$ relative to the air and the flight path angle $\gamma$: the faster and the
+# flatter the flight, the less.
 
 # %%
 import tempfile
@@ -48,7 +55,7 @@ text = """height_m, speed_kt, direction_deg
 file = Path(tempfile.mkdtemp()) / "sounding.csv"
 file.write_text(text, encoding="utf-8")
 profile = tv.read_sounding(file)
-profile.height.size, profile.speed.round(1)
+profile
 
 # %% [markdown]
 # The flight: configuration I along its nominal flight, launched to the east. It meets the levels
@@ -85,7 +92,7 @@ for row in zip(times, need, beside, strict=True):
     print("{:6.1f} s  {:7.3f} deg  {:.3f} deg".format(*row))
 
 # %%
-sizing_chart(found)
+_ = sizing_chart(found)
 
 # %% [markdown]
 # A vehicle that changes while the wind blows needs no flight time: there is one answer. Beside it,

@@ -15,6 +15,12 @@
 #
 # A vehicle is a small file, in which every key carries its unit. This notebook writes one, reads
 # it, says what it needs, and what happens when a number is wrong. Put your own numbers in.
+#
+# The theory makes two numbers of them, how fast the vehicle falls over and how much deflection
+# holds one radian of wind:
+#
+# $$\beta = \sqrt{\frac{N l_a}{I}}, \qquad B = \frac{N l_a}{T l_c}, \qquad
+# N = \bar q\,S\,C_{N\alpha} .$$
 
 # %%
 import tempfile
@@ -23,6 +29,7 @@ from pathlib import Path
 import numpy as np
 
 import tvclin as tv
+from tvclin.plots import study_chart
 
 # %%
 text = """
@@ -60,14 +67,23 @@ print(f"{np.degrees(float(angle)):.2f} deg")
 study = tv.Study.from_vehicle(
     vehicle, duration=duration, peak=float(angle), limit=limit, model="drift"
 )
-study.sufficient, study.notes
+study
 
 # %%
-study.dead_bands
+for note in study.notes:
+    print(note)
 
 # %%
+print("dead band  ", study.dead_bands)
 for model, boundary in study.boundaries.items():
-    print(model, np.degrees(np.abs(boundary.deflection)).round(3), "deg")
+    print(f"{model:11s}", np.degrees(np.abs(boundary.deflection)).round(3), "deg")
+
+# %% [markdown]
+# The same over the duration of the wind. Where the limit lies above the curve of a dead band, it is
+# enough for that control.
+
+# %%
+_ = study_chart(study)
 
 # %%
 peak = np.degrees(study.survivable_peak)
@@ -81,7 +97,7 @@ file.write_text(text.replace("control_arm_m", "control_arn_m"), encoding="utf-8"
 try:
     tv.load_vehicle(file)
 except tv.InputError as error:
-    print(error)
+    print(str(error).replace(f"{file.parent}", "..."))
 
 # %% [markdown]
 # **Try:** the same on the command line: `tvclin init my.toml`, then `tvclin study my.toml`. And

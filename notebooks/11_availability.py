@@ -15,7 +15,11 @@
 #
 # A nozzle that is enough for the design's wind is not enough for every day's. An archive of
 # balloons says on how many days it is. This notebook reads one, flies through each sounding, and
-# counts.
+# counts:
+#
+# $$P(\delta_{max}) = \frac{\#\{i : \delta_i \le \delta_{max}\}}{n},$$
+#
+# $\delta_i$ being what the day of sounding $i$ needs, and $n$ the soundings of which it is known.
 
 # %%
 import tempfile
@@ -83,7 +87,7 @@ for part, need in zip((0.5, 0.8, 0.9, 0.95), february.placard([0.5, 0.8, 0.9, 0.
     print(f"{100 * part:.0f} % of the balloons need {np.degrees(need):.3f} deg or less")
 
 # %%
-availability_chart(february)
+_ = availability_chart(february)
 
 # %% [markdown]
 # The balloon flies some hours before the vehicle. The archive's own pairs say by how much a need

@@ -78,14 +78,14 @@ after = bands(notched)
 print(f"at its middle the notch takes {-20.0 * np.log10(0.06 / 0.6):.0f} dB")
 
 # %%
-bode_chart(notched, plant)
+_ = bode_chart(notched, plant)
 
 # %% [markdown]
 # And where do the poles go, when the gain rises? Each mode is one line, from its pole in the
 # vehicle.
 
 # %%
-root_locus_chart(notched, plant)
+_ = root_locus_chart(notched, plant)
 
 # %% [markdown]
 # A mode is never where the model has it. How deep is the second one in the notch when it is off?
@@ -119,7 +119,7 @@ print(
 # right way. Last, the wind. Filters are late, and a late nozzle needs more: the least limit with
 # which the vehicle survives, flown by samples, with both laws around the bending vehicle.
 
-# %%
+# %% tags=["within 2e-3"]
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
 flight = {"sample_rate": 50.0, "actuator": rigid.actuator, "delay": rigid.delay}
 gains = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56)

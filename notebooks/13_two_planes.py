@@ -57,7 +57,7 @@ for azimuth in (0, 30, 60, 90):
 
 # %%
 plant = tv.Plant.from_vehicle(booster)
-plane_chart(plant, sounding.to_winds(flight, azimuth=np.radians(30)), "round")
+_ = plane_chart(plant, sounding.to_winds(flight, azimuth=np.radians(30)), "round")
 
 # %% [markdown]
 # Two actuators at right angles have a square stop. Where it stands matters:
@@ -72,7 +72,7 @@ for stop in ("round", "round-each-plane", "square", "square-45"):
 
 # %%
 whole = tv.size(flight, met, times=[50.0, 66.0, 80.0], dead_bands=1.0, plane="both")
-sizing_chart(whole, limit=np.radians(1.0))
+_ = sizing_chart(whole, limit=np.radians(1.0))
 
 # %% [markdown]
 # And flown? A pulse that turns by a right angle, with a law that knows no wind to come:

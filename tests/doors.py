@@ -352,6 +352,12 @@ def doors(folder: Path) -> dict[str, Door]:
                 "flight_path_angle": [1.0, 1.0],
             },
         ),
+        "LinearVehicle": Door(
+            tv.LinearVehicle, {"coefficients": coefficients, "name": "Mine", "path_known": True}
+        ),
+        "LinearVehicle.known_for": Door(
+            tv.LinearVehicle(coefficients=coefficients).known_for, {"model": "fixed-path"}
+        ),
         "Coefficients": Door(
             tv.Coefficients,
             {
@@ -363,6 +369,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "b2": 0.1,
                 "q": 0.0,
                 "damping": 0.03,
+                "name": "Booster",
             },
         ),
         "Coefficients.from_beta": Door(
@@ -1002,6 +1009,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "load_sizing": Door(tv.load_sizing, {"source": sizing_file, "soundings": None}),
         "load_study": Door(tv.load_study, {"source": study_file}),
         "load_structure": Door(tv.load_structure, {"source": "made-up-launcher"}),
+        "load_any_vehicle": Door(tv.load_any_vehicle, {"source": "configuration-i"}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
         "loop_margins": Door(tv.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
         "lqr_gains": Door(

@@ -165,6 +165,8 @@ from .vehicle.damping import jet_damping as jet_damping
 from .vehicle.file import list_vehicles as list_vehicles
 from .vehicle.file import load_vehicle as load_vehicle
 from .vehicle.filters import Filter as Filter
+from .vehicle.linear_vehicle import LinearVehicle as LinearVehicle
+from .vehicle.linear_vehicle import load_any_vehicle as load_any_vehicle
 from .vehicle.structure import BendingMode as BendingMode
 from .vehicle.structure import Engine as Engine
 from .vehicle.structure import SloshTank as SloshTank

@@ -1,5 +1,6 @@
 """What notebooks show of a record: its own numbers, and no text as markup."""
 
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 import tvclin as tv
 from tvclin.answers.campaign.statistics import quantile_bound
-from tvclin.base.cards import card
+from tvclin.base.cards import card, shows
 
 
 class Cells(HTMLParser):
@@ -99,6 +100,11 @@ def test_the_boundary_of_a_law_shows_degrees():
         tv.unstable_modes(PLANT),
         tv.forecast_free_limit(PLANT, WIND),
         tv.optimum_deflection(PLANT, WIND),
+        PLANT,
+        WIND,
+        tv.load_schedule("configuration-i"),
+        tv.RecoverableAttitudeLaw(PLANT, estimator=tv.WindEstimator(bandwidth=2.0)),
+        tv.compare_with_trim(PLANT, tv.canonical_gains(PLANT.coefficients), WIND),
         tv.Coefficients(mu_alpha=-1.0, mu_delta=2.0),
         tv.Coefficients(mu_alpha=np.linspace(0.1, 2.0, 50), mu_delta=2.0),
     ],
@@ -109,6 +115,67 @@ def test_every_line_has_a_name_a_value_and_a_unit(record):
 
     assert len(rows) >= 3
     assert all(len(row) == 3 and row[0] and row[1] for row in rows)
+
+
+def test_an_autopilot_shows_what_it_has_and_how_many_filters():
+    low_pass = tv.Filter.low_pass(13.0)
+    bare = tv.Autopilot(attitude_gain=0.5, rate_gain=0.25)
+    full = replace(
+        bare, actuator=tv.Actuator(natural_frequency=25.0), delay=0.02, filters=(low_pass, low_pass)
+    )
+    one, shown = cells(bare), cells(full)
+
+    assert "actuator damping" not in one
+    assert "filters" not in one
+    assert shown["attitude gain"] == ("0.5", "rad/rad")
+    assert shown["actuator natural frequency"] == ("25", "rad/s")
+    assert shown["delay"] == ("0.02", "s")
+    assert shown["filters"] == ("2", "")
+
+
+def test_laws_show_what_is_inside_them():
+    gains = tv.Autopilot(attitude_gain=0.5, rate_gain=0.25)
+    trim = tv.TrimLaw(PLANT, gain=3.0)
+    filtered = tv.FilteredLaw(trim, filters=(tv.Filter.low_pass(13.0),))
+
+    assert cells(tv.SaturatedLaw(gains))["rate gain"] == ("0.25", "s")
+    assert cells(trim) == {"plant model": ("drift-exact", ""), "gain": ("3", "-")}
+    assert cells(filtered) == cells(trim) | {"filters": ("1", "")}
+
+
+def test_a_sizing_shows_its_worst_and_a_total_its_lines_in_degrees():
+    flight = tv.load_schedule("configuration-i")
+    sized = tv.size(flight, {"gust": WIND}, times=[60.0, 70.0], dead_bands=1.0)
+    rows = {row[0]: row[1:] for row in Cells(sized._repr_html_()).rows}
+    total = tv.worst_total(sized, "K = 1", limit=0.1)
+    lines = {row[0]: row[-1] for row in Cells(total._repr_html_()).rows}
+
+    assert set(sized.worst) <= set(rows)
+    need, time, wind = rows["K = 1"]
+    assert float(need) == pytest.approx(np.degrees(sized.worst["K = 1"].deflection), rel=1e-5)
+    assert (time, wind) == (f"{sized.worst['K = 1'].time:g}", "gust")
+    assert float(lines["total"]) == pytest.approx(np.degrees(total.total), rel=1e-5)
+    assert float(lines["limit"]) == pytest.approx(np.degrees(0.1), rel=1e-5)
+
+
+def test_trials_are_one_table_of_laws_and_winds():
+    fixed = tv.Plant.from_coefficients(PLANT.coefficients)
+    trials = tv.law_trials(fixed, {"<trim>": tv.TrimLaw(fixed)}, {"gust": WIND}, loads=False)
+    heads, row = Cells(trials._repr_html_()).rows
+
+    assert heads[:2] == ["law", "wind"]
+    assert row[:2] == ["<trim>", "gust"]
+    assert float(row[2]) == pytest.approx(trials[0].limit, rel=1e-5)
+    assert cells(trials[0])["limit"] == (row[2], "-")
+
+
+def test_residues_of_modes_that_oscillate_are_shown_in_degrees():
+    class Found:
+        residue = np.array([0.1 + 0.2j])
+
+    shown = Cells(shows("x", "residue [deg]")(Found())).rows
+
+    assert complex(shown[0][1]) == pytest.approx(np.degrees(0.1) + 1j * np.degrees(0.2), rel=1e-5)
 
 
 def test_a_long_array_is_shown_by_its_range():

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -219,3 +220,48 @@ def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
     assert told in run(*asked).output
     assert "Note" not in run(*asked, "--limit-deg", 1.05 * least).output
     assert document(*asked)["minimum_deg"] == pytest.approx(least, rel=1e-12)
+
+
+def test_no_attitude_is_written_once_the_linear_one_is_over_90_degrees(tmp_path):
+    file = tmp_path / "lost.csv"
+    result = run("--limit-deg", 0.3, "--until", 20, "--csv", file)
+
+    headings, *rows = (line for line in file.read_text().splitlines() if line[0] != "#")
+    column = headings.split(",").index("attitude: linear [deg]")
+    cells = [row.split(",")[column] for row in rows]
+    known = np.array([float(cell) for cell in cells if cell not in ("", "nan")])
+    assert result.exit_code == 1
+    assert 60.0 < np.abs(known).max() <= 90.0
+    assert known.size < len(cells)
+
+
+SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
+
+
+def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
+    met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--window", "20"]
+    flown = json.loads(CliRunner().invoke(app, ["fly", *met, "--json"]).stdout)
+    times = ["--from", "66", "--to", "66.1", "--every", "0.1", "--dead-band", "1"]
+    sized = json.loads(CliRunner().invoke(app, ["size", *met, *times, "--json"]).stdout)
+
+    assert flown["boundary_deg"]["linear"] == pytest.approx(
+        sized["required_deg"]["K = 1"][0][0], rel=1e-6
+    )
+    assert flown["wind"]["shape"] == "wyoming.txt"
+    assert flown["survived"] is True
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--winds", SOUNDING], "--winds needs --azimuth-deg"),
+        (["--window", 5], "name one with --winds"),
+        (["--winds", SOUNDING, "--azimuth-deg", 90, "--peak-deg", 3], "has its own peak"),
+        (["--winds", "no.csv", "--azimuth-deg", 90], "no.csv"),
+    ],
+)
+def test_a_sounding_that_cannot_be_flown_is_one_sentence(arguments, said):
+    result = run(*arguments)
+
+    assert result.exit_code == 2
+    assert said in result.output

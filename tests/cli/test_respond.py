@@ -98,7 +98,7 @@ def test_a_response_ends_where_the_limit_is_let_go_or_the_vehicle_has_fallen(
 
 
 def test_the_peak_is_the_one_that_the_report_quotes():
-    found = document("--duration", TAU)["attitude"]
+    found = document("--duration", TAU, "--capability", 1.1)["attitude"]
 
     assert found["with_wind"]["deg"] == pytest.approx(-5.0 * 0.16420, abs=5e-4)
     assert found["with_wind"]["time_s"] / TAU == pytest.approx(0.8770, abs=1e-3)
@@ -119,7 +119,7 @@ def test_extremes_do_not_depend_on_the_points(peak, shape):
 
 def test_the_peak_is_a_peak_and_the_zero_a_zero():
     parts = case()
-    found = document()["attitude"]
+    found = document("--capability", 1.1)["attitude"]
     peak = found["with_wind"]
     near = attitude(parts, *(peak["time_s"] + np.linspace(-0.5, 0.5, 101)))
 
@@ -155,13 +155,14 @@ def test_a_short_response_has_no_end_of_the_wind():
 
 def test_the_csv_is_the_exact_response(tmp_path):
     file = tmp_path / "response.csv"
-    result = run("--model", "drift", "--points", 31, "--until", 2, "--csv", file)
+    asked = ["--model", "drift", "--capability", 1.1, "--until", 2]
+    result = run(*asked, "--points", 31, "--csv", file)
     plant, deflection, wind, _ = case("drift")
 
     assert result.exit_code == 0
     comment, headings, *rows = file.read_text(encoding="utf-8").splitlines()
     values = np.array([row.split(",") for row in rows], dtype=float)
-    end = document("--model", "drift", "--until", 2)["shown_until"]["time_s"]
+    end = document(*asked)["shown_until"]["time_s"]
     expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, end, 31))
     assert "Configuration I" in comment
     assert "model drift, K = 1, limit 0.3912 deg" in comment
@@ -187,13 +188,21 @@ def test_the_figure_is_written_and_closed(tmp_path, kind):
 
 
 def test_the_table_says_it_in_words():
-    enough, short = run().output, run("--capability", 0.9).output
+    enough, short = (run("--capability", part).output for part in (1.1, 0.9))
 
     for words in ("-0.829", "8.138", "1.1 times that: SUFFICIENT", "not stable by (4b)"):
         assert words in enough
     assert "lets go" in enough
     assert "0.9 times that: NOT SUFFICIENT" in short
     assert "lets go" not in short
+
+
+def test_without_a_limit_it_shows_the_boundary():
+    found, on_it = document(), document("--capability", 1)
+
+    assert found == on_it
+    assert found["limit_deg"] == found["required_deg"]
+    assert found["verdict"]["stable"] is True
 
 
 def test_a_stable_vehicle_needs_a_limit(stable_vehicle):

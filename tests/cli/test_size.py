@@ -19,6 +19,7 @@ def run(*arguments: str) -> Result:
 
 SOUNDINGS = Path(__file__).parents[1] / "soundings"
 WIND, LOW = str(SOUNDINGS / "wyoming.txt"), str(SOUNDINGS / "low.csv")
+OTHER = str(SOUNDINGS / "igra.txt")
 BAD = str(SOUNDINGS / "bad.csv")
 FLOWN = ("--winds", WIND, "--azimuth-deg", "90")
 FAST = ("--every", "10", "--from", "60", "--to", "80", "--dead-band", "1")
@@ -310,6 +311,19 @@ def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
 
     assert wind["a"]["deflection_deg"] == along["worst"]["K = 1, varying"]["deflection_deg"]
     assert wind["f"]["deflection_deg"] == along["worst"]["K = 1"]["deflection_deg"]
+
+
+def test_it_says_which_options_would_tell_more() -> None:
+    two = run("size", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42")
+    pulse = run("size", "--every", "60", "--varying")
+
+    assert "--window 20 counts of a sounding only" in two.output
+    assert "K = 1 in each wind [deg]" in two.output
+    assert "--from 41 --to 116 takes them in" in pulse.output
+    assert '--count "K = 1, varying"' in pulse.output
+    total = run("size", "--every", "60", "--varying", "--count", "K = 1, varying").output
+    assert "--count" not in total
+    assert "K = 1 in each wind" not in total
 
 
 def test_both_planes_stand_beside_each_plane_alone() -> None:

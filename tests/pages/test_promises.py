@@ -7,7 +7,7 @@ import sys
 import tomllib
 from importlib import import_module
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 
 import pytest
 
@@ -96,24 +96,15 @@ def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> No
     assert text == ["See [](_generated/contributing.md) and [](map.md)."]
 
 
-def test_of_a_notebook_s_outputs_only_what_stands_for_a_figure_is_dropped(
-    pages: ModuleType,
-) -> None:
-    cell = SimpleNamespace(children=[])
-    cell.remove = cell.children.remove
-    for text in (
-        "<control.ctrlplot.ControlPlot at 0x7f6c5e450e10>",
-        "[Text(0.5, 0, 'time [s]'),\n Text(0, 0.5, 'angle [deg]')]",
-        "Verdict(stable=True)",
-        "0x7f",
-    ):
-        block = SimpleNamespace(tagname="literal_block", astext=lambda text=text: text, parent=cell)
-        cell.children.append(block)
-    kept = cell.children[2:]
+def test_the_first_page_of_the_site_has_the_question_the_picture_and_the_eight_lines() -> None:
+    front, readme = ((ROOT / name).read_text() for name in ("docs/index.md", "README.md"))
+    code = re.search(r"(?s)## Eight lines of Python\n\n(```python.+?\n```)", readme)
+    table = front.index("| question |")
 
-    pages.drop_parts_of_figures(SimpleNamespace(findall=lambda _: cell.children))
-
-    assert cell.children == kept
+    assert "How much thrust-vector deflection" in front[:table]
+    assert "](images/study.png)" in front[:table]
+    assert code is not None
+    assert code[1] in front[:table]
 
 
 def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
@@ -155,7 +146,8 @@ def test_the_table_of_models_names_every_default() -> None:
 
     for name, function in taken.items():
         model = inspect.signature(function).parameters["model"].default
-        assert name in rows[model or "drift"], (name, model)
+        usual = getattr(sys.modules[function.__module__], "USUAL", "drift")
+        assert name in rows[model or usual], (name, model)
     assert "`margins` of a flexible vehicle" in rows["drift-exact"]  # where its model is None
 
 

@@ -317,6 +317,25 @@ def test_the_chart_of_laws_measures_them_by_equation_12_and_the_minimum(configur
         np.testing.assert_allclose(found.column(label), expected, rtol=1e-9)
 
 
+def test_between_its_marks_the_chart_of_laws_is_near_equation_12(configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
+    plot = plots.laws_chart(plant, {}, 0.08)
+    line = next(one for one in plot.lines[0, 0] if one.get_label() == "required, K = 1")
+    x, y = line.get_data()
+
+    assert x.size > 400
+    # a monotone cubic between points that are a factor 1.5 apart on a curve that bends slowly
+    np.testing.assert_allclose(y, triangular_limit(x, 1.0), rtol=0.01)
+    assert np.all(np.isin(plot.curves.abscissa, x))
+
+
+def test_charts_are_titled_with_the_name_of_the_vehicle(configuration_i):
+    c = tv.Coefficients.from_vehicle(configuration_i)
+
+    assert configuration_i.name in plots.boundary_chart(coefficients=c).axes[0, 0].get_title()
+    assert plots.pole_map(c).figure.get_suptitle() == configuration_i.name
+
+
 def test_study_chart_and_pole_map_are_control_plots(configuration_i):
     study = tv.Study.from_vehicle(configuration_i, duration=7.5, peak=0.08, limit=0.006)
     drawn = plots.study_chart(study)

@@ -102,13 +102,16 @@ def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name,
     import matplotlib.pyplot as plt
 
     before = dict(mpl.rcParams)
-    plot = CHARTS[name](*make())
+    autopilot, plant = make()
+    plot = CHARTS[name](autopilot, plant)
 
     assert dict(mpl.rcParams) == before
     assert len(plt.get_fignums()) == 1
     assert isinstance(plot, control.ControlPlot)
     assert plots.curves_of(plot).name == name
-    assert plots.curves_of(plot).csv().startswith(f"# {name}: model ")
+    first = plots.curves_of(plot).csv().splitlines()[0]
+    vehicle = f"{plant.coefficients.name}, " if plant.coefficients.name else ""
+    assert first.startswith(f"# {name}: {vehicle}model ")
     verdict = "unstable closed loop" if make in UNSTABLE.values() else "stable closed loop"
     assert f": {verdict}" in heading(plot)
     for axes in plot.axes[-1]:
@@ -471,3 +474,45 @@ def test_the_pade_loop_of_the_locus_is_that_of_the_autopilot():
         expected = np.sort_complex(control.feedback(factor * system, 1).poles())
         np.testing.assert_allclose(np.sort_complex(found), expected, rtol=0, atol=1e-7 * 120.0)
     assert loop.denominator.shape[-1] - 1 + autopilot.pade_order == locus.poles.size
+
+
+@pytest.mark.parametrize("make", [drifting, integrating])
+def test_the_root_locus_turns_only_where_poles_meet_on_the_axis_and_there_by_a_right_angle(make):
+    columns = iter(plots.root_locus_chart(*make()).curves.columns)
+    corners = []
+    for real, imaginary in zip(columns, columns, strict=True):
+        place = real.values + 1j * imaginary.values
+        step = np.diff(place)
+        seen = (np.abs(place[1:]) < 5.0) & (np.abs(step) > 1e-4)
+        turn = np.abs(np.degrees(np.angle(step[seen][1:] / step[seen][:-1])))
+        on_axis = np.abs(place[1:][seen][:-1].imag) < 1e-6
+        assert np.all(turn[~on_axis] < 10.0)
+        corners += turn[on_axis & (turn > 10.0)].tolist()
+
+    assert corners  # a pole of the vehicle leaves the axis
+    np.testing.assert_allclose(corners, 90.0, atol=3.0)
+
+
+def test_the_root_locus_marks_where_it_ends_and_at_which_factor():
+    plot = plots.root_locus_chart(*drifting())
+    ends = [line for line in plot.lines[0, 0] if line.get_marker() == "|"]
+    last = [c.values[-1] for c in plot.curves.columns]
+    places = [complex(*pair) for pair in zip(last[::2], last[1::2], strict=True)]
+
+    assert ends[0].get_label() == f"end of the locus (factor {plot.curves.abscissa[-1]:.3g})"
+    for line in ends:
+        end = complex(*(values[0] for values in line.get_data()))
+        assert min(abs(end - place) for place in places) < 1e-12
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_a_loop_is_drawn_with_the_name_of_its_vehicle(name):
+    assert "Configuration I" in heading(CHARTS[name](*drifting())).replace("\u00a0", " ")
+
+
+def test_legends_are_in_words():
+    plot = CHARTS["autopilot-in-wind"](*drifting())
+    labels = [text.get_text() for text in plot.figure.legends[0].get_texts()]
+
+    assert {"angle of attack", "flight path angle"} <= set(labels)
+    assert "angle_of_attack" in {column.label for column in plot.curves.columns}  # as in the CSV

@@ -152,3 +152,16 @@ def test_any_value_gives_a_vehicle_or_one_sentence(key: str, value: object) -> N
         assert str(error).startswith("f")  # noqa: PT017
     else:
         assert np.isfinite(vehicle.weight)
+
+
+def test_a_mass_is_a_weight_over_g() -> None:
+    by_weight = template()
+    by_mass = by_weight.replace("weight_N = 1.5e7", "mass_slug = 104808.1955")
+
+    made = parse_vehicle(by_mass, "mine")
+    assert made.mass == pytest.approx(104808.1955 * 14.59390294, rel=1e-9)
+    assert made.weight == pytest.approx(1.5e7, rel=1e-5)
+    with pytest.raises(tv.InputError, match="both a weight and a mass"):
+        parse_vehicle(by_weight.replace("weight_N", "mass_kg = 1.5e6\nweight_N"), "mine")
+    with pytest.raises(tv.InputError, match=r"weight_N or .*, or mass_kg or mass_lb or mass_slug"):
+        parse_vehicle(by_weight.replace("weight_N", "# weight_N"), "mine")

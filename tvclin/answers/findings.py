@@ -17,7 +17,6 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -33,7 +32,10 @@ if TYPE_CHECKING:
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
     from tvclin.control.margins.record import Margins
+    from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
+Told = Callable[[float, float], None]
+"""Is told how much of a part is done, and how much there is."""
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 
@@ -112,8 +114,8 @@ def _plain(value: Any) -> Any:
     return array.tolist()
 
 
-def find(plan: StudyPlan) -> Findings:
-    """Return everything that a plan asks for.
+def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None) -> Findings:
+    """Return everything that a plan asks for, and tell how many of its parts are found.
 
     A part that cannot be answered for this vehicle, such as margins of laws for one that is
     stable, has its reason in place of an answer.
@@ -128,32 +130,50 @@ def find(plan: StudyPlan) -> Findings:
         study = plan.study()
         reasons: dict[str, str] = {}
 
-        def part(name: str, wanted: Any, compute: Callable[[StudyPlan, Study], Any]) -> Any:
+        wanted = {
+            "trials": plan.laws,
+            "comparison": plan.gains or plan.criteria,
+            "flexible": plan.structure and (plan.gains or plan.criteria),
+            "dispersed": plan.dispersions,
+            "flight": plan.sizing,
+        }
+        asked = [name for name, one in wanted.items() if one is not None]
+
+        def part(name: str, compute: Callable[[StudyPlan, Study, Told], Any]) -> Any:
+            if name not in asked:
+                return None
+
+            def told(done: float, total: float) -> None:
+                if progress is not None:
+                    progress(asked.index(name) + done / total, len(asked))
+
             try:
-                return compute(plan, study) if wanted is not None else None
+                return compute(plan, study, told)
             except InputError as error:
                 reasons[name] = str(error)
                 return None
+            finally:
+                told(1, 1)
 
         return Findings(
             plan=plan,
             study=study,
-            trials=part("trials", plan.laws, _trials) or (),
-            comparison=part("comparison", plan.gains or plan.criteria, _comparison),
-            flexible=part("flexible", plan.structure and (plan.gains or plan.criteria), _flexible),
-            dispersed=part("dispersed", plan.dispersions, _dispersed),
-            flight=part("flight", plan.sizing, _flight),
+            trials=part("trials", _trials) or (),
+            comparison=part("comparison", _comparison),
+            flexible=part("flexible", _flexible),
+            dispersed=part("dispersed", _dispersed),
+            flight=part("flight", _flight),
             reasons=reasons,
             warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
         )
 
 
-def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
+def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant: AnyPlant = Plant(study.coefficients, asked.model)
+    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
     laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
     nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
     if plan.structure is not None:
@@ -168,6 +188,7 @@ def _trials(plan: StudyPlan, study: Study) -> tuple[LawTrial, ...]:
         {name: laws[name] for name in asked.names},
         {name: winds[name] for name in asked.winds},
         loads=False,
+        progress=told,
         **nozzle,
     )
 
@@ -179,15 +200,15 @@ def gains_of(plan: StudyPlan) -> GainsAsked:
     return plan.gains or GainsAsked()
 
 
-def _comparison(plan: StudyPlan, study: Study) -> TrimComparison:
+def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
-    plant = Plant(study.coefficients, gains_of(plan).model)
+    plant = Plant.from_vehicle(plan.vehicle, gains_of(plan).model, plan.plane)
     flying = plant if plan.structure is None else _flexible_plant(plan)
     return compare_with_trim(plant, _autopilot(plan, study, flying), blown(study))
 
 
-def _flexible(plan: StudyPlan, study: Study) -> FlexibleAnswer:
+def _flexible(plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
     from tvclin.control.margins.criteria import CRITERIA
 
@@ -215,14 +236,14 @@ def _autopilot(plan: StudyPlan, study: Study, plant: AnyPlant) -> Autopilot:
     )
 
 
-def _flight(plan: StudyPlan, study: Study) -> tuple[Sizing, DeflectionTotal]:
+def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
     del study
     assert plan.sizing is not None
-    found = plan.sizing.sizing()
+    found = plan.sizing.sizing(told)
     return found, plan.sizing.total(found)
 
 
-def _dispersed(plan: StudyPlan, study: Study) -> DispersedStudy:
+def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:
     from tvclin.answers.campaign.quick import disperse_study
 
     assert plan.dispersions is not None

@@ -18,8 +18,8 @@ from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
 from tvclin.linear.flexible import FlexiblePlant, Shift
+from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
 from tvclin.vehicle.structure import Structure
-from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -133,10 +133,11 @@ def with_filters(law: Law, asked: GainsAsked) -> Law:
 
 
 def flexible_plant(
-    vehicle: Vehicle, structure: Structure, plane: str, model: str = "drift"
+    vehicle: AnyVehicle, structure: Structure, plane: str, model: str = "drift"
 ) -> FlexiblePlant:
     """Return the flexible plant of a vehicle; "drift" has none, and is "drift-exact" here."""
-    return FlexiblePlant.from_vehicle(vehicle, structure, _MODELS.get(model, model), plane)
+    whole = whole_vehicle(vehicle, "a structure")
+    return FlexiblePlant.from_vehicle(whole, structure, _MODELS.get(model, model), plane)
 
 
 def shift_of(plant: FlexiblePlant) -> Shift | None:

@@ -23,14 +23,21 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
-from tvclin.linear.plant import MODELS, Plant, available_models
+from tvclin.linear.plant import MODELS, Plant, models_of
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.linear_vehicle import (
+    AnyVehicle,
+    LinearVehicle,
+    coefficients_of,
+    whole_vehicle,
+)
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind, pulse
 
 _FEEBLE = 0.5
 """A booster's thrust over its weight is rather a slip of the pen below this."""
+_HEAVY = 10.0
+"""Above this a mass was rather typed as a weight: then it is g times too large."""
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
@@ -57,7 +64,7 @@ class Study:
 
     Attributes
     ----------
-    vehicle : Vehicle
+    vehicle : Vehicle or LinearVehicle
         The vehicle, one.
     plane, model : str
         The plane, and the model on which the verdict rests.
@@ -105,7 +112,7 @@ class Study:
         Whether the verdict is on both planes.
     """
 
-    vehicle: Vehicle
+    vehicle: AnyVehicle
     plane: str
     model: str
     coefficients: Coefficients
@@ -132,7 +139,7 @@ class Study:
     @classmethod
     def from_vehicle(
         cls,
-        vehicle: Vehicle,
+        vehicle: AnyVehicle,
         *,
         wind: str = "triangular",
         duration: float,
@@ -150,7 +157,7 @@ class Study:
 
         Parameters
         ----------
-        vehicle : Vehicle
+        vehicle : Vehicle or LinearVehicle
             One vehicle.
         wind : {"triangular", "rectangular"}
             Shape of the wind.
@@ -198,7 +205,7 @@ class Study:
         one_of("switch", switch, SWITCHES)
         peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
-        coefficients = Coefficients.from_vehicle(vehicle, plane)
+        coefficients = coefficients_of(vehicle, plane)
         single("vehicle", coefficients.batch)
         shape = None if stop is None else stop_of(stop)
         if gust is not None:
@@ -206,6 +213,7 @@ class Study:
             single("gust", gust.batch)
         planes = slanting = None
         if heading is not None:
+            vehicle = whole_vehicle(vehicle, "a wind with a direction")
             slanting = ShapedWind(wind, peak, duration, heading)
             planes = of_heading(vehicle, model, slanting, gust, shape, dead_band)
             alone_peak = slanting.in_plane(plane, float(np.asarray(vehicle.attitude))).peak
@@ -213,13 +221,13 @@ class Study:
             peak = alone_peak
         elif shape is not None:
             raise InputError("stop needs a heading: a wind without a direction has one plane")
-        plants = {name: Plant(coefficients, name) for name in available_models(coefficients)}
+        plants = {name: Plant(coefficients, name) for name in models_of(vehicle)}
         alone = pulse("wind", wind, peak, duration)
         history = alone if gust is None else alone + gust
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else "drift"
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
-        plant = plants.get(model) or Plant(coefficients, model)
+        plant = plants.get(model) or Plant.from_vehicle(vehicle, model, plane)
         limit = None if limit is None else _capability(limit)
         required = required_deflection(plant, history, dead_band)
         modes = {name: unstable_modes(each) for name, each in plants.items()}
@@ -230,7 +238,8 @@ class Study:
             *_left_out(plant, modes),
             *_forecast_trusted(required, dead_band, free),
             *_undamped(plant, history, required, dead_band),
-            *_doubts(vehicle, plane, peak),
+            *_doubts(vehicle),
+            *_head_wind(plane, alone, wind),
             *words_of(planes, plane, shape is not None),
         )
         if planes is not None and shape is not None:
@@ -355,15 +364,33 @@ def outlasts_one_pole(study: Study) -> bool:
     return bool(study.wind.duration > single_pole_validity(study.coefficients))
 
 
-def _doubts(vehicle: Vehicle, plane: str, peak: float) -> Iterator[str]:
-    if vehicle.thrust < _FEEBLE * vehicle.weight:
+def _doubts(vehicle: AnyVehicle) -> Iterator[str]:
+    if isinstance(vehicle, LinearVehicle):
+        if not vehicle.path_known:
+            yield (
+                "the flight path is held fixed: how the vehicle drifts with the wind is not known"
+                " from mu_alpha and mu_delta, and a long wind may then need more"
+            )
+    elif vehicle.thrust < _FEEBLE * vehicle.weight:
         ratio = float(vehicle.thrust / vehicle.weight)
         yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
-    if plane == "pitch" and abs(peak) > _STRONG:
+    elif vehicle.thrust > _HEAVY * vehicle.weight:
+        ratio = float(vehicle.thrust / vehicle.weight)
+        yield (
+            f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
+            " mass_kg, mass_lb or mass_slug"
+        )
+
+
+def _head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:
+    """Where the wind is strong along the path; with the flight that says how much it matters."""
+    peak = abs(float(wind.peak))
+    if plane == "pitch" and peak > _STRONG:
         yield (
             "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
-            " time leaves out: a head wind of 5 deg needs up to a fifth more (tvclin fly"
-            " --along-trajectory --boundary)"
+            " time leaves out: a head wind of 5 deg needs up to a fifth more; this one, as a head"
+            " wind, is flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind"
+            f" {shape} --duration {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
         )
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows, table
 from tvclin.base.errors import (
     callable_for,
     different,
@@ -132,6 +133,30 @@ class LawTrial:
     peak_angle_of_attack: float
     peak_attitude: float
 
+    _repr_html_ = shows(
+        "Trial of a law",
+        "law",
+        "wind",
+        "limit [-]",
+        "status",
+        "peak_angle_of_attack [-]",
+        "peak_attitude [-]",
+    )
+
+
+class LawTrials(tuple[LawTrial, ...]):
+    """Trials, one after the other, and in a notebook as a table."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        columns = ("law", "wind", "limit, of full trim", "angle of attack", "attitude", "status")
+        rows = [
+            (t.law, t.wind, t.limit, t.peak_angle_of_attack, t.peak_attitude, t.status)
+            for t in self
+        ]
+        return table("What each law needs; angles over the peak of the wind", columns, rows)
+
 
 def standard_winds(peak: float, duration: float) -> dict[str, History]:
     """Return the winds of the trials by name.
@@ -180,7 +205,7 @@ def law_trials(
     loads: bool = True,
     progress: Callable[[int, int], None] | None = None,
     **hardware: Any,
-) -> tuple[LawTrial, ...]:
+) -> LawTrials:
     """Return what each law needs in each wind, winds within laws.
 
     Parameters
@@ -216,7 +241,9 @@ def law_trials(
 
         return tell
 
-    return tuple(_trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs))
+    return LawTrials(
+        _trial(plant, *pair, cuts, loads, flown, told(k)) for k, pair in enumerate(pairs)
+    )
 
 
 def law_curve(

@@ -1,6 +1,7 @@
 """A record as a small table in a notebook: one line for each name, with value and unit."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import reduce
 from html import escape
 from typing import Any, NamedTuple
 
@@ -8,6 +9,8 @@ import numpy as np
 
 _FEW = 6
 """An array of so many numbers at most is shown in full, a longer one by its range."""
+
+_DEGREES = float(np.degrees(1.0))
 
 Row = tuple[str, Any, str]
 
@@ -42,7 +45,63 @@ def card(title: str, rows: Iterable[Row]) -> str:
     return f"<table>{caption}{lines}</table>"
 
 
+def shows(title: str, *names: str) -> Callable[[Any], str]:
+    """Return the method `_repr_html_` of a record with a line for each of some attributes.
+
+    Parameters
+    ----------
+    title : str
+        Stands above the table.
+    *names : str
+        Attributes, of attributes too: "plant.model", each with its unit in brackets if it has
+        one: "peak_deflection [deg]". What is held in radians is shown in degrees where the unit
+        says so. What is None or empty is left out; of filters and the like there is the number.
+    """
+
+    def shown(record: Any) -> str:
+        rows = []
+        for name in names:
+            path, _, unit = name.rstrip("]").partition(" [")
+            value = reduce(_of, path.split("."), record)
+            if value is None or (isinstance(value, str | tuple) and not value):
+                continue
+            if isinstance(value, tuple) and not isinstance(value[0], str):
+                value = len(value)
+            if unit.startswith("deg"):
+                value = _DEGREES * np.asarray(value)  # may be complex
+            rows.append((path.replace(".", " ").replace("_", " "), value, unit))
+        return card(title, rows)
+
+    return shown
+
+
+def _of(record: Any, name: str) -> Any:
+    return None if record is None else getattr(record, name)
+
+
+def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Return a table in HTML with a heading for each column, all texts escaped.
+
+    Parameters
+    ----------
+    title : str
+        Stands above the table.
+    columns : iterable of str
+        The headings, with units.
+    rows : iterable of iterables
+        The values of each line, shown as in `card`.
+    """
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in columns)
+    lines = "".join(
+        f"<tr>{''.join(f'<td>{escape(_shown(value))}</td>' for value in row)}</tr>" for row in rows
+    )
+    caption = f'<caption style="text-align:left"><b>{escape(title)}</b></caption>'
+    return f"<table>{caption}<tr>{head}</tr>{lines}</table>"
+
+
 def _shown(value: Any) -> str:
+    if isinstance(value, tuple) and all(isinstance(one, str) for one in value):
+        value = "; ".join(value) or "none"
     if value is None or isinstance(value, str):
         return value or "not given"
     array = np.asarray(value)

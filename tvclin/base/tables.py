@@ -11,7 +11,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from tvclin.base.errors import InputError, number, shown
-from tvclin.base.units import UNITS
+from tvclin.base.units import UNITS, written
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +107,15 @@ class Table:
                 raise InputError(self._unknown(key))
         self.need(found, self.required)
         return found
+
+    def units(self, table: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
+        """Return the numbers of a table as they stand, by name, each with the unit of its key."""
+        keys = self.keys
+        return {
+            keys[key][0]: (float(value), written(key.removeprefix(keys[key][0]).strip("_")))
+            for key, value in table.items()
+            if key in keys
+        }
 
     def need(self, found: Mapping[str, Any], names: Iterable[str]) -> None:
         """Raise `InputError` for a name that is not among what was found."""

@@ -43,6 +43,8 @@ UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0},
     "delay": {"s": 1.0, "ms": 1e-3},
     "per time": {"per_s": 1.0},
+    "per time squared": {"per_s2": 1.0},
+    "per time cubed": {"per_s3": 1.0},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "psf": POUND_FORCE / FOOT**2},
     "area": {"m2": 1.0, "ft2": FOOT**2},
     "per angle": {"per_rad": 1.0, "per_deg": 1.0 / DEGREE},
@@ -54,6 +56,11 @@ UNITS: dict[str, dict[str, float]] = {
 """For each kind of quantity the suffixes of its keys and their factors to SI."""
 
 
+def written(suffix: str) -> str:
+    """Return the suffix of a key as tables show it: lbf/deg, slug ft2."""
+    return suffix.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
+
+
 def si_unit(kind: str) -> str:
     """Return the SI unit of a kind of quantity, as tables show it: N/rad, kg m2."""
-    return next(iter(UNITS[kind])).replace("_per_", "/").replace("_", " ")
+    return written(next(iter(UNITS[kind])))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.gains import GainOptions, gains_document, takes_gains
-from tvclin.cli.inputs import load_rigid, peak_angle
+from tvclin.cli.inputs import load_linear, peak_angle, plant_of
 from tvclin.cli.least import (
     Crossover,
     Least,
@@ -21,14 +21,15 @@ from tvclin.cli.least import (
 from tvclin.cli.margin_tables import poles, print_bounds
 from tvclin.cli.margins import CriteriaName, wanted_criteria
 from tvclin.cli.options import (
+    FIXED_HELP,
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
-    Vehicle,
     Wind,
 )
 
@@ -36,15 +37,18 @@ if TYPE_CHECKING:
     from tvclin.control.comparison.duration import WorstDuration
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.vehicle import Vehicle as VehicleData
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
 
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
 
+USUAL = "drift"
+"""The model without --model, where all of it is known."""
+
 
 @takes_gains
 def autopilot(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     wind: Wind = "triangular",
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
@@ -59,7 +63,9 @@ def autopilot(
     crossover: Crossover = None,
     limits: Limits = False,
     stops: Stops = 0,
-    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift",
+    model: Annotated[
+        str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
+    ] = None,
     plane: Plane = "pitch",
     as_json: AsJson = False,
     plot: Plot = None,
@@ -73,15 +79,14 @@ def autopilot(
     from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
-    from tvclin.linear.plant import Plant
     from tvclin.winds.shaped import PULSES
 
-    loaded = load_rigid(vehicle, plane)
+    loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria)
-    plant = Plant.from_vehicle(loaded, model, plane)
+    plant = plant_of(loaded, model, USUAL, plane)
     blows = shape(peak=peak, duration=duration)
     sought = found_least(gains, plant, blows, asked, least, three_gains, crossover, limits, stops)
     autopilot = gains.autopilot(plant) if sought is None else sought.autopilot
@@ -95,7 +100,7 @@ def autopilot(
     if sought is not None:
         document["least"] = least_document(sought)
     if as_json:
-        print_json({"vehicle": loaded.name, "model": model, "plane": plane, **document})
+        print_json({"vehicle": loaded.name, "model": plant.model, "plane": plane, **document})
     else:
         _print(loaded, found, worst, document, f"{wind} wind of {duration:g} s", limit)
         if sought is not None:
@@ -127,7 +132,7 @@ def _draw(found: "TrimComparison", plot: Path) -> None:
 
 
 def _document(
-    vehicle: "VehicleData",
+    vehicle: "AnyVehicle",
     found: "TrimComparison",
     worst: "WorstDuration | None",
     limit_deg: float | None,
@@ -135,9 +140,14 @@ def _document(
 ) -> dict[str, Any]:
     import numpy as np
 
+    from tvclin.vehicle.vehicle import Vehicle
+
     deg = np.degrees
     within = limit_deg is None or deg(found.peak_deflection) <= limit_deg
     criteria = bool(asked.are_met(found.margins))
+    slope = speed = float("nan")  # of a vehicle that is known by its coefficients
+    if isinstance(vehicle, Vehicle):
+        slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
     return {
         "autopilot": gains_document(found.autopilot),
         "closed_loop_poles": found.autopilot.closed_loop_poles(found.plant).tolist(),
@@ -147,10 +157,10 @@ def _document(
         "part_of_trim": found.relative,
         "peak_deflection_rate_deg_s": deg(found.peak_deflection_rate),
         "peak_angle_of_attack_deg": deg(found.peak_angle_of_attack),
-        "peak_normal_force_N": abs(float(vehicle.normal_force_slope)) * found.peak_angle_of_attack,
+        "peak_normal_force_N": slope * found.peak_angle_of_attack,
         "peak_attitude_deg": deg(found.peak_attitude),
         "peak_flight_path_angle_deg": deg(found.peak_flight_path_angle),
-        "peak_lateral_speed_m_s": found.peak_flight_path_angle * float(vehicle.velocity),
+        "peak_lateral_speed_m_s": found.peak_flight_path_angle * speed,
         "trim_deg": deg(found.trim_deflection),
         "boundaries_deg": {f"{K:g}": deg(limit) for K, limit in found.boundaries.items()},
         "minimum_deg": deg(found.minimum),
@@ -171,7 +181,7 @@ def _document(
 
 
 def _print(
-    vehicle: "VehicleData",
+    vehicle: "AnyVehicle",
     found: "TrimComparison",
     worst: "WorstDuration | None",
     document: dict[str, Any],
@@ -229,13 +239,15 @@ def _loads(document: dict[str, Any], worst: "WorstDuration | None") -> list[tupl
     pairs = [
         ("largest deflection rate", f"{document['peak_deflection_rate_deg_s']:.4g} deg/s"),
         ("largest angle of attack", f"{document['peak_angle_of_attack_deg']:.4g} deg"),
-        ("N times it", f"{document['peak_normal_force_N']:.4g} N"),
         ("largest attitude error", f"{document['peak_attitude_deg']:.4g} deg"),
     ]
+    if np.isfinite(document["peak_normal_force_N"]):
+        pairs.insert(2, ("N times it", f"{document['peak_normal_force_N']:.4g} N"))
     if np.isfinite(document["peak_flight_path_angle_deg"]):
         drift = document["peak_lateral_speed_m_s"]
+        across = f", {drift:.4g} m/s across" if np.isfinite(drift) else ""
         angle = f"{document['peak_flight_path_angle_deg']:.4g} deg"
-        pairs.append(("largest drift", f"{angle}, {drift:.4g} m/s across"))
+        pairs.append(("largest drift", f"{angle}{across}"))
     pairs.append(("H-infinity, wind to deflection", f"{document['wind_gain']:.4g}"))
     if worst is not None:
         asks = np.degrees(worst.peak_deflection)

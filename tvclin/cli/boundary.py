@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_rigid
-from tvclin.cli.options import VEHICLE_HELP, AsJson, Plot, Wind
+from tvclin.cli.inputs import load_linear, plant_of
+from tvclin.cli.options import FIXED_HELP, LINEAR_HELP, AsJson, Plot, Wind
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -14,7 +14,7 @@ DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
 def boundary(
     vehicle: Annotated[
         str | None,
-        typer.Argument(help=f"{VEHICLE_HELP} Without one the flight path is held fixed."),
+        typer.Argument(help=f"{LINEAR_HELP} Without one the flight path is held fixed."),
     ] = None,
     wind: Wind = "triangular",
     tau_beta: Annotated[
@@ -26,7 +26,8 @@ def boundary(
         typer.Option(help="Dead band K from 0 to 1; may be given several times."),
     ] = None,
     model: Annotated[
-        str | None, typer.Option(help="Model, when a vehicle is given; drift if nothing is.")
+        str | None,
+        typer.Option(help=f"Model, when a vehicle is given; drift if nothing is, {FIXED_HELP}."),
     ] = None,
     plane: Annotated[
         str | None, typer.Option(help="Plane, when a vehicle is given; pitch if nothing is.")
@@ -43,20 +44,21 @@ def boundary(
 
     if vehicle is None and (model or plane):
         raise InputError("--model and --plane need a vehicle; name one or leave them out")
-    model, plane = model or "drift", plane or "pitch"
+    plane = plane or "pitch"
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, limits, coefficients = _limits(vehicle, wind, x, K, model, plane)
-    axis = "tau*beta" if coefficients is None else f"tau*{coefficients.pole_symbol}"
+    name, limits, plant = _limits(vehicle, wind, x, K, model, plane)
+    shown = None if vehicle is None else plant.coefficients
+    axis = "tau*beta" if shown is None else f"tau*{shown.pole_symbol}"
     if plot is not None:
         curve = np.linspace(0.05, max(float(x.max()), 1.0), 200)
-        save_figure(boundary_chart(curve, K.tolist(), coefficients), plot)
+        save_figure(boundary_chart(curve, K.tolist(), shown), plot)
     if as_json:
         print_json(
             {
                 "vehicle": name or None,
                 "wind": wind,
-                "model": model if vehicle else "fixed-path",
+                "model": plant.model,
                 axis.replace("*", "_"): x,
                 "dead_band": K,
                 "limit": limits.limit,
@@ -66,7 +68,7 @@ def boundary(
         return
     rows = [[f"{b:g}", *map(limit_cell, row)] for b, row in zip(x, limits.limit, strict=True)]
     headings = [axis, *(f"K = {k:g}" for k in K)]
-    title = f"{name}, {model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
+    title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
     for note in _notes(axis, x, K, limits.status):
         typer.echo(f"Note: {note}.")
@@ -86,7 +88,7 @@ def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
 
 
 def _limits(
-    source: str | None, wind: str, x: Any, K: Any, model: str, plane: str
+    source: str | None, wind: str, x: Any, K: Any, model: str | None, plane: str
 ) -> tuple[str, Any, Any]:
     """One unit of peak is enough: the boundary limit does not depend on it."""
     from tvclin.base.errors import one_of
@@ -96,13 +98,13 @@ def _limits(
     from tvclin.winds.shaped import PULSES
 
     shape: Any = PULSES[one_of("--wind", wind, PULSES)]
-    one_of("--model", model, MODELS)
+    if model is not None:
+        one_of("--model", model, MODELS)
     if source is None:
-        fixed = Coefficients.from_beta(beta=1.0, B=1.0)
+        plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0))
         history = shape(peak=1.0, duration=x[:, None])
-        return "", boundary_limit(Plant(fixed), history, K), None
-    vehicle = load_rigid(source, plane)
-    coefficients = Coefficients.from_vehicle(vehicle, plane)
-    history = shape(peak=1.0, duration=x[:, None] / coefficients.pole)
-    limits = boundary_limit(Plant(coefficients, model), history, K)
-    return vehicle.name or source, limits, coefficients
+        return "", boundary_limit(plant, history, K), plant
+    vehicle = load_linear(source, plane)
+    plant = plant_of(vehicle, model, "drift", plane)
+    history = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
+    return vehicle.name or source, boundary_limit(plant, history, K), plant

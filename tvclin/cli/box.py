@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from tvclin.cli.flown import FlownCase
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.shaped import ShapedWind
 
@@ -26,7 +27,7 @@ Box = Annotated[
 
 def worst_in_box(
     given: list[str],
-    vehicle: "Vehicle",
+    loaded: "AnyVehicle",
     autopilot: "Autopilot",
     model: str,
     plane: str,
@@ -38,8 +39,10 @@ def worst_in_box(
     from tvclin.answers.worst_case import worst_case
     from tvclin.base.errors import InputError, one_of
     from tvclin.cli.inputs import peak_angle
+    from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.shaped import PULSES, ShapedWind
 
+    vehicle = whole_vehicle(loaded, "--box")
     peak = peak_angle(vehicle, plane, case.peak_deg, case.peak_speed)
     wind = ShapedWind(one_of("--wind", case.wind, PULSES), peak, case.duration)
     box = {}

@@ -75,7 +75,7 @@ def run(
     note_structure(plan.vehicle, plan.structure, plan.plane, "all but margins and flights")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
-    with _executor(workers, scheduler) as executor, bar("cases") as progress:
+    with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = run_campaign(plan, folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
 
@@ -93,7 +93,7 @@ def resume(
 
     for said in damaged(folder, read_manifest(folder)).values():
         typer.echo(f"Warning: {said}", err=True)
-    with _executor(workers, scheduler) as executor, bar("cases") as progress:
+    with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = resume_campaign(folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
 
@@ -187,6 +187,20 @@ def _flown(one: Any) -> dict[str, float]:
     values = {name: response.outputs[name] for name in ("attitude", "angle_of_attack")}
     largest = {f"largest_{k}_deg": float(np.degrees(np.abs(v).max())) for k, v in values.items()}
     return largest | {"until_s": float(response.time[-1])}
+
+
+@contextmanager
+def _resumable(folder: Path) -> Iterator[None]:
+    """Say how to go on where the user interrupts."""
+    from tvclin.base.files import called
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        name = called(folder)
+        said = f"Stopped; finished chunks are kept. Go on with: tvclin campaign resume {name}"
+        typer.echo(said, err=True)
+        raise typer.Exit(130) from None
 
 
 @contextmanager

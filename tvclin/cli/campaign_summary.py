@@ -88,6 +88,8 @@ def print_summary(d: dict[str, Any]) -> None:
     }
     pairs += [(label, _share(d[key])) for key, label in said.items() if d[key] is not None]
     if d["flights"] is not None:
+        counts = f"{d['flights']['survived']} survived, {d['flights']['lost']} lost"
+        pairs.append(("flights", counts))
         pairs.append(("loss is driven by", _loss_drivers(d)))
     if d["trusts_a_forecast"]:
         pairs.append(("this dead band", "trusts a forecast of the wind; K = 1 needs none"))

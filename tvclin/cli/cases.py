@@ -87,7 +87,7 @@ def make_case(
         limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     else:
         limit = required * float(
-            within("--capability", 1.1 if capability is None else capability, 1e-3, 1e3)
+            within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)
         )
         if np.isinf(limit):
             raise InputError(f"no limit is enough with K = {K:g} here; give --limit-deg")

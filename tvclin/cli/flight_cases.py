@@ -69,8 +69,8 @@ class FlightCase:
             return "assumed: parameters frozen, flat planet at rest, rigid, no actuator"
         return (
             "assumed: gravity turn, standard atmosphere, constant thrust, mass falling"
-            f"\nwith a specific impulse of {self.condition.specific_impulse:g} s, wind centred on"
-            " the vehicle's own\ntime, flat planet at rest, rigid, no actuator"
+            f"\nwith a specific impulse of {self.condition.specific_impulse:g} s, wind about the"
+            " vehicle's own\ntime, flat planet at rest, rigid, no actuator"
         )
 
     @property

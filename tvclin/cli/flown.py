@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
     from tvclin.linear.flexible import AnyPlant
-    from tvclin.vehicle.vehicle import Vehicle as VehicleData
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
 
 Flown = Annotated[
     bool,
@@ -40,7 +40,7 @@ class FlownCase:
     sample_rate: float | None
 
     def margins(
-        self, vehicle: "VehicleData", plane: str, plant: "AnyPlant", autopilot: "Autopilot"
+        self, vehicle: "AnyVehicle", plane: str, plant: "AnyPlant", autopilot: "Autopilot"
     ) -> "FlownMargins":
         """Return the flown margins of an autopilot, in place of its delay a computing delay."""
         import numpy as np

@@ -8,10 +8,12 @@ import typer
 
 from tvclin.cli.flight_cases import LAWS, FlightCase, flight_case, flight_wind
 from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
+from tvclin.cli.fly_winds import Window, Winds, sounding_wind
 from tvclin.cli.gains import GainOptions, takes_gains
 from tvclin.cli.inputs import load_plant, note_structure, peak_angle
 from tvclin.cli.options import (
     AsJson,
+    AzimuthDeg,
     Duration,
     PeakDeg,
     PeakSpeed,
@@ -45,6 +47,9 @@ def fly(
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
+    winds: Winds = None,
+    azimuth_deg: AzimuthDeg = None,
+    window: Window = None,
     engine: Annotated[
         str | None,
         typer.Option(
@@ -99,6 +104,7 @@ def fly(
     """
     from tvclin.base.errors import InputError, one_of, positive, within
     from tvclin.flights.condition import load_flight_condition
+    from tvclin.vehicle.linear_vehicle import load_any_vehicle, whole_vehicle
 
     if engine is not None:
         one_of("--engine", engine, (*_ENGINES, "linear"))
@@ -106,9 +112,19 @@ def fly(
     positive("--duration", duration, "s")
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    loaded, plant, frame = load_plant(vehicle, "drift-exact", plane, rigid)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
+    loaded = whole_vehicle(load_any_vehicle(vehicle), "a flight")
+    _, plant, frame = load_plant(vehicle, "drift-exact", plane, rigid)
+    if winds is None:
+        if (azimuth_deg, window) != (None, None):
+            raise InputError("--azimuth-deg and --window are for soundings; name one with --winds")
+        peak = peak_angle(loaded, plane, peak_deg, peak_speed)
+        gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
+    else:
+        if (peak_deg, peak_speed) != (None, None):
+            raise InputError("a sounding has its own peak: leave --peak-deg and --peak-speed out")
+        asked_of = winds, azimuth_deg, window, plane, along_trajectory
+        gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name
+        duration = float(gust.end - gust.onset)
     span, shown = (until * duration, points), Shown(csv, plot, as_json)
     if engine == "linear" or (engine is None and plant is not frame and not along_trajectory):
         if along_trajectory:

@@ -58,8 +58,13 @@ class GainOptions:
         float, typer.Option(help="aI, in 1/s, on the integrated attitude.")
     ] = 0.0
     actuator_frequency: Annotated[
-        float, typer.Option(help="Natural frequency of the actuator, in rad/s; 0: no actuator.")
-    ] = 25.1
+        float | None,
+        typer.Option(
+            help="Natural frequency of the actuator, in rad/s; 25.1 if nothing is given, 0: no"
+            " actuator."
+        ),
+    ] = None
+    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz, in its place.")] = None
     actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
     delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
         0.0
@@ -80,8 +85,23 @@ class GainOptions:
         notches, passes = asked.pop("notch_hz"), asked.pop("low_pass_hz")
         asked["filters"] = filters_of(notches or (), passes or ())
         delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
-        number("--actuator-frequency", self.actuator_frequency, nonnegative, "rad/s")
+        asked |= _actuator(asked.pop("actuator_frequency"), asked.pop("actuator_hz"))
         return GainsAsked(delay=delay / 1000.0, **(asked | others))
+
+
+def _actuator(frequency: float | None, hertz: float | None) -> dict[str, float]:
+    """The frequency [rad/s] of the actuator, as it was given; nothing if it was not."""
+    from math import pi
+
+    from tvclin.base.errors import InputError, nonnegative, number
+
+    if frequency is not None and hertz is not None:
+        raise InputError("give --actuator-frequency or --actuator-hz, not both")
+    if hertz is not None:
+        frequency = 2.0 * pi * number("--actuator-hz", hertz, nonnegative, "Hz")
+    if frequency is None:
+        return {}
+    return {"actuator_frequency": number("--actuator-frequency", frequency, nonnegative, "rad/s")}
 
 
 def filters_of(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":

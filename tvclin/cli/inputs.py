@@ -6,27 +6,32 @@ if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.linear.flexible import AnyPlant
     from tvclin.linear.plant import Plant
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.vehicle.structure import Structure
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
 
 
 def load_plant(
-    source: str, model: str | None, plane: str, rigid: bool
-) -> "tuple[Vehicle, AnyPlant, Plant]":
+    source: str, model: str | None, plane: str, rigid: bool, usual: str = "drift"
+) -> "tuple[AnyVehicle, AnyPlant, Plant]":
     """Return a vehicle, its plant, and the rigid plant of the same model.
 
     The plant is flexible where the file has a structure and `rigid` is not asked for; without a
-    model it is "drift-exact" then, and "drift" else.
+    model it is "drift-exact" then, and the usual one else.
     """
     from tvclin.linear.flexible import FlexiblePlant
     from tvclin.linear.plant import Plant
-    from tvclin.vehicle.file import load_vehicle
+    from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
     from tvclin.vehicle.structure_file import load_structure
 
-    loaded, structure = load_vehicle(source), load_structure(source)
+    loaded = load_any_vehicle(source)
+    if isinstance(loaded, LinearVehicle):
+        plant = plant_of(loaded, model, usual, plane)
+        return loaded, plant, plant
+    structure = load_structure(source)
     if rigid or structure.is_rigid:
-        plant = Plant.from_vehicle(loaded, model or "drift", plane)
+        plant = Plant.from_vehicle(loaded, model or usual, plane)
         return loaded, plant, plant
     bends = FlexiblePlant.from_vehicle(loaded, structure, model or "drift-exact", plane)
     return loaded, bends, bends.rigid
@@ -42,8 +47,26 @@ def load_rigid(source: str, plane: str) -> "Vehicle":
     return loaded
 
 
+def load_linear(source: str, plane: str) -> "AnyVehicle":
+    """Return a vehicle as `load_rigid`, or one that is known by its coefficients."""
+    from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
+
+    loaded = load_any_vehicle(source)
+    return loaded if isinstance(loaded, LinearVehicle) else load_rigid(source, plane)
+
+
+def plant_of(vehicle: "AnyVehicle", model: str | None, usual: str, plane: str) -> "Plant":
+    """Return the plant of the model asked for; without one of the usual, or of what is known."""
+    from tvclin.linear.plant import Plant
+    from tvclin.vehicle.linear_vehicle import FIXED_PATH, LinearVehicle
+
+    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
+        usual = FIXED_PATH
+    return Plant.from_vehicle(vehicle, model or usual, plane)
+
+
 def note_structure(
-    vehicle: "Vehicle", structure: "Structure | None", plane: str, which: str = "these numbers"
+    vehicle: "AnyVehicle", structure: "Structure | None", plane: str, which: str = "these numbers"
 ) -> None:
     """Say of a vehicle with structure that the numbers are those of the rigid one, on stderr.
 
@@ -75,7 +98,7 @@ def note_source(source: str) -> None:
 
 
 def peak_angle(
-    vehicle: "Vehicle",
+    vehicle: "AnyVehicle",
     plane: str,
     peak_deg: float | None,
     peak_speed: float | None,
@@ -88,12 +111,14 @@ def peak_angle(
     import numpy as np
 
     from tvclin.base.errors import InputError
+    from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
     if peak_speed is None:
         return float(np.radians(5.0 if peak_deg is None else peak_deg))
     if peak_deg is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
+    vehicle = whole_vehicle(vehicle, "--peak-speed")
     if heading is not None:
         at = float(np.asarray(vehicle.velocity)), float(np.asarray(vehicle.attitude))
         return float(np.hypot(*angles_from_speed(peak_speed, *at, heading)))

@@ -9,15 +9,16 @@ from tvclin.cli.gains import LowPassHz, NotchHz, filters_of
 from tvclin.cli.inputs import load_plant, peak_angle
 from tvclin.cli.margin_tables import lines
 from tvclin.cli.options import (
+    FIXED_HELP,
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
     Rigid,
-    Vehicle,
 )
 from tvclin.cli.progress import bar, share
 
@@ -26,9 +27,12 @@ if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
+USUAL = "drift-exact"
+"""The model without --model, where all of it is known."""
+
 
 def laws(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
@@ -41,8 +45,11 @@ def laws(
     ] = 0,
     sample_rate: Annotated[float, typer.Option(help="Samples of the law, in Hz.")] = 100.0,
     model: Annotated[
-        str, typer.Option(help=f"Model with one or two real unstable poles: {MODELS_HELP}")
-    ] = "drift-exact",
+        str | None,
+        typer.Option(
+            help=f"Model with one or two real unstable poles: {MODELS_HELP} {USUAL}; {FIXED_HELP}."
+        ),
+    ] = None,
     plane: Plane = "pitch",
     actuator_frequency: Annotated[
         float | None,
@@ -75,7 +82,7 @@ def laws(
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.linear.flexible import FlexiblePlant
 
-    loaded, flying, plant = load_plant(vehicle, model, plane, rigid)
+    loaded, flying, plant = load_plant(vehicle, model, plane, rigid, USUAL)
     flexible = flying is not plant
     if flexible and plot is not None:
         raise InputError("--plot draws the laws on the rigid vehicle: give --rigid as well")
@@ -106,7 +113,7 @@ def laws(
     if as_json:
         head = {
             "vehicle": loaded.name,
-            "model": model,
+            "model": plant.model,
             "plane": plane,
             "peak_deg": np.degrees(peak),
             "duration_s": duration,
@@ -121,7 +128,9 @@ def laws(
             typer.echo(
                 f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms, actuator {servo:g} rad/s"
             )
-        _print(f"{loaded.name or vehicle}, {model}, {duration:g} s", found, limits, list(chosen))
+        _print(
+            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen)
+        )
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:

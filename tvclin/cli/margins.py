@@ -21,12 +21,12 @@ from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
     Rigid,
-    Vehicle,
     Wind,
 )
 
@@ -55,7 +55,7 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 @takes_gains
 def margins(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     gains: GainOptions = GainOptions(),
     criteria: CriteriaName = "classic",
     gain_db: GainDb = None,

@@ -5,16 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_rigid, peak_angle
+from tvclin.cli.inputs import load_linear, peak_angle, plant_of
 from tvclin.cli.options import (
+    FIXED_HELP,
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
-    Vehicle,
     Wind,
 )
 
@@ -22,9 +23,12 @@ if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
+USUAL = "drift-exact"
+"""The model without --model, where all of it is known."""
+
 
 def optimum(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     wind: Wind = "triangular",
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
@@ -38,7 +42,9 @@ def optimum(
     rate_limit_deg: Annotated[
         float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")
     ] = None,
-    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
+    model: Annotated[
+        str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
+    ] = None,
     plane: Plane = "pitch",
     csv: Annotated[
         Path | None, typer.Option(help="Also write the deflection and the response as CSV.")
@@ -56,25 +62,24 @@ def optimum(
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
-    from tvclin.linear.plant import Plant
     from tvclin.winds.shaped import pulse
 
-    loaded = load_rigid(vehicle, plane)
+    loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     history = pulse("--wind", wind, peak, duration)
-    plant = Plant.from_vehicle(loaded, model, plane)
+    plant = plant_of(loaded, model, USUAL, plane)
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
     if rate_limit_deg is not None:
         rate = float(np.radians(positive("--rate-limit-deg", rate_limit_deg, "deg/s")))
         limited = optimum_with_rate_limit(plant, history, rate, start, horizon)
     shown = best.deflection if limited is None else limited.deflection
-    title = f"{loaded.name or vehicle}, {model}: {wind} wind of {np.degrees(peak):.4g} deg"
+    title = f"{loaded.name or vehicle}, {plant.model}: {wind} wind of {np.degrees(peak):.4g} deg"
     if csv is not None or plot is not None:
         _write(plant, shown, history, title, csv, plot)
     document = _document(plant, history, best, limited)
     if as_json:
-        print_json({"vehicle": loaded.name, "model": model, "wind": wind, **document})
+        print_json({"vehicle": loaded.name, "model": plant.model, "wind": wind, **document})
     else:
         _print(f"{title} and {duration:g} s", document)
     if best.status == NOT_CONVERGED:

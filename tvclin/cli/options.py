@@ -7,8 +7,11 @@ import typer
 
 MODELS_HELP = "fixed-path, drift, drift-exact, drift-and-speed."
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
+LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone."
+FIXED_HELP = "fixed-path where no more is known than mu_alpha and mu_delta"
 
 Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]
+LinearVehicle = Annotated[str, typer.Argument(metavar="VEHICLE", help=LINEAR_HELP)]
 Wind = Annotated[str, typer.Option(help="Shape of the wind: triangular or rectangular.")]
 Duration = Annotated[float, typer.Option(help="Duration of the wind, in s.")]
 PeakDeg = Annotated[

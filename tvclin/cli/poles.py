@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_rigid
-from tvclin.cli.options import AsJson, Plane, Plot, Vehicle
+from tvclin.cli.inputs import load_linear
+from tvclin.cli.options import AsJson, LinearVehicle, Plane, Plot
 
 if TYPE_CHECKING:
-    from tvclin.vehicle.coefficients import Coefficients
+    from tvclin.linear.plant import Plant
 
 
 def poles(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     model: Annotated[
         str,
         typer.Option(help="fixed-path, drift, drift-exact, drift-and-speed, or all."),
@@ -24,18 +24,17 @@ def poles(
     """Print the poles of the models, and the residues at the unstable ones."""
     from tvclin.base.errors import one_of
     from tvclin.cli.output import print_json, print_table
-    from tvclin.linear.plant import MODELS, available_models
-    from tvclin.vehicle.coefficients import Coefficients
+    from tvclin.linear.plant import MODELS, Plant, models_of
 
     one_of("model", model, [*MODELS, "all"])
-    loaded = load_rigid(vehicle, plane)
-    coefficients = Coefficients.from_vehicle(loaded, plane)
-    models = available_models(coefficients) if model == "all" else [model]
-    found = {name: _poles(coefficients, name) for name in models}
+    loaded = load_linear(vehicle, plane)
+    models = models_of(loaded) if model == "all" else [model]
+    plants = {name: Plant.from_vehicle(loaded, name, plane) for name in models}
+    found = {name: _poles(plant) for name, plant in plants.items()}
     if plot is not None:
         from tvclin.plots import pole_map, save_figure
 
-        save_figure(pole_map(coefficients, models), plot)
+        save_figure(pole_map(plants[models[0]].coefficients, models), plot)
     if as_json:
         print_json({"vehicle": loaded.name, "plane": plane, "models": found})
         return
@@ -45,14 +44,13 @@ def poles(
         first, *others = [[_shown(value) for value in pole.values()] for pole in upper]
         rows += [[name, *first], *(["", *other] for other in others)]
     headings = ["model", "pole [1/s]", "residue, deflection [1/s]", "wind [1/s]"]
-    print_table(f"{loaded.name}, {plane}: poles of the attitude", headings, rows)
+    print_table(f"{loaded.name or vehicle}, {plane}: poles of the attitude", headings, rows)
 
 
-def _poles(coefficients: "Coefficients", model: str) -> list[dict[str, Any]]:
+def _poles(plant: "Plant") -> list[dict[str, Any]]:
     from tvclin.linear.modes import all_modes
-    from tvclin.linear.plant import Plant
 
-    every = all_modes(Plant(coefficients, model))
+    every = all_modes(plant)
     columns = (every.poles, every.deflection_residues, every.wind_residues)
     return [
         {"pole_per_s": p, "deflection_residue_per_s": d, "wind_residue_per_s": w}

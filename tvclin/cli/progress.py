@@ -1,17 +1,20 @@
-"""What a long command shows on a terminal while it works: a bar with the time left."""
+"""What a long command tells while it works: a bar with the time left, or lines in a pipe."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
 
-Progress = Callable[[int, int], None]
+Progress = Callable[[float, float], None]
 """Is told how much is done, and how much there is."""
 _SPAN = 3600.0
 """Seconds over which a rate is taken: slow work may tell of nothing for minutes."""
+_LINES = 20.0
+"""Seconds between two lines where there is no terminal, and before the first."""
 
 
 @contextmanager
-def bar(what: str) -> Iterator[Progress | None]:
-    """Lend what shows a bar with rate and time left; None where standard error is no terminal.
+def bar(what: str) -> Iterator[Progress]:
+    """Lend what shows a bar with rate and time left; a line now and then without a terminal.
 
     Parameters
     ----------
@@ -23,7 +26,7 @@ def bar(what: str) -> Iterator[Progress | None]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield None
+        yield lines(what)
         return
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
     rate, left = rich.TextColumn("{task.fields[rate]}"), rich.TimeRemainingColumn()
@@ -31,12 +34,30 @@ def bar(what: str) -> Iterator[Progress | None]:
     with rich.Progress(*columns, console=console, speed_estimate_period=_SPAN) as progress:
         task = progress.add_task(what, total=None, rate="", visible=False)
 
-        def tell(done: int, total: int) -> None:
+        def tell(done: float, total: float) -> None:
             speed = progress.tasks[0].speed
             text = f"{speed:.3g}/s" if speed else ""
             progress.update(task, completed=done, total=total, rate=text, visible=True)
 
         yield tell
+
+
+def lines(what: str) -> Progress:
+    """Return what writes on stderr how far the work is, a line in twenty seconds at most."""
+    import typer
+
+    begun = last = monotonic()
+
+    def tell(done: float, total: float) -> None:
+        nonlocal last
+        now = monotonic()
+        if now - last < _LINES or not 0.0 < done < total:
+            return
+        last = now
+        left = (now - begun) * (total - done) / done
+        typer.echo(f"{done:.0f} of {total:.0f} {what}, about {left:.0f} s left", err=True)
+
+    return tell
 
 
 def share(progress: Progress | None, part: int, parts: int) -> Progress | None:

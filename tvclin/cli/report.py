@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tvclin.cli.inputs import note_structure
-from tvclin.cli.progress import waiting
+from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
     from tvclin.answers.findings import Findings
@@ -41,11 +41,11 @@ def report(
 
     # The page is made within, so that a place that cannot be written is told before the work.
     def write(target: str) -> None:
-        page, found = page_of(plan)
+        page, found = page_of(plan, progress)
         Path(target).write_text(page, encoding="utf-8", newline="")
         findings.append(found)
 
-    with waiting("making the page"):
+    with bar("parts of the page") as progress:
         write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
     if plan.limit is not None:

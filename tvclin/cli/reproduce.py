@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.progress import waiting
+from tvclin.cli.progress import bar
 
 
 def reproduce(
@@ -22,8 +22,8 @@ def reproduce(
     from tvclin.plots.flown import chosen_engine
     from tvclin.show.reproduce.figures import reproduce as write_everything
 
-    with waiting("making figures"):
-        written = write_everything(output)
+    with bar("figures, and the ledger") as progress:
+        written = write_everything(output, progress)
     for path in written:
         typer.echo(called(path))
     if chosen_engine(None) == "planar":

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.cases import Case, make_case
-from tvclin.cli.inputs import load_rigid, peak_angle
+from tvclin.cli.inputs import load_linear, peak_angle
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
     Duration,
+    LinearVehicle,
     PeakDeg,
     PeakSpeed,
     Plane,
     Plot,
     Points,
     Until,
-    Vehicle,
     Wind,
 )
 
@@ -32,7 +32,7 @@ _LONGEST = 1000.0
 
 
 def respond(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: LinearVehicle = "configuration-i",
     wind: Wind = "triangular",
     duration: Duration = 7.5,
     peak_deg: PeakDeg = None,
@@ -43,7 +43,8 @@ def respond(
     capability: Annotated[
         float | None,
         typer.Option(
-            help="Deflection limit in units of what is required; 1.1 if nothing is given."
+            help="Deflection limit in units of what is required; 1, the boundary, if nothing is"
+            " given."
         ),
     ] = None,
     limit_deg: Annotated[
@@ -69,7 +70,7 @@ def respond(
     from tvclin.linear.loads import wind_loads
     from tvclin.linear.verdict import judge
 
-    loaded = load_rigid(vehicle, plane)
+    loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     within("--until", until, 1e-3, _LONGEST)
     length = until * float(positive("--duration", duration, "s"))

@@ -1,5 +1,6 @@
 """`tvclin size`: how much deflection a whole flight needs, and whether the limit covers it all."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -86,7 +87,10 @@ def size(
     ] = False,
     limit_deg: LimitDeg = None,
     count: Annotated[
-        str | None, typer.Option(help="Requirement that counts as the wind's: K = 1, trim, ...")
+        str | None,
+        typer.Option(
+            help="Requirement that counts as the wind's: K = 1, trim, 'K = 1, varying', ..."
+        ),
     ] = None,
     dispersion: Annotated[
         float | None, typer.Option(help="What dispersions add, as a part of the wind's; 0.")
@@ -164,6 +168,7 @@ def size(
     if disperse:
         asked = replace(asked, dispersion=_dispersed(asked, found))
     total = asked.total(found)
+    said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
     if csv is not None:
         found.to_csv(csv)
     if plot is not None:
@@ -171,11 +176,32 @@ def size(
 
         save_figure(sizing_chart(found, asked.limit), plot)
     if as_json:
-        print_json(sizing_document(found, total, [*asked.warnings, *asked.notes]))
+        print_json(sizing_document(found, total, said))
     else:
-        print_sizing(found, total, source, asked.counted, [*asked.warnings, *asked.notes])
+        print_sizing(found, total, source, asked.counted, said)
     if asked.limit is not None and not total.sufficient:
         raise typer.Exit(1)
+
+
+def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
+    """Which options would tell more than what was found."""
+    from tvclin.answers.sizing.record import STEADY, VARYING
+
+    first, last = found.schedule.span
+    begin, end = (float(time) for time in (found.times.min(), found.times.max()))
+    if (asked.start is None and begin > first) or (asked.stop is None and end < last):
+        yield (
+            f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
+            f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
+        )
+    if asked.soundings and asked.window is None and (found.change > STEADY).any():
+        yield (
+            "--window 20 counts of a sounding only what blows within 10 s of each flight time,"
+            " while parameters change less"
+        )
+    varying = f"{asked.counted}{VARYING}"
+    if varying in found.required:
+        yield f'--count "{varying}" lets the varying parameters enter the total'
 
 
 def _with_pulse(

@@ -9,6 +9,10 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.total import DeflectionTotal
 
 
+_COLUMNS = 6
+"""Winds that have a column each, as many as a terminal has room for."""
+
+
 def print_sizing(
     found: "Sizing", total: "DeflectionTotal", source: str, counted: str, said: list[str]
 ) -> None:
@@ -85,6 +89,13 @@ def _print_by_wind(found: "Sizing", names: list[str], counted: str) -> None:
         rows.append([wind, *cells, f"{worst[counted].time:g}" if counted in worst else "-"])
     headings = ["wind", *names, f"{counted}: time [s]"]
     print_table("The largest over the flight, by wind [deg]", headings, rows)
+    if len(found.winds) <= _COLUMNS:
+        each = np.degrees(found.required[counted])
+        over_time = [
+            [f"{time:g}", *map(_cell, row)]
+            for time, row in zip(found.times.tolist(), each.tolist(), strict=True)
+        ]
+        print_table(f"{counted} in each wind [deg]", ["time [s]", *found.winds], over_time)
 
 
 def _cell(degrees: float) -> str:

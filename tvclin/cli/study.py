@@ -6,8 +6,8 @@ import typer
 
 from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure
 from tvclin.cli.options import (
+    LINEAR_HELP,
     MODELS_HELP,
-    VEHICLE_HELP,
     AsJson,
     AzimuthDeg,
     Gust,
@@ -26,7 +26,7 @@ def study(
         str,
         typer.Argument(
             metavar="VEHICLE|STUDY",
-            help=f"{VEHICLE_HELP[:-1]}, or a study file (see: tvclin init --study).",
+            help=f"{LINEAR_HELP[:-1]}, or a study file (see: tvclin init --study).",
         ),
     ] = "configuration-i",
     wind: Annotated[
@@ -63,6 +63,9 @@ def study(
     ] = False,
     cases: Annotated[int | None, typer.Option(help="Cases of --disperse; 2000.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of --disperse; 0.")] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Say in a line what each symbol means.")
+    ] = False,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -127,7 +130,7 @@ def study(
         extra = {} if dispersed is None else {"dispersed": dispersed_document(dispersed)}
         print_json(study_document(result) | extra | questions_document(found))
     else:
-        print_study(result, source)
+        print_study(result, source, explain)
         if dispersed is not None:
             print_dispersed(dispersed)
         print_questions(found)

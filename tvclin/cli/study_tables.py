@@ -8,32 +8,37 @@ if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
     from tvclin.answers.study import Study
+    from tvclin.base.cards import Quantity
     from tvclin.vehicle.coefficients import Coefficients
 
 
-def print_study(result: "Study", source: str) -> None:
-    """Print the vehicle, its coefficients and poles, the boundaries and the verdict."""
+def print_study(result: "Study", source: str, explain: bool = False) -> None:
+    """Print the vehicle, its coefficients and poles, the boundaries and the verdict.
+
+    Where it is asked for, what the symbols mean stands at the foot.
+    """
     from tvclin.cli.output import print_pairs
+    from tvclin.vehicle.file import as_written
 
     v, c = result.vehicle, result.coefficients
-    print_pairs(
-        f"Vehicle: {v.name or source}",
-        [(label, f"{value:.5g} {unit}") for _, label, value, unit in v.quantities()],
-    )
-    print_pairs(
-        f"\nCoefficients, {result.plane} plane",
-        [
-            ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
-            *_damping(c),
-            ("B", f"{c.B:.4f} deg/deg"),
-            ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
-            ("C1", f"{c.C1:.5f} 1/s"),
-            ("C2", f"{c.C2:.6f} 1/s3"),
-            ("b1", f"{c.b1:.5f} 1/s"),
-            ("b2", f"{c.b2:.5f} 1/s"),
-        ],
-        columns=4,
-    )
+    own = as_written(source)
+    rows = [(one.label, _in_units(one, own)) for one in v.quantities()]
+    twice = any("(" in value for _, value in rows)
+    print_pairs(f"Vehicle: {v.name or source}", rows, columns=1 if twice else 2)
+    path = [
+        ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
+        ("C1", f"{c.C1:.5f} 1/s"),
+        ("C2", f"{c.C2:.6f} 1/s3"),
+        ("b1", f"{c.b1:.5f} 1/s"),
+        ("b2", f"{c.b2:.5f} 1/s"),
+    ]
+    known = [
+        ("beta", f"{c.beta:.4f} 1/s" if c.mu_alpha > 0.0 else "none (stable)"),
+        *_damping(c),
+        ("B", f"{c.B:.4f} deg/deg"),
+        *(path if "drift-exact" in result.modes else ()),
+    ]
+    print_pairs(f"\nCoefficients, {result.plane} plane", known, columns=4)
     print_pairs(
         "\nUnstable poles [1/s]",
         [(name, _poles(modes.poles)) for name, modes in result.modes.items()],
@@ -41,21 +46,48 @@ def print_study(result: "Study", source: str) -> None:
     )
     typer.echo()
     _print_boundaries(result)
+    if explain:
+        print_pairs("\nWhat the symbols mean", EXPLAINED.items(), columns=1)
+
+
+_FIELDS = {
+    "inertia": "moment_of_inertia",
+    "slope": "normal_force_slope",
+    "l_a": "aerodynamic_arm",
+    "l_c": "control_arm",
+    "attitude_deg": "attitude",
+    "control_slope": "control_force_slope",
+    "damping": "pitch_damping",
+}
+"""What files call the quantities of a vehicle, where it is not the same."""
+
+
+def _in_units(one: "Quantity", own: dict[str, tuple[float, str]]) -> str:
+    """A number in the unit of its file, and beside it in that of tables, where it is another."""
+    shown = f"{one.value:.5g} {one.unit}"
+    name = _FIELDS.get(one.key, one.key)
+    number, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
+    if not unit or unit == one.unit.replace("²", "2"):
+        return shown
+    return f"{number:.5g} {unit} ({shown})"
 
 
 def study_document(result: "Study") -> dict[str, Any]:
     """Return a study as a document for JSON."""
     import numpy as np
 
+    from tvclin.vehicle.coefficients import NUMBERS
+    from tvclin.vehicle.vehicle import Vehicle
+
     v, c, deg = result.vehicle, result.coefficients, np.degrees
     return {
-        "vehicle": {name: getattr(v, name) for name in v.__dataclass_fields__},
+        "vehicle": vars(v) if isinstance(v, Vehicle) else {"name": v.name},
         "plane": result.plane,
         "coefficients": {
             "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
             "pole_per_s": c.pole if c.mu_alpha > 0.0 else None,
             "B": c.B,
-            **{name: getattr(c, name) for name in c.__dataclass_fields__},
+            **{name: getattr(c, name) for name in NUMBERS},
         },
         "wind": {
             "shape": result.shape,
@@ -214,12 +246,19 @@ def _print_boundaries(result: "Study") -> None:
             row += [limit_cell(found.limit[i]), limit_cell(abs(deg(found.deflection[i])))]
         rows.append(row)
     rows += _without_and_with_forecast(result, names)
+    survived = _survived(result)
+    if survived:
+        rows = [[*row, peak] for row, peak in zip(rows, survived, strict=True)]
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
     print_table(
         f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
         f"{result.gust_words}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
-        ["dead band K", *(h for name in names for h in (f"{name} y_BR", "deflection [deg]"))],
+        [
+            "dead band K",
+            *(h for name in names for h in (f"{name} y_BR", "deflection [deg]")),
+            *(["limit survives [deg]"] if survived else []),
+        ],
         rows,
     )
     needed = limit_cell(deg(result.required_deflection), unit="deg")
@@ -236,6 +275,40 @@ def _print_boundaries(result: "Study") -> None:
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")
+
+
+def _survived(result: "Study") -> list[str]:
+    """Which peak the limit survives, for each row, with the model of the verdict."""
+    import numpy as np
+
+    from tvclin.answers.findings import blown
+
+    if result.limit is None or result.in_both or result.model not in result.boundaries:
+        return []
+    found, needs = result.boundaries[result.model], result.needs
+    least = needs["minimum"].get(result.model, 0.0)
+    rows = [
+        result.required_deflection if result.dead_band == K else max(abs(float(each)), least)
+        for K, each in zip(result.dead_bands, found.deflection, strict=True)
+    ]
+    rows += [needs[key].get(result.model, np.nan) for key in ("forecast_free", "minimum")]
+    peak = abs(float(np.degrees(blown(result).peak)))
+    with np.errstate(divide="ignore"):
+        peaks = [float(peak * result.limit / np.float64(row)) for row in rows]
+    return ["-" if np.isnan(one) else "any" if np.isinf(one) else f"{one:.3f}" for one in peaks]
+
+
+EXPLAINED = {
+    "beta": "1/beta is the time in which the vehicle falls over, eq (B4)",
+    "B": "deflection that trims one degree of wind angle, eq (2)",
+    "K": "dead band: trim up to K times the limit, then the whole limit; K = 1 needs no forecast",
+    "y_BR": "boundary limit: the least limit that survives, over what trim takes",
+    "K1": "what drift leaves of the wind, eq (15b); below 1, for the vehicle moves with the wind",
+    "C1": "rate at which the flight path follows the attitude, eq (B7)",
+    "C2": "what the weight adds to the poles with drift, eq (B7)",
+    "b1, b2": "zeros of the attitude's answers to deflection and wind, with drift, eq (B7)",
+}
+"""The symbols that a study prints, each in one line."""
 
 
 def _damping(c: "Coefficients") -> list[tuple[str, str]]:

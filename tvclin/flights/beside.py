@@ -31,7 +31,7 @@ from tvclin.flights.flown_boundary import ENGINES
 from tvclin.flights.planar.fly_planar import fly_planar
 from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
 from tvclin.linear.deflections import trim_then_hold
-from tvclin.linear.extremes import let_go
+from tvclin.linear.extremes import FALLEN_OVER, let_go
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
@@ -63,7 +63,7 @@ class FlightBeside:
         Times [s], ``(n,)``.
     flown, linear : ndarray
         Attitude, attitude rate, flight path angle, angle of attack and deflection [rad, rad/s],
-        ``(5, n)``; NaN after a flight has left the range of its model.
+        ``(5, n)``; NaN after a flight has left the range of its model, the linear one 90 degrees.
     wind : History
         The wind angle [rad].
     survived, predicted : bool
@@ -193,6 +193,7 @@ def fly_beside(
         flown = fly_there(vehicle, control, wind, timepts, deflection_limit=limit, **options)
     times, rows = np.asarray(flown.time), np.array(flown.outputs)
     linear = _linear(plant, control, wind, times, limit)
+    linear[:, np.logical_or.accumulate(np.abs(linear[0]) > FALLEN_OVER)] = np.nan
     ends = tuple(
         _let_go(plant, wind, times, each, limit) if holds and survivor else np.inf
         for each, survivor in ((rows, survived), (linear, predicted))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     between,
@@ -59,6 +60,8 @@ class FlownBoundary:
     deflection: float
     error: float
     flights: int
+
+    _repr_html_ = shows("Flown boundary", "limit [-]", "deflection [deg]", "error [-]", "flights")
 
 
 def flown_boundary(

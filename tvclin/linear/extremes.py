@@ -25,7 +25,7 @@ _NOTHING = 1e-9
 """An attitude error below this part of the wind's peak is rounding."""
 _FLOWN = 1e-3
 """The same of a flight."""
-_FALLEN = np.pi / 2
+FALLEN_OVER = np.pi / 2
 """An attitude error [rad] beyond which nothing is to be shown."""
 LET_GO, FALLEN, WHOLE = "let go", "fallen", "whole"
 """Why a response is shown no longer: the limit is let go, 90 degrees are exceeded, it was asked."""
@@ -148,9 +148,9 @@ def shown_until(
     over = _over(times, towards, wind, _NOTHING) if lets_go else np.inf
 
     def left(times: FloatArray) -> FloatArray:
-        return _FALLEN - np.abs(attitude_responses(plant, deflection, wind, times)["attitude"])
+        return FALLEN_OVER - np.abs(attitude_responses(plant, deflection, wind, times)["attitude"])
 
-    fallen = np.flatnonzero(np.abs(towards) > _FALLEN)
+    fallen = np.flatnonzero(np.abs(towards) > FALLEN_OVER)
     if not fallen.size or over <= times[fallen[0] - 1]:
         return Shown(over, LET_GO) if over < longest else Shown(longest, WHOLE)
     ends = times[fallen[0] - 1], times[fallen[0]]

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, shown
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
@@ -72,6 +73,8 @@ class FlexiblePlant:
     structure: Structure
     model: str = "fixed-path"
     plane: str = "pitch"
+
+    _repr_html_ = shows("Flexible plant", "vehicle.name", "model", "plane")
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")

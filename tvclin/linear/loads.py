@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     ending,
@@ -45,6 +46,14 @@ class Loads:
     peak_time: float
     peak_attitude: float
     relative: float
+
+    _repr_html_ = shows(
+        "Loads while the wind blows",
+        "peak_angle_of_attack [deg]",
+        "peak_time [s]",
+        "peak_attitude [deg]",
+        "relative [-]",
+    )
 
     def bending_indicator(self, normal_force_slope: float) -> float:
         """Return the peak normal force N alpha [N], to which the bending moment is proportional."""

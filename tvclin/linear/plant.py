@@ -24,15 +24,15 @@ from numpy.typing import NDArray
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
-from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.coefficients import NUMBERS, Coefficients
+from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, coefficients_of
 
 if TYPE_CHECKING:
     import control
 
 FloatArray = NDArray[np.float64]
 
-MODELS = ("fixed-path", "drift", "drift-exact", "drift-and-speed")
+MODELS = (FIXED_PATH, "drift", "drift-exact", "drift-and-speed")
 INPUTS = ("deflection", "wind")
 RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
 """How to get a `Plant`, for messages where only a rigid one has an answer."""
@@ -72,10 +72,18 @@ class Plant:
 
     @classmethod
     def from_vehicle(
-        cls, vehicle: Vehicle, model: str = "fixed-path", plane: str = "pitch"
+        cls, vehicle: AnyVehicle, model: str = "fixed-path", plane: str = "pitch"
     ) -> Self:
-        """Return the plant of a vehicle in the pitch or the yaw plane."""
+        """Return the plant of a vehicle in the pitch or the yaw plane.
+
+        One that is known by its coefficients is what these are of, in either plane.
+        """
+        if isinstance(vehicle, LinearVehicle):
+            return cls(vehicle.known_for(one_of("model", model, MODELS)), model)
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
+
+    def _repr_html_(self) -> str:
+        return self.coefficients._repr_html_().replace("Coefficients", f"Plant, {self.model}", 1)
 
     @property
     def batch(self) -> tuple[int, ...]:
@@ -85,16 +93,19 @@ class Plant:
     def one(self, case: int, shape: tuple[int, ...]) -> Plant:
         """Return one plant of the batch spread to `shape`, by its flat position there."""
         few = self.some(np.array([case]), shape).coefficients
-        held = {name: float(getattr(few, name)[0]) for name in Coefficients.__dataclass_fields__}
-        return Plant(Coefficients(**held), self.model)
+        held = {name: float(getattr(few, name)[0]) for name in NUMBERS}
+        return self._with(held)
 
     def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> Plant:
         """Return some plants of the batch spread to `shape`, ``(k,)``, by flat positions there."""
         held = {
             name: np.broadcast_to(getattr(self.coefficients, name), shape).ravel()[cases]
-            for name in Coefficients.__dataclass_fields__
+            for name in NUMBERS
         }
-        return Plant(Coefficients(**held), self.model)
+        return self._with(held)
+
+    def _with(self, numbers: dict[str, Any]) -> Plant:
+        return Plant(Coefficients(**numbers, name=self.coefficients.name), self.model)
 
     @property
     def rigid(self) -> Plant:
@@ -363,6 +374,13 @@ def available_models(coefficients: Coefficients) -> list[str]:
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
     return [name for name in MODELS if name != "drift" or not without_moment]
+
+
+def models_of(vehicle: AnyVehicle) -> list[str]:
+    """Return the models that exist for a vehicle, with what is known of it."""
+    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
+        return [FIXED_PATH]
+    return available_models(coefficients_of(vehicle))
 
 
 @dataclass(frozen=True)

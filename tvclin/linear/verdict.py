@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import instance
 from tvclin.kernels import polynomials
 from tvclin.kernels.residues import residues as residues_of_pieces
@@ -45,6 +46,8 @@ class Verdict:
     residues: NDArray[Any]
     tolerance: FloatArray
     left_over: LeftOver
+
+    _repr_html_ = shows("Verdict of eq (4b)", "stable", "residues [deg]", "tolerance [deg]")
 
 
 @dataclass(frozen=True, eq=False)

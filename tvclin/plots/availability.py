@@ -64,9 +64,7 @@ def availability_chart(found: Availability) -> "ControlPlot":
     curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
     title = f"{name}\nlaunch availability: {words}"
     heading = "flown, towards" if several else ""
-    look = Look(
-        title, "soundings that fly  [%]", _styles(list(values)), heading, {"": (0.0, 102.0)}
-    )
+    look = Look(title, "soundings that fly [%]", _styles(list(values)), heading, {"": (0.0, 102.0)})
     plot = draw(curves, look)
     axes = plot.axes[0, 0]
     axes.axvline(np.degrees(found.limit), color=WARM, lw=1.4)

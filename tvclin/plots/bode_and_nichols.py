@@ -86,8 +86,8 @@ def nichols_chart(
         more = f", criteria {criteria.name} {met}"
     axes.set(
         title=title("Nichols chart of the loop", samples, more),
-        xlabel="phase of L  [deg]",
-        ylabel="magnitude of L  [dB]",
+        xlabel="phase of L [deg]",
+        ylabel="magnitude of L [dB]",
     )
     points = [
         Mark(point, 0.0, shape="X", name="L = -1" if point == -180.0 else "")
@@ -247,8 +247,8 @@ def _hold_bode(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
     axes[1].yaxis.set_major_locator(_degrees(axes[1].get_ylim()))
-    axes[0].set(ylabel="magnitude of L  [dB]", xlabel="")
-    axes[1].set(ylabel="phase of L  [deg]", xlabel="frequency  [rad/s]")
+    axes[0].set(ylabel="magnitude of L [dB]", xlabel="")
+    axes[1].set(ylabel="phase of L [deg]", xlabel="frequency [rad/s]")
     for panel, level in ((axes[0], 0.0), (axes[1], -180.0)):
         fine_grid(panel)
         panel.axhline(level, **_LINE)

@@ -26,6 +26,7 @@ from tvclin.plots.style import (
     Look,
     Style,
     broken_lines,
+    called,
     control_plot,
     cycle,
     draw,
@@ -46,7 +47,7 @@ DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 CONFIGURATIONS = ("configuration-i", "configuration-ii")
 
 _ABSCISSA = "wind duration tau*{} [-]"
-_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$  [-]"
+_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
 
 
@@ -68,7 +69,8 @@ def boundary_chart(
         eqs (7) and (12).
     """
     what = _FIXED if coefficients is None else _DRIFT
-    title = f"Stability boundary {what}"
+    name = "" if coefficients is None else coefficients.name
+    title = called(name, f"Stability boundary {what}")
     return _draw_boundaries("boundary", title, tau_beta, dead_bands, coefficients)
 
 

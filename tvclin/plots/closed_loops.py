@@ -13,7 +13,7 @@ from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, loop_words, require_one
+from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, control_plot, draw, fine_grid
 from tvclin.winds.histories import History
@@ -76,7 +76,7 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
         ax=panels[:, np.newaxis], plot_inputs=False, show_legend=False, title="", lw=2.0
     )
     lines = [line for panel in drawn.lines.flat for line in panel]
-    figure.suptitle(f"Step of the attitude command: {VERDICTS[status]}\n{words}")
+    figure.suptitle(f"Step of the attitude command: {VERDICTS[status]}\n{broken(words)}")
     curves = _step_curves(response, f"{words}; {VERDICTS[status]}")
     final = np.real(closed.dcgain()).ravel() if status == "ok" else np.full(2, np.nan)
     written = []
@@ -85,11 +85,11 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
         axes.get_lines()[0].set(color=style["color"], ls=style["ls"])
         if np.isfinite(end):
             axes.axhline(end, **_LEVEL)
-        axes.set(ylabel=f"{name}  [deg per deg]", xlabel="", xlim=(0.0, horizon))
+        axes.set(ylabel=f"{name} [deg per deg]", xlabel="", xlim=(0.0, horizon))
         fine_grid(axes)
         lines += draw_marks(axes, marks)
         written.append((axes, marks))
-    panels[1].set_xlabel("time  [s]")
+    panels[1].set_xlabel("time [s]")
     write_numbers(*written)
     return control_plot(lines, panels[:, np.newaxis], curves)
 
@@ -142,7 +142,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
         times = np.union1d(_times(start, max(stop, 1.1 * when), wind, count), when)
     words = loop_words(autopilot, plant)
     curves = _wind_curves(answer, plant, wind, times, f"{words}; {VERDICTS[status]}")
-    title = f"Autopilot in a wind: {VERDICTS[status]}\n{words}"
+    title = f"Autopilot in a wind: {VERDICTS[status]}\n{broken(words)}"
     plot = draw(curves, Look(title, _ORDINATES, _STYLES, across=1))
     if peak is not None:
         trim = float(curves.column(_TRIM, "deflection")[0])
@@ -202,7 +202,7 @@ def _wind_horizon(
     system = autopilot.close(plant)[list(_STEP), "wind"]
     if margins.status == "unstable":
         return first, first + _rounded(_horizon(system, np.inf))
-    longest = max(2.0 * (last - first), _FEW / margins.crossover_frequency)
+    longest = max(0.5 * (last - first), _FEW / margins.crossover_frequency)
     return first, first + _rounded(last - first + _horizon(system, longest))
 
 

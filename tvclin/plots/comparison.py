@@ -7,12 +7,12 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, draw
 
 if TYPE_CHECKING:
     from control import ControlPlot
 
-_POINTS, _LONGER = 601, 2.0
+_POINTS, _LONGER = 601, 1.6
 _AUTOPILOT, _TRIM, _MINIMUM = "autopilot", "ideal trim", "minimum, wind known"
 _STYLES: dict[str, Style] = {
     _AUTOPILOT: {"color": WARM, "ls": "-", "lw": 2.2},
@@ -26,7 +26,7 @@ _STYLES: dict[str, Style] = {
     "flight_path_angle": {"color": COLOURS[1], "ls": LINES[3], "lw": 1.8},
     "wind": {"color": COLOURS[0], "ls": ":", "lw": 2.2},
 }
-_ORDINATES = {"deflection": "deflection  [deg]", "angles": "angles  [deg]"}
+_ORDINATES = {"deflection": "deflection [deg]", "angles": "angles [deg]"}
 
 
 def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
@@ -71,6 +71,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
         f"{c.plant.model}, wind of {peak:.4g} deg and {end - start:.4g} s; peak deflection"
         f" {np.degrees(c.peak_deflection):.4g} deg, {c.relative:.3g} times trim"
     )
+    name = c.plant.coefficients.name
     curves = Curves("comparison-with-trim", words, "time [s]", times, tuple(columns))
-    look = Look(f"Autopilot beside trim\n{words}", _ORDINATES, _STYLES, across=1)
+    look = Look(called(name, f"Autopilot beside trim\n{words}"), _ORDINATES, _STYLES, across=1)
     return draw(curves, look)

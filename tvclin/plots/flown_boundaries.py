@@ -29,7 +29,7 @@ ALONG = {
 }
 """Plane and peak [rad] of the winds that are flown with varying parameters."""
 _ABSCISSA = "wind duration tau*{} [-]"
-_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$  [-]"
+_ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
 _FIXED, _DRIFT = "without drift, eq (12)", "with drift, eq (18)"
 _CURVES = np.linspace(0.05, 20.0, 400)
 

@@ -70,7 +70,7 @@ def flown_margins(found: Sequence[FlownMargins]) -> ControlPlot:
         spare,
         tuple(columns),
     )
-    ordinate = {_FACTORS: "may change by  [dB]", _DELAY: "may grow by  [s]"}
+    ordinate = {_FACTORS: "may change by [dB]", _DELAY: "may grow by [s]"}
     plot = draw(curves, Look("Flown margins over the limit", ordinate, styles))
     for axes in plot.axes.flat:
         axes.set_ylim(bottom=0.0)

@@ -13,15 +13,17 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.laws.law import Law
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
+from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, draw
 from tvclin.winds.pulses import TriangularWind
 
 if TYPE_CHECKING:
     from control import ControlPlot
+    from matplotlib.lines import Line2D
 
 FloatArray = NDArray[np.float64]
 
 TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
+_FINE = 400
 _FREE, _KNOWN = "any law, no forecast", "wind known (C)"
 _OPEN: dict[str, Style] = {
     "required, K = 1": {"color": "0.45", "ls": "--", "lw": 1.4},
@@ -46,6 +48,11 @@ def laws_chart(
         Peak of the triangular winds [rad].
     tau_beta : ndarray
         Durations times beta, or with damping the pole, rising, ``(n,)``.
+
+    Notes
+    -----
+    The numbers are those at `tau_beta`, where laws have a mark; between them the lines are monotone
+    cubics (PCHIP).
     """
     pole, symbol = float(plant.coefficients.pole), plant.coefficients.pole_symbol
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
@@ -65,9 +72,25 @@ def laws_chart(
     words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
     curves = Curves("laws", words, f"tau*{symbol}", tau_beta, tuple(columns))
     look = Look(
-        f"From trim to the minimum\n{words}",
+        called(plant.coefficients.name, f"From trim to the minimum\n{words}"),
         "deflection limit over |B alpha_w,max|",
         styles,
         limits={"": (0.0, 2.0)},
     )
-    return draw(curves, look)
+    plot = draw(curves, look)
+    for line in plot.lines[0, 0]:
+        _smooth(line)
+    return plot
+
+
+def _smooth(line: "Line2D") -> None:
+    """Draw a line through its points without corners and without swinging, marks at the points."""
+    from scipy.interpolate import PchipInterpolator
+
+    x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+    known = np.isfinite(y)
+    if known.sum() < x.size or x.size < 3:  # where there is no boundary the line is broken
+        return
+    fine = np.unique([*x, *np.linspace(x[0], x[-1], _FINE)])
+    line.set_data(fine, PchipInterpolator(x, y)(fine))
+    line.set_markevery(np.searchsorted(fine, x).tolist())

@@ -212,7 +212,8 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
         parts.append(f"delay {autopilot.delay:.4g} s")
     if autopilot.sample_rate is not None:
         parts.append(f"sampled at {autopilot.sample_rate:.4g} Hz")
-    return f"model {plant.model}, {', '.join(parts)}"
+    name = plant.rigid.coefficients.name
+    return f"{name and name + ', '}model {plant.model}, {', '.join(parts)}"
 
 
 def _own_words(loop: Loop) -> str:
@@ -222,8 +223,12 @@ def _own_words(loop: Loop) -> str:
 
 def title(what: str, samples: LoopSamples, more: str = "") -> str:
     """Return the title of a figure: what it is, the verdict, and what the loop is made of."""
-    words = samples.words.replace(" ", "\u00a0").replace(",\u00a0", ", ")  # broken at commas alone
-    return f"{what}: {samples.verdict}{more}\n{fill(words, _WIDE)}"
+    return f"{what}: {samples.verdict}{more}\n{broken(samples.words)}"
+
+
+def broken(words: str) -> str:
+    """Return what a loop is made of in lines that a title has room for, broken at commas alone."""
+    return fill(words.replace(" ", "\u00a0").replace(",\u00a0", ", "), _WIDE)
 
 
 def decisive_frequencies(margins: Margins) -> FloatArray:

@@ -63,7 +63,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
             **_CURVE,
         )
         lines += [line for part in drawn.lines.flat for line in part if line is not None]
-        axes.set(xlabel="real part of L  [-]", ylabel="imaginary part of L  [-]")
+        axes.set(xlabel="real part of L [-]", ylabel="imaginary part of L [-]")
         axes.margins(0.08)
         axes.set_aspect("equal", adjustable="datalim" if axes is panels[0] else "box")
     panels[0].set_title("the whole curve; broken line: negative frequencies", fontsize="medium")

@@ -14,7 +14,7 @@ from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, draw
+from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, called, draw
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.plane_wind import PlaneWind, unit
 
@@ -80,7 +80,8 @@ def plane_chart(
         f" alone {np.degrees(found.pitch_alone):.4f} deg"
     )
     curves = Curves("planes", words, "deflection in pitch [deg]", whole.real, tuple(columns))
-    look = Look(f"What a wind asks of both planes\n{words}", "deflection in yaw  [deg]", _styles())
+    title = called(plant.coefficients.name, f"What a wind asks of both planes\n{words}")
+    look = Look(title, "deflection in yaw [deg]", _styles())
     plot = draw(curves, look)
     axes, most = plot.axes[0, 0], (1.0 + _ROOM) * np.abs([whole.real, whole.imag]).max()
     axes.set(xlim=(-most, most), ylim=(-most, most))

@@ -42,6 +42,8 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> "Con
             lines += _mark_poles(axes, found[model], model, row, (least, radius))
     panels[0].set_title("Poles, and residues of attitude per deflection [1/s]")
     panels[1].set_title("Near the origin")
+    if coefficients.name:
+        panels[0].figure.suptitle(coefficients.name)
     panels[0].legend(loc="lower center", ncols=2)
     return control_plot(lines, panels)
 
@@ -53,8 +55,8 @@ def _prepare(axes: "Axes", radius: float) -> None:
     axes.set(
         xlim=(-radius, radius),
         ylim=(-radius, radius),
-        xlabel="real part  [1/s]",
-        ylabel="imaginary part  [rad/s]",
+        xlabel="real part [1/s]",
+        ylabel="imaginary part [rad/s]",
     )
     fine_grid(axes)
 

@@ -31,7 +31,7 @@ _COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
 _NEVER = "trim never saturates"
 _STILL = 1e-3
 """Attitude over the wind's peak below which a flight is one of trim alone."""
-_ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$  [-]"
+_ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$ [-]"
 
 
 def attitude_chart(

@@ -73,7 +73,7 @@ def root_locus_chart(
     count = len(radii) + bool(samples.modes)
     size = (12.0 + 4.0 * (count > 2), 6.8) if count > 1 else (8.6, 7.4)
     figure, panels = plt.subplots(1, count, figsize=size, layout="constrained", squeeze=False)
-    marks = [*_pole_marks(poles), *_axis_marks(samples)]
+    marks = [*_pole_marks(poles), *_axis_marks(samples), *_end_marks(branches, factors, radii[0])]
     lines: list[Any] = []
     for axes in panels[0]:
         lines += _draw_locus(axes, locus, _within(branches, samples.loop))
@@ -169,6 +169,15 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
     return found
 
 
+def _end_marks(branches: ComplexArray, factors: FloatArray, radius: float) -> list[Mark]:
+    """Where the branches end that do not end at a zero or out of the frame: at the last factor."""
+    name, marks = f"end of the locus (factor {factors[-1]:.3g})", []
+    for end in branches[-1][np.abs(branches[-1]) < radius]:
+        marks.append(Mark(float(end.real), float(end.imag), "", "|", name, INK))
+        name = ""
+    return marks
+
+
 def _mode_marks(samples: LoopSamples) -> list[Mark]:
     """The poles of the modes in the vehicle, from which they set out, by name."""
     shape, colour = MODE
@@ -211,7 +220,7 @@ def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
 def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> None:
     axes.axvspan(0.0, xlim[1], color=WARM, alpha=0.07, zorder=0.5)
     axes.set(xlim=xlim, ylim=ylim)
-    axes.set(xlabel="real part of s  [1/s]", ylabel="imaginary part of s  [rad/s]")
+    axes.set(xlabel="real part of s [1/s]", ylabel="imaginary part of s [rad/s]")
     fine_grid(axes)
 
 

@@ -51,7 +51,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
     curves = Curves("sizing", words, "flight time [s]", sizing.times[order], tuple(columns))
     top = 1.05 * max(float(np.nanmax(column.values)) for column in columns)
     title = f"{name}\nrequired deflection: {words}"
-    return draw(curves, Look(title, "deflection  [deg]", styles, limits={"": (0.0, top or 1.0)}))
+    return draw(curves, Look(title, "deflection [deg]", styles, limits={"": (0.0, top or 1.0)}))
 
 
 def _styles(sizing: Sizing) -> dict[str, Style]:

@@ -23,8 +23,8 @@ FloatArray = NDArray[np.float64]
 
 _JUMP = 1e-9
 """How far before a jump, in units of tau, the value before it is drawn."""
-_WIND = r"wind  $\alpha_w/\alpha_{w,max}$  [-]"
-_CONTROL = r"control  $-(\delta - \delta_n)/(B\,\alpha_{w,max})$  [-]"
+_WIND = r"wind  $\alpha_w/\alpha_{w,max}$ [-]"
+_CONTROL = r"control  $-(\delta - \delta_n)/(B\,\alpha_{w,max})$ [-]"
 
 
 def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":

@@ -34,6 +34,9 @@ _SYMBOLS = {
     "y_BR": r"$y_{BR}$",
     "Theta - Theta_n": r"$\Theta - \Theta_n$",
     "alpha_w,max": r"$\alpha_{w,max}$",
+    "angle_of_attack": "angle of attack",
+    "flight_path_angle": "flight path angle",
+    "attitude_rate": "attitude rate",
 }
 
 
@@ -169,10 +172,15 @@ def fine_grid(axes: "Axes") -> None:
 
 
 def pretty(text: str) -> str:
-    """Return a label with the report's symbols in place of their plain names."""
+    """Return a label with the report's symbols and with words in place of plain names."""
     for plain, symbol in _SYMBOLS.items():
         text = text.replace(plain, symbol)
     return text
+
+
+def called(name: str, text: str) -> str:
+    """Return a title with the name of the vehicle above it, where there is one."""
+    return f"{name}\n{text}" if name else text
 
 
 def cycle(items: Sequence[Any]) -> list[Any]:

@@ -8,7 +8,7 @@ it leaves out. Positive deflection pitches the nose down.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -25,6 +25,7 @@ from tvclin.base.errors import (
     one_of,
     plain,
     positive,
+    text,
     together,
     within,
 )
@@ -59,6 +60,8 @@ class Coefficients:
     damping : array_like
         Moment against the attitude rate over the inertia, M_q/I [1/s], zero or positive; zero in
         the report.
+    name : str
+        Of the vehicle, for titles of figures; it does not count when two are compared.
 
     Raises
     ------
@@ -79,6 +82,7 @@ class Coefficients:
     b2: float | FloatArray = 0.0
     q: float | FloatArray = 0.0
     damping: float | FloatArray = 0.0
+    name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
@@ -92,12 +96,14 @@ class Coefficients:
             )
         for name, array in checked.items():
             object.__setattr__(self, name, plain(array))
+        text("name", self.name)
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]
         if np.all(np.asarray(self.mu_alpha) > 0.0):
             rows += [("beta", self.beta, "1/s"), ("pole", self.pole, "1/s"), ("K1", self.K1, "-")]
-        return card("Coefficients", [*rows, ("B", self.B, "-")])
+        title = f"Coefficients: {self.name}" if self.name else "Coefficients"
+        return card(title, [*rows, ("B", self.B, "-")])
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle, plane: str = "pitch") -> Self:
@@ -135,6 +141,7 @@ class Coefficients:
             b2=b2,
             q=turning**2 if plane == "pitch" else np.zeros_like(turning),
             damping=v.pitch_damping / v.moment_of_inertia,
+            name=v.name,
         )
 
     @classmethod
@@ -154,7 +161,7 @@ class Coefficients:
         B : array_like
             Trim deflection per angle of attack, not zero, eq (2).
         **others
-            C1, C2, b1, b2, q and damping, as of `Coefficients`.
+            C1, C2, b1, b2, q, damping and name, as of `Coefficients`.
         """
         beta, B = positive("beta", beta, "1/s"), nonzero("B", B)
         within("beta", beta, 0.0, _LARGEST, "1/s")
@@ -235,3 +242,5 @@ _CHECKS = (
     ("q", nonnegative, "1/s^2"),
     ("damping", nonnegative, "1/s"),
 )
+NUMBERS = tuple(name for name, _, _ in _CHECKS)
+"""The fields that are numbers."""

@@ -11,7 +11,7 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
 from tvclin.vehicle.damping import QUANTITIES, damping_of
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 _ALWAYS = {
     "weight": "force",
@@ -30,13 +30,16 @@ _AERODYNAMICS = {
     "axial_force_coefficient": "number",
 }
 _OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
+_MASS = {"mass": "mass"}
+"""In place of the weight."""
 
 VEHICLE_TABLE = Table(
     "[vehicle]",
-    _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES,
+    _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS,
     words=("name",),
-    required=tuple(_ALWAYS),
 )
+COEFFICIENTS = "coefficients"
+"""The table of files that hold no vehicle, see `load_any_vehicle`."""
 HEADINGS = ("vehicle", "flight", "structure", "engine", "sensors", "bending", "slosh")
 """Tables of a vehicle file: [flight] is for `FlightCondition`, the others for `structure_file`."""
 
@@ -95,9 +98,19 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
         raise InputError(f"{called(source)}: {error}") from None
 
 
+def needs_whole(what: str) -> str:
+    """Return the one sentence for what coefficients alone cannot answer."""
+    return (
+        f"{what} needs a whole vehicle, with weight, thrust and velocity; write a file with:"
+        " tvclin init FILE"
+    )
+
+
 def table_of(text: str, source: str, table: Table) -> dict[str, Any]:
     """Return one table of a vehicle file as it stands, empty where [flight] is not there."""
     document, source = tables_of(text, source), called(source)
+    if COEFFICIENTS in document:
+        raise InputError(f"{source} holds [{COEFFICIENTS}] alone: {needs_whole('this')}")
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
     for key in document.keys() - set(HEADINGS):
@@ -122,8 +135,32 @@ def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehic
         As `load_vehicle`, but for the file.
     """
     table = replace(VEHICLE_TABLE, heading=heading)
-    values = damping_of(table.read(given), table)
+    values = _weighed(damping_of(table.read(given), table), table)
+    table.need(values, _ALWAYS)
     aerodynamic = values.keys() & _AERODYNAMICS
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
     return build(**values)
+
+
+def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
+    """Return the numbers of a vehicle file in its own units, by name; none of another file."""
+    text, name = vehicle_text(source)
+    given = tables_of(text, name).get("vehicle")
+    return VEHICLE_TABLE.units(given) if isinstance(given, dict) else {}
+
+
+def _weighed(values: dict[str, Any], table: Table) -> dict[str, Any]:
+    """The values with the weight m g of a mass that is given in its place."""
+    if "mass" not in values:
+        if "weight" not in values:
+            raise InputError(
+                f"a key is missing in {table.heading}: {table.spelled('weight')}, or"
+                f" {table.spelled('mass')}"
+            )
+        return values
+    if "weight" in values:
+        raise InputError(f"{table.heading} has both a weight and a mass; keep one")
+    return {name: value for name, value in values.items() if name != "mass"} | {
+        "weight": values["mass"] * STANDARD_GRAVITY
+    }

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -45,6 +46,9 @@ class History(ABC):
     Histories come in batches: every quantity has the leading axes ``batch``, and one history
     is the batch of shape ``()``. Concrete winds and deflections only say what their pieces are.
     """
+
+    def _repr_html_(self) -> str:
+        return shows(type(self).__name__, "peak [deg]", "onset [s]", "end [s]")(self)
 
     @property
     @abstractmethod

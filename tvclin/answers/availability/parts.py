@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -39,6 +41,17 @@ class Part:
     lower: float
     upper: float
     confidence: float
+
+    _repr_html_ = shows(
+        "Part of the soundings that fly",
+        "flown",
+        "judged",
+        "unknown",
+        "part [-]",
+        "lower [-]",
+        "upper [-]",
+        "confidence [-]",
+    )
 
     @property
     def part(self) -> float:

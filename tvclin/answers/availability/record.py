@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.answers.availability.judge import Judge
 from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
-from tvclin.base.cards import card
+from tvclin.base.cards import card, shows
 from tvclin.base.errors import finite, instance, missing, nonnegative, number, one_row, within
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
@@ -53,6 +53,10 @@ class Today:
     limit: float
     part: float
     why: str = ""
+
+    _repr_html_ = shows(
+        "Today", "least [deg]", "most [deg]", "limit [deg]", "go", "part [-]", "why"
+    )
 
     @property
     def go(self) -> bool | None:

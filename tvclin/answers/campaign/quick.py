@@ -19,6 +19,7 @@ from tvclin.answers.campaign.statistics import (
 )
 from tvclin.answers.requirement import covers
 from tvclin.answers.study import Study
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     fraction,
@@ -26,6 +27,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.winds.shaped import ShapedWind
 
@@ -71,6 +73,18 @@ class DispersedStudy:
     required: Quantile
     success: Success | None
     drivers: dict[str, float]
+
+    _repr_html_ = shows(
+        "Dispersed study",
+        "nominal.vehicle.name",
+        "nominal.required_deflection [deg]",
+        "required.estimate [deg]",
+        "required.upper [deg]",
+        "required.probability",
+        "required.confidence",
+        "required.cases",
+        "part [-]",
+    )
 
     @property
     def part(self) -> float:
@@ -165,7 +179,7 @@ def _campaign(
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
-        vehicle=study.vehicle,
+        vehicle=whole_vehicle(study.vehicle, "a dispersed study"),
         structure=structure,
         wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),
         dispersions=dispersions,

@@ -25,6 +25,7 @@ from tvclin.answers.campaign.statistics import (
     sensitivities,
     success_probability,
 )
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     missing,
@@ -57,6 +58,16 @@ class CampaignResults:
     folder: Path
     manifest: Manifest
     chunks: tuple[int, ...]
+
+    _repr_html_ = shows(
+        "Campaign",
+        "campaign.vehicle.name",
+        "campaign.model",
+        "cases",
+        "campaign.seed",
+        "complete",
+        "outputs",
+    )
 
     @classmethod
     def read(cls, folder: Path) -> "CampaignResults":

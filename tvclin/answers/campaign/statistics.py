@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import card, shows
 from tvclin.base.errors import (
     InputError,
     fraction,
@@ -90,6 +90,10 @@ class Success:
     lower: float
     upper: float
     confidence: float
+
+    _repr_html_ = shows(
+        "Probability of success", "estimate [-]", "lower [-]", "upper [-]", "confidence [-]"
+    )
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
+from tvclin.base.cards import table
 from tvclin.base.errors import missing, one_of
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
@@ -135,6 +136,16 @@ class Sizing:
             return {}
         pitch = self.alone["pitch"].required
         return {name: missing_part(pitch[name], both) for name, both in self.required.items()}
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, np.degrees(worst.deflection), worst.time, worst.wind)
+            for name, worst in self.worst.items()
+        ]
+        span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
+        title = f"{self.schedule.vehicle.name or 'Sizing'}, {self.model}, {self.plane}: {span}"
+        columns = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
+        return table(title, columns, rows)
 
     @property
     def known(self) -> NDArray[np.bool_]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.cards import Row, card
 from tvclin.base.errors import InputError, each, finite, instance, number, positive, text
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, write_text
@@ -99,6 +100,17 @@ class FlightSchedule:
                 )
         notes = each("notes", self.notes, str, "one for each remark")
         object.__setattr__(self, "notes", tuple(text("notes", note) for note in notes))
+
+    def _repr_html_(self) -> str:
+        rows: list[Row] = [("times", self.times, "s"), ("velocity", self.speed, "m/s")]
+        if self.altitude is not None:
+            rows.append(("altitude", self.altitude, "m"))
+        rows += [
+            (name.replace("_", " "), getattr(self.vehicle, name), unit)
+            for name, unit in (("weight", "N"), ("thrust", "N"), ("moment_of_inertia", "kg m2"))
+        ]
+        rows += [("note", note, "") for note in self.notes]
+        return card(f"{self.vehicle.name or 'A flight'}, {self.times.size} times", rows)
 
     @property
     def times(self) -> FloatArray:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tvclin.answers.sizing.record import Sizing
+from tvclin.base.cards import table
 from tvclin.base.errors import (
     InputError,
     between,
@@ -94,6 +95,17 @@ class DeflectionTotal:
             number("limit", self.limit, positive, "rad")
         if self.time is not None:
             number("time", self.time, unit="s")
+
+    def _repr_html_(self) -> str:
+        rows = [(line.name, line.kind, np.degrees(line.deflection)) for line in self.lines]
+        rows += [("total", "all", np.degrees(self.total))]
+        if self.limit is not None:
+            rows += [("limit", "available", np.degrees(self.limit))]
+        return table(
+            "All that the nozzle must turn",
+            ("what takes deflection", "how it adds up", "deg"),
+            rows,
+        )
 
     @property
     def systematic(self) -> float:

@@ -22,6 +22,7 @@ from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -43,7 +44,7 @@ class StudyPlan:
 
     Attributes
     ----------
-    vehicle : Vehicle
+    vehicle : Vehicle or LinearVehicle
         The vehicle, one.
     structure : Structure, optional
         What bends and sloshes in it: for the margins and flights of the autopilot. Boundaries are
@@ -83,7 +84,7 @@ class StudyPlan:
         For numbers out of range, unknown names, and a wind that is not of one shape.
     """
 
-    vehicle: Vehicle
+    vehicle: AnyVehicle
     structure: Structure | None = None
     model: str = "fixed-path"
     plane: str = "pitch"
@@ -104,7 +105,8 @@ class StudyPlan:
     nozzle_stop: Stop | str | None = None
 
     def __post_init__(self) -> None:
-        instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        if not isinstance(self.vehicle, LinearVehicle):
+            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         if not isinstance(self.wind, ShapedWind):
             raise InputError(
                 "a study needs a wind of one shape: give shape, peak and duration in [wind]"

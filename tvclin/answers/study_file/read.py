@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 from tvclin.answers.study_file.plan import DEFAULT_WIND, StudyPlan
 from tvclin.base.errors import InputError, instance, path
 from tvclin.base.files import called, tables_of
-from tvclin.vehicle.file import parse_vehicle, vehicle_text
+from tvclin.vehicle.file import COEFFICIENTS, parse_vehicle, vehicle_text
+from tvclin.vehicle.linear_vehicle import load_any_vehicle
 from tvclin.vehicle.structure_file import parse_structure
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     """
     text, name = vehicle_text(source)
     document = tables_of(text, name)
+    if COEFFICIENTS in document and "vehicle" not in document:
+        return StudyPlan(vehicle=load_any_vehicle(source))
     if "vehicle" in document and not {"study", "campaign"} & document.keys():
         return StudyPlan(vehicle=parse_vehicle(text, name), structure=parse_structure(text, name))
     from tvclin.answers.study_file.parse import parse_study
@@ -103,7 +106,8 @@ def _is_study(source: str | PathLike[str]) -> bool:
     if str(path("source", source, "a name or a path")).lower().endswith(".csv"):
         return False
     headings = tables_of(*vehicle_text(source)).keys()
-    return bool({"study", "campaign"} & headings) or not {"vehicle", "schedule"} & headings
+    known = {"vehicle", "schedule", COEFFICIENTS}
+    return bool({"study", "campaign"} & headings) or not known & headings
 
 
 def example() -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     between,
@@ -76,6 +77,16 @@ class RateLimitedOptimum:
     residual: float
     change: float
     status: str
+
+    _repr_html_ = shows(
+        "Least deflection under a rate limit",
+        "peak [deg]",
+        "unlimited_peak [deg]",
+        "rate [deg/s]",
+        "residual [-]",
+        "change [-]",
+        "status",
+    )
 
 
 def optimum_with_rate_limit(

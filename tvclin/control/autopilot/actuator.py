@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, plain, together
 from tvclin.control.autopilot.sizes import sized
 
@@ -42,6 +43,8 @@ class Actuator:
 
     natural_frequency: float | FloatArray = 25.1
     damping: float | FloatArray | None = 0.7
+
+    _repr_html_ = shows("Actuator", "natural_frequency [rad/s]", "damping [-]")
 
     def __post_init__(self) -> None:
         frequency = sized("natural_frequency", self.natural_frequency, "rad/s")

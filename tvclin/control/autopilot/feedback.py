@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.lines import Line, Row, significant
 from tvclin.control.autopilot.actuator import Actuator
@@ -43,6 +44,21 @@ class Feedback:
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
     sample_rate: float | FloatArray | None = None
+
+    _repr_html_ = shows(
+        "Autopilot",
+        "attitude_gain [rad/rad]",
+        "rate_gain [s]",
+        "alpha_gain [rad/rad]",
+        "integral_gain [1/s]",
+        "actuator.natural_frequency [rad/s]",
+        "actuator.damping [-]",
+        "delay [s]",
+        "sample_rate [Hz]",
+        "attitude_filters",
+        "rate_filters",
+        "filters",
+    )
 
     def __post_init__(self) -> None:
         gains = {name: zero_or_sized(name, getattr(self, name), LEAST_GAIN) for name in GAINS}

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     callable_for,
@@ -51,6 +52,8 @@ class WorstDuration:
     duration: float
     peak_deflection: float
     at_the_end: bool
+
+    _repr_html_ = shows("Worst duration", "duration [s]", "peak_deflection [deg]", "at_the_end")
 
 
 def worst_duration(

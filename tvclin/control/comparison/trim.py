@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, ending, instance
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -77,6 +78,22 @@ class TrimComparison:
     minimum: float
     wind_gain: float
     notes: tuple[str, ...] = ()
+
+    _repr_html_ = shows(
+        "Autopilot beside trim",
+        "plant.model",
+        "margins.status",
+        "trim_deflection [deg]",
+        "minimum [deg]",
+        "peak_deflection [deg]",
+        "relative [-]",
+        "peak_deflection_rate [deg/s]",
+        "peak_angle_of_attack [deg]",
+        "peak_attitude [deg]",
+        "peak_flight_path_angle [deg]",
+        "wind_gain [-]",
+        "notes",
+    )
 
     @property
     def relative(self) -> float:

@@ -43,6 +43,9 @@ class SaturatedLaw(Law):
                 " to fly()"
             )
 
+    def _repr_html_(self) -> str:
+        return self.autopilot._repr_html_().replace("Autopilot", "Feedback with a limit", 1)
+
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
         """The integral of the attitude, where it is fed back."""

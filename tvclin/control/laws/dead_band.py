@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import between, number
 from tvclin.control.laws.trim import TrimLaw
 
@@ -39,6 +40,8 @@ class DeadBandLaw(TrimLaw):
 
     gain: float = 1.0
     dead_band: float = 0.5
+
+    _repr_html_ = shows("Dead-band law", "plant.model", "gain [-]", "dead_band [-]")
 
     def __post_init__(self) -> None:
         super().__post_init__()

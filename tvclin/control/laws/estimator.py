@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     instance,
     nonnegative,
@@ -51,6 +52,8 @@ class WindEstimator:
     bandwidth: float
     rate_noise: float = 0.0
     seed: int = 0
+
+    _repr_html_ = shows("Wind estimator", "bandwidth [rad/s]", "rate_noise [deg/s]", "seed")
 
     def __post_init__(self) -> None:
         object.__setattr__(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, each, instance
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
@@ -58,6 +59,10 @@ class FilteredLaw(Law):
             object.__setattr__(self, name, chain)
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))
+
+    def _repr_html_(self) -> str:
+        places = ("attitude_filters", "rate_filters", "filters")
+        return self.law._repr_html_() + shows("Its filters", *places)(self)
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
 from tvclin.kernels.control_laws import LawNumbers
@@ -68,6 +69,9 @@ class Law(ABC):
 
     engage: float = 1.0
     release: float = 1.0
+
+    def _repr_html_(self) -> str:
+        return shows(type(self).__name__, "engage [-]", "release [-]")(self)
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

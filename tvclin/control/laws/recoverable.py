@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import between, finite, instance, nonnegative, number, positive
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
@@ -73,6 +74,17 @@ class RecoverableAttitudeLaw(Law):
     trust: float = 0.8
     dead_band: float = 0.0
     estimator: WindEstimator | None = None
+
+    _repr_html_ = shows(
+        "Recoverable-attitude law",
+        "plant.model",
+        "reach [-]",
+        "gain [-]",
+        "design_peak [deg]",
+        "trust [-]",
+        "dead_band [deg]",
+        "estimator",
+    )
 
     def __post_init__(self) -> None:
         modes = seen_coordinates(self.plant)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Row, card, shows
 from tvclin.control.margins.record import decibels
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.many import UNDECIDED
@@ -58,6 +58,8 @@ class FlownMargin:
     near_rest: float
     scan: FloatArray
     survives: NDArray[np.bool_]
+
+    _repr_html_ = shows("Flown margin", "value", "cause", "again", "lost", "near_rest")
 
     @property
     def dB(self) -> float:

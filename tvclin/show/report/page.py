@@ -5,7 +5,7 @@ from importlib.resources import files
 from os import PathLike
 from typing import TYPE_CHECKING
 
-from tvclin.answers.findings import Findings, find
+from tvclin.answers.findings import Findings, Told, find
 from tvclin.answers.questions import sufficient
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
@@ -69,10 +69,10 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
     return page_of(plan)[0]
 
 
-def page_of(plan: StudyPlan) -> tuple[str, Findings]:
+def page_of(plan: StudyPlan, progress: Told | None = None) -> tuple[str, Findings]:
     """Return the page of a plan, and the findings it tells of; raises as `report_html`."""
     template = _template()
-    found = find(plan)
+    found = find(plan, progress)
     return _render(found, template), found
 
 

@@ -1,6 +1,7 @@
 """The report's figures and sketches: which there are, and writing them with their numbers."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,45 +32,49 @@ FIGURES: dict[str, "Callable[[], ControlPlot]"] = {
 """Name of the files, and the function that draws them, in the order of the report."""
 
 
-def write(output: Path) -> list[Path]:
-    """Write every figure as PNG, and as CSV the numbers from which it is drawn.
+def write(name: str, output: Path) -> list[Path]:
+    """Write a figure as PNG, and as CSV the numbers from which it is drawn.
 
     Parameters
     ----------
+    name : str
+        One of `FIGURES`.
     output : Path
         A directory that is there.
 
     Returns
     -------
     list of Path
-        The files, PNG and CSV in turn.
+        The PNG and the CSV.
 
     Raises
     ------
     InputError
         When a file cannot be written; each is there whole or not at all.
     """
-    written = []
-    for name, draw in FIGURES.items():
-        plot = draw()
-        picture, numbers = output / f"{name}.png", output / f"{name}.csv"
-        plots.save_figure(plot, picture)
-        write_text(numbers, curves_of(plot).csv())
-        written += [picture, numbers]
-    return written
+    plot = FIGURES[name]()
+    picture, numbers = output / f"{name}.png", output / f"{name}.csv"
+    plots.save_figure(plot, picture)
+    write_text(numbers, curves_of(plot).csv())
+    return [picture, numbers]
 
 
-WRITERS: tuple[Callable[[Path], list[Path]], ...] = (write, ledger.write_into)
+WRITERS: tuple[Callable[[Path], list[Path]], ...] = (
+    *(partial(write, name) for name in FIGURES),
+    ledger.write_into,
+)
 """What `reproduce` writes, in order: each takes the directory and returns the files."""
 
 
-def reproduce(output: Path) -> list[Path]:
+def reproduce(output: Path, progress: Callable[[float, float], None] | None = None) -> list[Path]:
     """Write everything there is to reproduce of the report into one directory.
 
     Parameters
     ----------
     output : Path
         The directory; made if it is missing. Files of the same names are replaced.
+    progress : callable, optional
+        Is told how many of `WRITERS` are done, and how many there are.
 
     Returns
     -------
@@ -82,4 +87,9 @@ def reproduce(output: Path) -> list[Path]:
         When a file stands in the directory's place, or something cannot be written.
     """
     make_directory(output)
-    return [path for write_part in WRITERS for path in write_part(output)]
+    written = []
+    for done, write_part in enumerate(WRITERS, start=1):
+        written += write_part(output)
+        if progress is not None:
+            progress(done, len(WRITERS))
+    return written

@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
     between,
@@ -61,6 +62,8 @@ class WindProfile:
     north: FloatArray
     source: str = ""
     notes: tuple[str, ...] = ()
+
+    _repr_html_ = shows("Sounding", "height [m]", "speed [m/s]", "notes")
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in RANGES.items():

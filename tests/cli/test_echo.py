@@ -1,0 +1,70 @@
+"""What `tvclin study` repeats of a vehicle file, and doubts in it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+from tvclin.vehicle.file import template
+
+
+def study(folder: Path, *changes: tuple[str, str]) -> str:
+    text = template()
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    file = folder / "mine.toml"
+    file.write_text(text)
+    return CliRunner().invoke(app, ["study", str(file)]).output
+
+
+def test_the_vehicle_is_repeated_in_the_units_of_its_file_beside_si(tmp_path: Path) -> None:
+    said = study(
+        tmp_path,
+        ("weight_N = 1.5e7", "mass_kg = 1.53e6"),
+        ("thrust_N = 2.5e7", "thrust_lbf = 5.62e6"),
+        ("moment_of_inertia_kg_m2", "moment_of_inertia_slug_ft2"),
+    )
+
+    assert "1.53e+06 kg (1.5004e+07 N)" in said
+    assert "5.62e+06 lbf (2.4999e+07 N)" in said
+    assert "2.2e+08 slug ft2 (2.9828e+08 kg m²)" in said
+    assert "7.9e+05 N " in said
+    assert "(7.9e+05 N)" not in said  # nothing twice
+
+
+def test_a_mass_typed_as_a_weight_is_doubted(tmp_path: Path) -> None:
+    assert "is the weight a mass?" not in study(tmp_path)
+    assert "is the weight a mass?" in study(tmp_path, ("weight_N = 1.5e7", "weight_N = 1.53e6"))
+
+
+def test_each_row_says_which_peak_the_limit_survives() -> None:
+    asked = ["study", "--limit-deg", "0.3", "--model", "drift"]
+    rows = {
+        cells[0]: cells
+        for line in CliRunner().invoke(app, asked).output.splitlines()
+        if len(cells := line.split()) in (6, 7)
+    }
+    for K in ("0.75", "0.5", "0.25", "0"):
+        found = tv.Study.from_vehicle(
+            tv.load_vehicle("configuration-i"),
+            duration=7.5,
+            peak=np.radians(float(rows[K][-1])),
+            limit=np.radians(0.3),
+            model="drift",
+            dead_band=float(K),
+        )
+        deflection = np.degrees(abs(found.boundaries["drift"].deflection))
+        assert deflection[found.dead_bands == float(K)] == pytest.approx(0.3, rel=3e-4)
+    verdict = CliRunner().invoke(app, asked).output.split("it survives peaks up to ")[1].split()[0]
+    assert rows["1"][-1] == verdict
+
+
+def test_the_symbols_are_explained() -> None:
+    said = CliRunner().invoke(app, ["study", "--explain"]).output
+
+    for symbol in ("y_BR", "K1", "C1", "C2"):
+        assert symbol in said.split("What the symbols mean")[1]

@@ -1,0 +1,76 @@
+"""What long work tells: lines in a pipe, parts of a page, and how a campaign goes on."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.answers.campaign import engine
+from tvclin.answers.campaign.file import parse_campaign, template
+from tvclin.answers.findings import find
+from tvclin.base.files import tables_of
+from tvclin.cli import progress
+from tvclin.cli.app import app
+from tvclin.show.reproduce import figures
+
+
+def test_a_pipe_gets_a_line_now_and_then(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
+    with progress.bar("cases") as tell:
+        for second in range(1, 101):
+            now[0] = float(second)
+            tell(10.0 * second, 1000.0)
+
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.splitlines() == [
+        "200 of 1000 cases, about 80 s left",
+        "400 of 1000 cases, about 60 s left",
+        "600 of 1000 cases, about 40 s left",
+        "800 of 1000 cases, about 20 s left",
+    ]
+
+
+def test_a_page_tells_of_each_part() -> None:
+    plan = tv.load_study("configuration-i")
+    asked = tv.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
+    told: list[tuple[float, float]] = []
+    find(asked, lambda done, total: told.append((done, total)))
+
+    assert told[-1] == (1.0, 1.0)
+
+
+def test_the_report_tells_of_each_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(figures, "WRITERS", (lambda folder: [folder / "a"],) * 3)
+    told: list[tuple[float, float]] = []
+    figures.reproduce(tmp_path, lambda done, total: told.append((done, total)))
+
+    assert told == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_an_interrupted_campaign_says_how_it_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    file, folder = tmp_path / "my.toml", tmp_path / "results"
+    file.write_text(template())
+    monkeypatch.setattr(engine, "run_chunk", interrupted)
+    result = CliRunner().invoke(app, ["campaign", "run", str(file), "-o", str(folder)])
+
+    assert result.exit_code == 130
+    assert f"Go on with: tvclin campaign resume {folder}" in result.output
+
+
+def test_the_flight_of_the_template_can_be_taken_in() -> None:
+    begin, end = template().index("# [flight]"), template().index("[question]")
+    flight = template()[begin:end].replace("# ", "", 1).replace("\n# ", "\n")
+    text = template()[:begin] + flight + template()[end:]
+    with_flight = text.replace('names = ["required", "minimum"]', 'names = ["required", "flight"]')
+
+    assert parse_campaign(tables_of(with_flight, "mine")).flight is not None
