@@ -157,6 +157,7 @@ def doors(folder: Path) -> dict[str, Door]:
     west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
     archive = tv.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
     available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
+    days_asked = tv.AvailabilityAsked(flight=schedule, soundings=archive, azimuth=1.5)
     months = tv.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
     climb = tv.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
     dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
@@ -310,9 +311,29 @@ def doors(folder: Path) -> dict[str, Door]:
         "Autopilot.respond": Door(autopilot.respond, {**history, "timepts": times}),
         "Availability.curve": Door(available.curve, {"limits": [0.01, 0.02]}),
         "Availability.placard": Door(available.placard, {"parts": [0.5]}),
+        "Availability.reaches": Door(available.reaches, {"part": 0.5}),
         "Availability.to_csv": Door(available.to_csv, {"path": folder / "available.csv"}),
         "Availability.today": Door(available.today, {"profile": west}),
         "Availability.with_limit": Door(available.with_limit, {"limit": 0.01}),
+        "AvailabilityAsked": Door(
+            tv.AvailabilityAsked,
+            {
+                "flight": schedule,
+                "soundings": archive,
+                "azimuth": 1.5,
+                "plane": "pitch",
+                "stop": "square",
+                "model": "drift",
+                "persistence": 0.001,
+                "gust": gust,
+                "known_to": 20e3,
+                "confidence": 0.9,
+                "least_part": 0.9,
+            },
+        ),
+        "AvailabilityAsked.availability": Door(
+            days_asked.availability, {"limit": 0.01, "progress": None}
+        ),
         "BangBang": Door(tv.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
         "Campaign": Door(
             tv.Campaign,
@@ -693,6 +714,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "probability": 0.9,
                 "confidence": 0.9,
                 "sizing": asked,
+                "availability": days_asked,
             },
         ),
         "StudyPlan.of_study": Door(tv.StudyPlan.of_study, {"study": study}),

@@ -2,6 +2,7 @@
 
 from . import boundary as boundary
 from . import plots as plots
+from .answers.availability.asked import AvailabilityAsked as AvailabilityAsked
 from .answers.availability.availability import availability as availability
 from .answers.availability.growth import PairGrowth as PairGrowth
 from .answers.availability.growth import WindGrowth as WindGrowth

@@ -338,6 +338,27 @@ def test_a_wind_faster_than_the_flight_is_unknown(flight) -> None:
     assert found.why == ("its wind is faster than the flight can meet",)
 
 
+def test_how_many_winds_are_faster_is_told_with_the_slowest_of_the_flight(archive) -> None:
+    """From a speed of 20 m/s on, the wind near the ground decides of which it can be said."""
+    booster = tv.load_vehicle("configuration-i")
+    times, heights = [10.0, 60.0, 80.0], [100.0, 12e3, 22e3]
+    slow = tv.FlightSchedule(
+        booster.replace(time=times, velocity=[20.0, 500.0, 700.0]), altitude=heights
+    )
+    # across the path of 45 deg a head wind counts by its sine: above 28.4 m/s it is too fast
+    winds = [
+        tv.WindProfile(height=[0, 1e3, 40e3], east=[v, 5, 5], north=[0, 0, 0])
+        for v in (10.0, 30.0, 60.0)
+    ]
+    some = tv.Soundings.from_profiles(winds, days("2023-02-01T00", 3))
+    found = tv.availability(slow, some, limit=1.0, **PITCH)
+    fast = ["faster than the flight" in why for why in found.why]
+    assert fast == [False, False, True]
+    (note,) = [one for one in found.notes if "faster" in one]
+    assert note.startswith("1 of 3 soundings are unknown")
+    assert "20 m/s at 10 s" in note
+
+
 def test_a_schedule_without_altitude_is_refused(archive) -> None:
     booster = tv.load_vehicle("configuration-i")
     flight = tv.FlightSchedule(booster.replace(time=[60.0, 70.0]))

@@ -10,6 +10,9 @@ import pytest
 
 import tvclin as tv
 from tests.schedules.samples import FOLDER, MAP, OPENROCKET, read
+from tvclin.answers.schedules.mapped import _QUANTITIES
+from tvclin.answers.schedules.units import WRITTEN, unit_of
+from tvclin.base.units import UNITS
 
 FLIGHT, AERODYNAMICS = FOLDER / "rasaero-flight.csv", FOLDER / "rasaero-aerodynamics.csv"
 ASKED: dict[str, Any] = {
@@ -136,3 +139,130 @@ def test_pounds_of_force_are_not_read_as_newtons(tmp_path: Path) -> None:
         tv.read_table(path, names | {"thrust_N": "T (lb)"})
     found = tv.read_table(path, names | {"thrust_lbf": "T (lb)"})
     assert found.at(3.0).thrust == pytest.approx(540 * 4.4482216152605, rel=1e-12)
+
+
+@pytest.mark.parametrize("mark", ["(kft)", "[kft]", "(zenith)", "(m/s)", "(°)"])
+@pytest.mark.parametrize("key", ["altitude_ft", "altitude"])
+def test_a_unit_that_is_not_known_is_refused_with_those_that_are(tmp_path, mark, key) -> None:
+    path = tmp_path / "flight.csv"
+    path.write_text(_with_column(f"h {mark}", 40.0), encoding="utf-8")
+    with pytest.raises(tv.InputError, match="is not known; .*mm, cm, m, km, in") as error:
+        tv.read_table(path, MAP | {key: f"h {mark}"})
+    assert "\n" not in str(error.value)
+    assert f"h {mark}" in str(error.value)
+
+
+def test_units_in_brackets_are_units(tmp_path: Path) -> None:
+    path = tmp_path / "flight.csv"
+    path.write_text(_with_column("h [ft]", 40.0))
+    for key in ("altitude", "altitude_ft"):
+        found = tv.read_table(path, MAP | {key: "h [ft]"})
+        np.testing.assert_allclose(found.height, 40.0 * 0.3048, rtol=1e-15)
+    with pytest.raises(tv.InputError, match=r"h \[ft\] is not in the unit of altitude_m"):
+        tv.read_table(path, MAP | {"altitude_m": "h [ft]"})
+
+
+def test_every_unit_of_our_names_is_known_behind_theirs(tmp_path: Path) -> None:
+    """A column in the very unit of the key is never refused."""
+    for unit, factor in UNITS["force"].items():
+        path = tmp_path / "flight.csv"
+        text = (FOLDER / "table.csv").read_text().replace("T (kN)", f"T ({unit})")
+        path.write_text(text.replace(";2.4;", f";{2400.0 / factor!r};"))
+        names = {key: name for key, name in MAP.items() if key != "thrust"}
+        found = tv.read_table(path, names | {f"thrust_{unit}": f"T ({unit})"})
+        assert found.at(3.0).thrust == pytest.approx(2400.0, rel=1e-14)
+    for kind in set(_QUANTITIES.values()) - {"number"}:
+        for unit, factor in UNITS[kind].items():
+            written = unit.replace("_per_", "/").replace("per_", "1/").replace("_", " ")
+            assert unit_of(written, WRITTEN[kind]).factor == pytest.approx(factor), (kind, unit)
+
+
+@pytest.mark.parametrize("kind", WRITTEN)
+def test_a_damaged_unit_is_itself_or_none(kind: str) -> None:
+    """Never another one of its quantity, whatever the encoding has made of its signs."""
+    known = WRITTEN[kind]
+    for unit, factor in known.items():
+        for mark in ("?", "\ufffd", "≤", "", " "):
+            damaged = "".join(c if c.isascii() else mark for c in unit)
+            found = unit_of(damaged, known)
+            assert found is None or found.factor == pytest.approx(factor), (unit, damaged)
+
+
+def _with_column(name: str, value: float) -> str:
+    title, header, *rows = (FOLDER / "table.csv").read_text().splitlines()
+    return "\n".join([title, f"{header};{name}", *(f"{row};{value:g}" for row in rows)]) + "\n"
+
+
+TRAPS: dict[str, tuple[str, str, dict[str, Any], str]] = {
+    "a column twice": (";N;", ";T (kN);", {}, r"'T \(kN\)' is there 2 times; keep one"),
+    "decimal commas": ("77.564", "77,564", {}, "line 3: numbers have decimal commas"),
+    "a number lost": ("27.4;", "NaN;", {}, "line 5: there is no number in column m"),
+    "time falls": ("\n4;", "\n2.5;", {}, "line 6: the time must rise; got 2.5 s after 3 s"),
+    "g for kg": (r"m (kg)", "m (t)", {}, "thrust over weight must be between"),
+    "two stages": ("27.4;", "7.4;", {}, "line 5: the mass falls from 28.6 to 7.4 kg, .* a stage"),
+    "kg cm^2 for kg m^2": ("Iyy (kg m2)", "Iyy (kg cm2)", {}, "radius of gyration"),
+    "gimbal in cm": ("", "", {"gimbal_station_m": 295.0}, r"got 295 m \(is it in cm"),
+    "gimbal ahead": ("", "", {"gimbal_station_m": 1.0}, "must lie behind the centre of gravity"),
+}
+
+
+@pytest.mark.parametrize("what", TRAPS)
+def test_what_is_silently_wrong_is_refused_in_mapped_tables_too(tmp_path, what) -> None:
+    old, new, names, said = TRAPS[what]
+    path, columns = tmp_path / "flight.csv", MAP | names
+    path.write_text((FOLDER / "table.csv").read_text().replace(old, new) if old else _plain())
+    for key, name in columns.items():
+        if old and name == old:
+            columns[key] = new
+    with pytest.raises(tv.InputError, match=said):
+        tv.read_table(path, columns)
+
+
+def _plain() -> str:
+    return (FOLDER / "table.csv").read_text()
+
+
+def test_marks_and_repeated_times_of_mapped_tables_are_read(tmp_path: Path) -> None:
+    """A byte order mark, a comment's sign before the names, and the later of two rows at a time."""
+    path = tmp_path / "flight.csv"
+    lines = _plain().splitlines()
+    lines[1] = f"# {lines[1]}"
+    lines.insert(4, lines[4].replace("756.601", "1"))
+    path.write_text("\n".join(lines), encoding="utf-8-sig")
+    found, plain = tv.read_table(path, MAP), tv.read_table(FOLDER / "table.csv", MAP)
+    np.testing.assert_array_equal(
+        found.vehicle.normal_force_slope, plain.vehicle.normal_force_slope
+    )
+
+
+def test_a_slope_per_degree_is_asked_about_in_mapped_tables(tmp_path: Path) -> None:
+    names = {key: name for key, name in MAP.items() if key != "normal_force_slope_N_per_rad"}
+    names |= {"dynamic_pressure_Pa": "N", "reference_area_m2": 0.0165}
+    for slope, said in ((0.035, "or per degree"), (114.6, "turned from degrees twice")):
+        with pytest.raises(tv.InputError, match=said):
+            tv.read_table(
+                FOLDER / "table.csv", names | {"normal_force_coefficient_slope_per_rad": slope}
+            )
+
+
+@pytest.mark.parametrize(
+    ("called", "value", "said"),
+    [
+        ("Weight (lb)", lambda x, t: x + 900.0 * (t < 2.9), "a stage leaves"),
+        ("Angle of Attack (deg)", lambda _, t: 3.0 * (t > 2.9), "the angle of attack is 3 deg"),
+        ("Pitch Attitude (deg)", lambda x, _: 90.0 - x, "check that the attitude is not from the"),
+        ("Thrust (lb)", lambda *_: 0.0, "has no thrust"),
+    ],
+)
+def test_what_is_silently_wrong_is_refused_in_rasaero_too(tmp_path, called, value, said) -> None:
+    header, *rows = FLIGHT.read_text().splitlines()
+    names = header.split(",")
+    index, lines = names.index(called), [header]
+    for row in rows:
+        cells = row.split(",")
+        cells[index] = repr(float(value(float(cells[index]), float(cells[0]))))
+        lines.append(",".join(cells))
+    path = tmp_path / "flight.csv"
+    path.write_text("\n".join(lines))
+    with pytest.raises(tv.InputError, match=said):
+        tv.read_rasaero(path, **ASKED)

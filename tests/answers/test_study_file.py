@@ -19,6 +19,7 @@ from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.read import example
 from tvclin.base.units import UNITS
 from tvclin.cli.app import app
+from tvclin.cli.inputs import changed_plan
 
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -472,3 +473,10 @@ def test_the_command_line_refuses_a_bad_study_file(tmp_path: Path) -> None:
     assert said.exit_code == 2
     assert "did you mean dead_band" in said.stderr
     assert run("init", "--study", file).exit_code == 2
+
+
+def test_the_limit_of_an_option_counts_for_the_whole_flight_too() -> None:
+    given = plan(schedule={"source": "configuration-i"}, question={"limit_deg": 0.4})
+    wider = changed_plan(given, None, None, (None, None), 3.0, {})
+    assert given.sizing.limit == given.limit
+    assert wider.sizing.limit == wider.limit == np.radians(3.0)

@@ -21,6 +21,7 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
+    from tvclin.answers.availability.record import Availability
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.flexible import FlexibleAnswer
     from tvclin.answers.sizing.record import Sizing
@@ -61,6 +62,8 @@ class Findings:
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
         The whole flight, and the worst of all that its nozzle has to do.
+    availability : Availability or None
+        On how many days of an archive it flies.
     reasons : dict of str to str
         Why something that was asked for has no answer, by the name of its field.
     warnings : tuple of str
@@ -74,6 +77,7 @@ class Findings:
     flexible: FlexibleAnswer | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
+    availability: Availability | None
     reasons: dict[str, str]
     warnings: tuple[str, ...]
 
@@ -95,8 +99,9 @@ class Findings:
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
         asked = asdict(self.plan)
-        if self.plan.structure is None:
-            del asked["structure"]  # the seals of rigid vehicles stay what they were
+        for later in ("structure", "availability"):
+            if asked[later] is None:
+                del asked[later]  # the seals of what could be asked before stay what they were
         return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
 
 
@@ -107,10 +112,12 @@ def blown(study: Study) -> History:
 
 
 def _plain(value: Any) -> Any:
-    """What arrays and histories are in JSON: lists, complex numbers as pairs."""
+    """What arrays and histories are in JSON: lists, complex numbers as pairs, times as text."""
     array = np.asarray(value)
     if np.iscomplexobj(array):
         return [array.real.tolist(), array.imag.tolist()]
+    if array.dtype.kind == "M":
+        return array.astype(str).tolist()
     return array.tolist()
 
 
@@ -136,6 +143,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "flexible": plan.structure and (plan.gains or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
+            "availability": plan.availability,
         }
         asked = [name for name, one in wanted.items() if one is not None]
 
@@ -163,6 +171,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             flexible=part("flexible", _flexible),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
+            availability=part("availability", _availability),
             reasons=reasons,
             warnings=tuple(dict.fromkeys(str(one.message) for one in said)),
         )
@@ -241,6 +250,14 @@ def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, Deflecti
     assert plan.sizing is not None
     found = plan.sizing.sizing(told)
     return found, plan.sizing.total(found)
+
+
+def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
+    del study
+    assert plan.availability is not None
+    if plan.limit is None:
+        raise InputError("on how many days it flies is asked of a limit: give limit_deg")
+    return plan.availability.availability(plan.limit, told)
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:

@@ -1,12 +1,13 @@
 """What is asked of a limit and an autopilot, each question with its answer."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.lines import Line, degrees, number, text
 
 FLOWN = {
@@ -26,7 +27,8 @@ class Question:
     Attributes
     ----------
     name : str
-        "wind", "whole flight", "probability", "autopilot", "margins" or "flexible flight".
+        "wind", "whole flight", "availability", "probability", "autopilot", "margins" or "flexible
+        flight".
     yes : bool or None
         The answer; None where it is not known.
     line : Line
@@ -46,6 +48,14 @@ class Question:
     def text(self) -> str:
         """Return why, as plain text."""
         return text(self.line)
+
+
+def questioned(plan: StudyPlan) -> StudyPlan:
+    """Return a plan without what is shown on its page and not asked with yes or no."""
+    archive = plan.availability
+    if archive is not None and archive.least_part is None:
+        archive = None
+    return replace(plan, laws=None, availability=archive)
 
 
 def questions(found: Findings) -> tuple[Question, ...]:
@@ -72,6 +82,9 @@ def _asked(found: Findings) -> Iterator[Question]:
         yield _wind(found)
         if found.plan.sizing is not None:
             yield _flight(found)
+        asked = found.plan.availability
+        if asked is not None and asked.least_part is not None:
+            yield _availability(found, asked.least_part)
         if found.plan.dispersions is not None:
             yield _probability(found, limit)
     if found.plan.gains is not None or found.plan.criteria is not None:
@@ -99,6 +112,16 @@ def _flight(found: Findings) -> Question:
     total = found.flight[1]
     needed = degrees("asked.flight", total.required, unit="deg")
     return Question("whole flight", total.sufficient, ("the whole flight needs ", *needed))
+
+
+def _availability(found: Findings, least: float) -> Question:
+    if found.availability is None:
+        return Question("availability", None, (_reason(found, "availability"),))
+    line: Line = (
+        *number("asked.least_part_percent", 100.0 * least, 1, "% of soundings must fly"),
+        f": {found.availability.part()}",
+    )
+    return Question("availability", found.availability.reaches(least), line)
 
 
 def _probability(found: Findings, limit: float) -> Question:

@@ -173,6 +173,8 @@ def changed_plan(
     changes = {name: value for name, value in given.items() if value is not None}
     if limit_deg is not None:
         changes["limit"] = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+        if plan.sizing is not None:
+            changes["sizing"] = replace(plan.sizing, limit=changes["limit"])
     asked: dict[str, Any] = {"shape": wind, "duration": duration, "heading": heading}
     blows = plan.wind.heading if heading is None else heading
     if peak != (None, None):

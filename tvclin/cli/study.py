@@ -74,13 +74,13 @@ def study(
     What stands in a study file counts where no option is given.
 
     Exit code 0: every question that is asked is answered with yes, or no limit was given; 1: one
-    is not; 2: bad input. A study file may ask of the whole flight, of dispersed vehicles, and of an
-    autopilot, beside the wind.
+    is not; 2: bad input. A study file may ask of the whole flight, of an archive of soundings, of
+    dispersed vehicles, and of an autopilot, beside the wind.
     """
     from dataclasses import replace
 
     from tvclin.answers.findings import find
-    from tvclin.answers.questions import all_yes
+    from tvclin.answers.questions import all_yes, questioned
     from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
@@ -117,7 +117,7 @@ def study(
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
     if plan.dispersions is None and (cases, seed) != (None, None):
         raise InputError("--cases and --seed need --disperse, or a study file with dispersions")
-    found = find(replace(plan, laws=None))
+    found = find(questioned(plan))
     result, dispersed = found.study, found.dispersed
     if disperse and dispersed is None:
         raise InputError(found.reasons["dispersed"])

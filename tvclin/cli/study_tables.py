@@ -216,6 +216,8 @@ def print_questions(found: "Findings") -> None:
         None: "no limit was given",
     }
     typer.echo(f"Verdict: {said[sufficient(found)]}")
+    for note in () if found.availability is None else found.availability.notes:
+        typer.echo(f"Note: {note}.")
 
 
 def questions_document(found: "Findings") -> dict[str, Any]:

@@ -78,9 +78,9 @@ class LinearVehicle:
 
     def known_for(self, model: str) -> Coefficients:
         """Return the coefficients for a model; raise `InputError` where it needs unknown ones."""
-        if model != FIXED_PATH and not self.path_known:
+        if text("model", model) != FIXED_PATH and not self.path_known:
             raise InputError(
-                f'model "{model}" needs C1, C2, b1, b2 and q beside mu_alpha and mu_delta; give'
+                f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and mu_delta; give'
                 f' them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
             )
         return self.coefficients

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by
-from tvclin.answers.availability.judge import BOTH, STOPS, Judge, Needs
+from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
+from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, Needs, checked_gust
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
     between,
     callable_for,
-    ending,
     fraction,
     instance,
     nonnegative,
     number,
     one_of,
-    single,
 )
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -35,7 +32,6 @@ FloatArray = NDArray[np.float64]
 _CLOSE = 0.02
 """Needs with calm and with a strong wind that differ by more than this part are not compared."""
 _FEW_YEARS = 3
-_LARGEST = np.pi / 2
 
 
 def availability(
@@ -122,12 +118,9 @@ def availability(
         raise InputError("soundings must hold one or more; there are none of what was asked for")
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
-    if gust is not None:
-        instance("gust", gust, History, "such as OneMinusCosineGust")
-        single("gust", gust.batch)
-        ending("gust", gust.end)
+    checked_gust(gust)
     azimuths = one_row_or_one("azimuth", azimuth)
-    growth = _growth(persistence)
+    growth = growth_of(persistence)
     capability = number("limit", limit, nonnegative, "rad")
     trusted = fraction("confidence", confidence)
     if utc_offset is not None:
@@ -158,22 +151,14 @@ def availability(
         known=needs.known[0] if one else needs.known,
         persistence=added,
         confidence=trusted,
-        notes=(*soundings.notes, *told, *near, *_seasons(soundings, needs.why)),
+        notes=(
+            *(*soundings.notes, *told, *near),
+            *_too_fast(judge, needs.why),
+            *_seasons(soundings, needs.why),
+        ),
         reasons=tuple(needs.why),
         judge=judge,
     )
-
-
-def _growth(asked: Any) -> float | WindGrowth | PairGrowth:
-    """What persistence is: an angle [rad], zero without any, or one of the two others."""
-    if asked is None:
-        return 0.0
-    if isinstance(asked, WindGrowth | PairGrowth):
-        return asked
-    if isinstance(asked, str):
-        one_of("persistence", asked, ("pairs",))
-        return PairGrowth()
-    return number("persistence", asked, between(0.0, _LARGEST), "rad")
 
 
 def _flown_where_that_decides(
@@ -213,6 +198,19 @@ def _added(
         ]
     told = [f"persistence: {np.degrees(growth):.4f} deg are added"] if growth else []
     return np.full(least.shape[0], growth), told
+
+
+def _too_fast(judge: Judge, why: list[str]) -> list[str]:
+    """How many soundings have a wind that the flight cannot meet, and where it is slowest."""
+    count, slowest = why.count(TOO_FAST), int(np.argmin(judge.path.speed))
+    if not count:
+        return []
+    speed, time = judge.path.speed[slowest], judge.path.time[slowest]
+    return [
+        f"{count} of {len(why)} soundings are unknown: somewhere their wind is faster than the"
+        f" flight, which has {speed:.4g} m/s at {time:.4g} s; near lift-off any wind is faster, and"
+        " a schedule that begins later leaves that out"
+    ]
 
 
 def _seasons(soundings: Soundings, why: list[str]) -> list[str]:

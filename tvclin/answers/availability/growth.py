@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, finite, fraction, nonnegative, number, one_row, positive
+from tvclin.base.errors import (
+    InputError,
+    between,
+    finite,
+    fraction,
+    nonnegative,
+    number,
+    one_of,
+    one_row,
+    positive,
+)
 
 FloatArray = NDArray[np.float64]
 
 HALF_DAY = 12.0
 """h between the soundings of most stations."""
+_LARGEST = np.pi / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +91,18 @@ class PairGrowth:
     def __post_init__(self) -> None:
         object.__setattr__(self, "hours", number("hours", self.hours, positive, "h"))
         object.__setattr__(self, "quantile", fraction("quantile", self.quantile))
+
+
+def growth_of(asked: Any) -> float | WindGrowth | PairGrowth:
+    """Return what persistence is: an angle [rad], zero without any, or one of the two others."""
+    if asked is None:
+        return 0.0
+    if isinstance(asked, WindGrowth | PairGrowth):
+        return asked
+    if isinstance(asked, str):
+        one_of("persistence", asked, ("pairs",))
+        return PairGrowth()
+    return number("persistence", asked, between(0.0, _LARGEST), "rad")
 
 
 def grown_by(

@@ -15,7 +15,16 @@ from tvclin.answers.availability.judge import Judge
 from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
 from tvclin.base.cards import card, shows
-from tvclin.base.errors import finite, instance, missing, nonnegative, number, one_row, within
+from tvclin.base.errors import (
+    between,
+    finite,
+    instance,
+    missing,
+    nonnegative,
+    number,
+    one_row,
+    within,
+)
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
 from tvclin.winds.soundings.archive import Soundings
@@ -136,6 +145,22 @@ class Availability:
     def part(self) -> Any:
         """Return how many fly: a `Part`."""
         return self._for_each(self.limit, np.ones(len(self.soundings), dtype=bool))
+
+    def reaches(self, part: float) -> Any:
+        """Return whether so many days fly, in [0, 1]: True, False, or None where that is not shown.
+
+        Shown is what the whole interval says, with each sounding that is not judged counted as lost
+        for True, and as flown for False.
+        """
+        asked = number("part", part, between(0.0, 1.0))
+        every = np.ones(len(self.soundings), dtype=bool)
+        ends = [self._rows(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
+        return self._plain(
+            [
+                True if low.lower >= asked else False if high.upper < asked else None
+                for low, high in zip(*ends, strict=True)
+            ]
+        )
 
     def by_month(self) -> dict[int, Any]:
         """Return the same for each month of which there are soundings, by the archive's hours."""
@@ -270,10 +295,11 @@ class Availability:
         known = ~np.isnan(self.least)
         return np.where(known & enough, 1.0, np.where(known & lost, 0.0, np.nan))
 
-    def _for_each(self, limit: float, which: NDArray[np.bool_]) -> Any:
+    def _for_each(self, limit: float, which: NDArray[np.bool_], unknown: float = np.nan) -> Any:
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]
-        rows = zip(np.atleast_2d(self._flies(limit)), np.atleast_2d(self.least), strict=True)
+        flown = np.nan_to_num(self._flies(limit), nan=unknown)
+        rows = zip(np.atleast_2d(flown), np.atleast_2d(self.least), strict=True)
         return self._plain(
             [
                 part_of(flies[which], need[which], times, season, self.confidence)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.answers.availability.asked import AVAILABILITY_TABLE
 from tvclin.answers.campaign.dispersions import (
     CORRELATION_TABLE,
     DISPERSION_TABLE,
@@ -32,7 +33,10 @@ from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE
 
-_OF_STUDIES = (STUDY_TABLE, SIZE_TABLE, LAWS_TABLE, AUTOPILOT_TABLE, CRITERIA_TABLE)
+_OF_STUDIES = (
+    *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
+    CRITERIA_TABLE,
+)
 """Tables that no campaign reads; what stands in them is checked nevertheless."""
 _SINGLE = (
     *_OF_STUDIES,

@@ -205,7 +205,13 @@ def _column(table: Table, name: str, key: str, factor: float | None, source: str
     known = WRITTEN[_QUANTITIES[name]]
     if name in ("weight", "thrust", "axial_force"):
         known = known | {"lb": POUND_FORCE}  # as many tools write a force
-    theirs = unit_of(heading.unit or "", known) if heading.unit else None
+    theirs = unit_of(heading.unit, known) if heading.unit else None
+    if heading.unit and theirs is None:
+        raise InputError(
+            f"{table.text.source}: the unit of the column {shown(heading.text)}, which columns has"
+            f" for {key}, is not known; known are {', '.join(filter(None, known)) or 'none'}; if it"
+            " is none, take it off the name"
+        )
     if theirs is not None and not np.isclose(theirs.factor, factor):
         raise InputError(
             f"{table.text.source}: {heading.text} is not in the unit of {key}; write {name} with"

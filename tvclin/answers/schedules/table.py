@@ -35,7 +35,7 @@ class Heading:
     text : str
         As it stands in the file, without letters that cannot be seen.
     name, unit : str
-        What stands before and in its last parentheses; a unit of None where there are none.
+        What stands before and in its last parentheses or brackets; a unit of None without.
     """
 
     index: int
@@ -181,7 +181,7 @@ def letters(name: str) -> str:
 def _headings(content: str, separator: str) -> tuple[Heading, ...]:
     content = content.lstrip(_MARKS).rstrip()
     if separator == _BEHIND_UNITS:
-        cells = re.split(r"(?<=\))\s+(?=[^\s(])", content)
+        cells = re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content)
     elif separator == _SPACES:
         cells = content.split()
     else:
@@ -191,7 +191,7 @@ def _headings(content: str, separator: str) -> tuple[Heading, ...]:
 
 def _heading(index: int, cell: str) -> Heading:
     text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
-    found = re.fullmatch(r"(.*\S)\s*\(([^()]*)\)", text)
+    found = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
     name, unit = (found[1], found[2].strip()) if found else (text, None)
     return Heading(index, text, name, unit)
 

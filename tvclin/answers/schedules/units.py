@@ -23,7 +23,7 @@ WRITTEN: dict[str, dict[str, float]] = {
         **{"oz·in²": _OUNCE * _INCH**2, "lb·in²": POUND * _INCH**2, "lb·ft²": POUND * FOOT**2},
         **{"lbf·ft·s²": POUND_FORCE * FOOT, "slug·ft²": _SLUG * FOOT**2},
     },
-    "force": {"N": 1.0, "kN": 1e3, "lbf": POUND_FORCE, "kgf": _KILOPOND},
+    "force": {"N": 1.0, "kN": 1e3, "lbf": POUND_FORCE, "kgf": _KILOPOND, "MN": 1e6},
     "speed": {
         **{"m/s": 1.0, "km/s": 1e3, "km/h": 1 / 3.6, "kt": _NAUTICAL_MILE / 3600},
         **{"ft/s": FOOT, "ft/sec": FOOT, "mph": _MILE / 3600},
@@ -47,7 +47,10 @@ WRITTEN: dict[str, dict[str, float]] = {
         **{"kg·m²/s": 1.0, "N·m·s": 1.0, "N·m·s/rad": 1.0, "N·m·s/deg": 1.0 / DEGREE},
         **{"lbf·ft·s": POUND_FORCE * FOOT, "lbf·ft·s/rad": POUND_FORCE * FOOT},
     },
-    "per angle": {"": 1.0, "1/rad": 1.0, "1/deg": 1.0 / DEGREE},
+    "per angle": {
+        **{"": 1.0, "1/rad": 1.0, "per rad": 1.0},
+        **{"1/deg": 1.0 / DEGREE, "per deg": 1.0 / DEGREE},
+    },
     "number": {"": 1.0},
 }
 """For each quantity the units that are known, and their factors to SI; `lb` is a mass."""

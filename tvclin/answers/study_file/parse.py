@@ -13,7 +13,7 @@ from tvclin.answers.campaign.tables import (
 )
 from tvclin.answers.planes import BOTH
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.answers.study_file.read_sizing import sizing_of
+from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import one_of
 from tvclin.control.autopilot.rules import GainsAsked
@@ -48,6 +48,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         wind=wind,
         gust=gust,
         sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
+        availability=availability_of(document, folder, gust),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
         gains=GainsAsked.from_table(document["autopilot"]) if "autopilot" in document else None,
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,

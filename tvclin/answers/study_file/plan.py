@@ -29,6 +29,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
 if TYPE_CHECKING:
+    from tvclin.answers.availability.asked import AvailabilityAsked
     from tvclin.answers.campaign.dispersions import Dispersions
     from tvclin.answers.sizing.asked import SizingAsked
     from tvclin.answers.trials import LawsAsked
@@ -75,6 +76,8 @@ class StudyPlan:
         Of the deflection that covers them, as of `quantile_bound`.
     sizing : SizingAsked, optional
         What is asked of the whole flight.
+    availability : AvailabilityAsked, optional
+        An archive of soundings: on how many days it flies.
     nozzle_stop : Stop or str, optional
         As the `stop` of `Study.from_vehicle`: the verdict is on both planes.
 
@@ -102,6 +105,7 @@ class StudyPlan:
     probability: float = 0.99865
     confidence: float = 0.9
     sizing: SizingAsked | None = None
+    availability: AvailabilityAsked | None = None
     nozzle_stop: Stop | str | None = None
 
     def __post_init__(self) -> None:
@@ -137,22 +141,24 @@ class StudyPlan:
 
     def _check_parts(self) -> None:
         """What may be asked besides; its kinds are imported only where something is."""
-        names = ("laws", "gains", "criteria", "dispersions", "sizing")
+        names = ("laws", "gains", "criteria", "dispersions", "sizing", "availability")
         if all(getattr(self, name) is None for name in names):
             return
+        from tvclin.answers.availability.asked import AvailabilityAsked
         from tvclin.answers.campaign.dispersions import Dispersions
         from tvclin.answers.sizing.asked import SizingAsked
         from tvclin.answers.trials import LawsAsked
         from tvclin.control.autopilot.rules import GainsAsked
         from tvclin.control.margins.criteria import Criteria
 
-        kinds = LawsAsked, GainsAsked, Criteria, Dispersions, SizingAsked
+        kinds = LawsAsked, GainsAsked, Criteria, Dispersions, SizingAsked, AvailabilityAsked
         makers = (
             "of the standard laws",
             "or a rule for them",
             "see Criteria.own",
             "of Dispersion values",
             "see load_sizing",
+            "see load_study",
         )
         for name, kind, maker in zip(names, kinds, makers, strict=True):
             if getattr(self, name) is not None:

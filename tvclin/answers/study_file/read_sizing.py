@@ -1,10 +1,12 @@
-"""The tables [schedule], [size] and [[wind]] with soundings: what is asked of a whole flight."""
+"""The tables [schedule], [size], [[wind]] with soundings and [availability]: of a whole flight."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
+from tvclin.answers.availability.growth import PairGrowth
 from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked, SoundingAsked
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import InputError, shown
@@ -14,6 +16,7 @@ from tvclin.winds.file import SOUNDING, SOUNDING_TABLE, wind_tables, winds_of
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.read import read_sounding
+from tvclin.winds.soundings.read_soundings import read_soundings
 
 
 def sizing_of(
@@ -54,6 +57,47 @@ def sizing_of(
         **_flight(document, folder),
         pulses=pulses,
         soundings=soundings,
+        gust=gust,
+        **(study | given),
+    )
+
+
+def availability_of(
+    document: Mapping[str, Any], folder: Path, gust: History | None
+) -> AvailabilityAsked | None:
+    """Return what a document asks of an archive of soundings; None without [availability].
+
+    The model and a nozzle_stop of the study count where the table says nothing; both planes, unless
+    it names one.
+
+    Raises
+    ------
+    InputError
+        For unknown keys, and as `read_soundings` and `AvailabilityAsked`.
+    """
+    if "availability" not in document:
+        return None
+    given = AVAILABILITY_TABLE.read(AVAILABILITY_TABLE.one(document))
+    AVAILABILITY_TABLE.need(given, ("archive", "azimuth"))
+    archive = given.pop("archive")
+    names = archive if isinstance(archive, list) else [archive]
+    if not names or not all(isinstance(one, str) and one.isprintable() for one in names):
+        raise InputError(
+            "archive in [availability] must be a station file, a folder, or a list of them; got"
+            f" {shown(archive)}"
+        )
+    hours = given.pop("persistence_hours", None)
+    if hours is not None:
+        if "persistence" in given:
+            raise InputError("[availability] has an angle and hours of persistence; keep one")
+        given["persistence"] = PairGrowth(hours)
+    wanted = {key: given.pop(key) for key in ("months", "years", "station") if key in given}
+    offset = given.pop("utc_offset_hours", 0.0)
+    head = document.get("study", {})
+    study = {to: head[key] for to, key in (("model",) * 2, ("stop", "nozzle_stop")) if key in head}
+    return AvailabilityAsked(
+        flight=_flight(document, folder)["schedule"],
+        soundings=read_soundings([folder / one for one in names], utc_offset=offset, **wanted),
         gust=gust,
         **(study | given),
     )

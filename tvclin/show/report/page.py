@@ -12,7 +12,16 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
 from tvclin.base.lines import Number
-from tvclin.show.report import basis, control, flexible, flight, planes, sections, verdict
+from tvclin.show.report import (
+    availability,
+    basis,
+    control,
+    flexible,
+    flight,
+    planes,
+    sections,
+    verdict,
+)
 from tvclin.show.report.blocks import Section
 
 if TYPE_CHECKING:
@@ -24,6 +33,7 @@ SECTIONS: tuple[Callable[[Findings], Section | None], ...] = (
     planes.both_planes,
     sections.response,
     flight.over_flight,
+    availability.availability,
     control.laws,
     control.autopilot,
     flexible.flexible,
