@@ -80,8 +80,8 @@ class LinearVehicle:
         """Return the coefficients for a model; raise `InputError` where it needs unknown ones."""
         if text("model", model) != FIXED_PATH and not self.path_known:
             raise InputError(
-                f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and mu_delta; give'
-                f' them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
+                f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and'
+                f' mu_delta; give them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
             )
         return self.coefficients
 
