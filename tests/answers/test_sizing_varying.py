@@ -247,3 +247,23 @@ def test_a_stable_end_of_the_flight_is_refused(configuration_i) -> None:
             model="fixed-path",
             varying=True,
         )
+
+
+def test_a_gust_behind_one_from_the_other_side_is_survived_with_what_is_said() -> None:
+    """It finds the attitude off to the other side, so that less would be enough; flown."""
+    vehicle = tv.load_vehicle("configuration-i")
+    plant = tv.Plant.from_vehicle(vehicle)
+    long = 0.5 / float(plant.coefficients.pole)
+    times = np.array([0.0, 1e-3, long, long + 1e-3, 2.0 * long, 2.0 * long + 1e-3])
+    wind = tv.SampledWind(time=times, angle=np.array([0.0, -1.0, -1.0, 1.0, 1.0, 0.0]) * 0.05)
+    part = tv.SampledWind(time=times, angle=np.maximum(wind.angle, 0.0))
+    schedule = tv.FlightSchedule(vehicle.replace(time=[0.0, 40.0]))
+    mode = GrowingMode(schedule, "fixed-path", "pitch", (0.0, 40.0))
+    said = varying_need(mode, part, np.array([1.0]), wind).required[0]
+    trim = plant.coefficients.B * 0.05
+    assert said / trim == pytest.approx(1.0 - np.exp(-0.5), rel=1e-3)
+    limits = np.array([0.35, 0.5, 0.7, 0.9, 1.0, 1.01]) * said
+    flown = tv.fly_many(
+        plant, tv.TrimLaw(plant), wind, deflection_limit=limits, sample_rate=200.0
+    ).status
+    assert set(flown[1:]) == {"survived"}

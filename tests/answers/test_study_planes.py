@@ -1,12 +1,15 @@
 """Studies of a wind with a direction: of one plane with a note, or judged in both."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tvclin.answers.findings import Findings, find
+from tvclin.answers.questions import questions
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.cli.app import app
@@ -95,3 +98,40 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
     wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=1.0)
     with pytest.raises(tv.InputError, match="a campaign is in one plane"):
         tv.Campaign(vehicle=booster, wind=wind, dispersions=tv.Dispersions(()), cases=2)
+
+
+SLANTING = {
+    "study": {"vehicle": "configuration-i", "model": "fixed-path", "nozzle_stop": "round"},
+    "wind": {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 340.0},
+}
+
+
+def asked(**more) -> Findings:
+    return find(replace(parse_study(SLANTING | more), limit=np.radians(0.45)))
+
+
+def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(booster) -> None:
+    part = {"parameter": "thrust", "percent": 1.0}
+    found = asked(dispersion=[part], campaign={"cases": 30}).dispersed
+    for case in (0, 17, 29):
+        plant = tv.Plant.from_vehicle(booster.replace(thrust=found.values["thrust"][case]))
+        gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+        exact = tv.plane_limit(plant, tv.PlaneWind.towards(gust, 0.3)).deflection
+        assert found.deflection[case] == pytest.approx(exact, rel=1e-6)
+
+
+def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections(booster) -> None:
+    found = asked(autopilot={"design": "canonical"})
+    peaks = found.plan.wind.peaks(booster.attitude)
+    loop = tv.canonical_gains(tv.Coefficients.from_vehicle(booster))
+    loop, row = replace(loop, actuator=found.comparison.autopilot.actuator), -1
+    plant, times = found.comparison.plant, np.linspace(0.0, 20.0, 4001)
+    rows = [
+        loop.answer(plant, tv.TriangularWind(peak=peak, duration=7.5))(times)[row]
+        for peak in peaks.values()
+    ]
+    most = np.degrees(np.hypot(*rows).max())
+    (one,) = (q for q in questions(found) if q.name == "autopilot")
+    assert one.yes is False
+    assert f"asks for {most:.3f}" in one.text
+    assert one.text.endswith("in both planes")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.flexible import BOOSTER, STRUCTURE
 from tvclin.control.margins.record import loop_margins
 
 
@@ -93,3 +94,14 @@ def test_without_delay_nothing_is_bounded_and_without_growth_nothing_is_said():
     stable = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-1.0, mu_delta=1.0))
     with pytest.raises(tv.InputError, match="no unstable pole"):
         tv.margin_bounds(stable)
+
+
+def test_a_flexible_vehicle_is_bounded_by_its_own_pole() -> None:
+    """Which is slower than that of the rigid one here, and leaves more."""
+    plant = tv.FlexiblePlant.from_vehicle(BOOSTER, STRUCTURE, "drift-exact")
+    own = np.linalg.eigvals(plant.matrices()[0]).real.max()
+    found = tv.margin_bounds(plant, delay=0.1)
+    assert found.pole == pytest.approx(own, rel=1e-9)
+    M = np.exp(own * 0.1)
+    assert found.disk_margin == pytest.approx(2.0 / (M + np.sqrt(M**2 - 1.0)), rel=1e-9)
+    assert found.disk_margin > tv.margin_bounds(plant.rigid, delay=0.1).disk_margin * 1.0005

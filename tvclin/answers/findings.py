@@ -223,7 +223,9 @@ def _flexible(plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
 
     plant, criteria = _flexible_plant(plan), plan.criteria or CRITERIA["classic"]
     autopilot = _autopilot(plan, study, plant)
-    return flexible_answer(plant, autopilot, criteria, blown(study), plan.limit)
+    # along a straight wind the stop leaves this plane its part
+    limit = None if plan.limit is None else plan.limit / study.of_both
+    return flexible_answer(plant, autopilot, criteria, blown(study), limit)
 
 
 def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:

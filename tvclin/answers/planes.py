@@ -124,6 +124,14 @@ class PlanesNeeded:
         """Size [rad] of the largest wind vector."""
         return float(self.wind.peak)
 
+    def over(self, plane: str) -> float:
+        """Return how much of the stop a wind of one direction takes, over what one plane takes.
+
+        The other plane is the same loop in the same wind, and its deflections have that ratio.
+        """
+        parts = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
+        return float(rectangle(self.stop, parts["pitch"], parts["yaw"])) / parts[plane]
+
     def misses(self, plane: str) -> float:
         """Return by which part of what both need one plane alone asks for too little."""
         return float(missing_part(self.alone[plane], self.deflection))
@@ -182,7 +190,7 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[
         return
     yield (
         f"the verdict is on both planes with one stop, of whose requirement the {plane} plane alone"
-        f" asks for {missing:.0f} % too little; all else is of that plane"
+        f" asks for {missing:.0f} % too little; boundaries, minima and laws are of that plane"
     )
 
 

@@ -152,7 +152,10 @@ def _autopilot(found: Findings, limit: float) -> Question:
         said = "the flexible vehicle's autopilot, without limits, asks for "
     if np.isinf(peak):
         return Question("autopilot", False, ("the loop of the flexible vehicle is not stable",))
+    peak *= found.study.of_both
     line: Line = (said, *degrees("asked.autopilot", peak, unit="deg"))
+    if found.study.in_both:
+        line += (" in both planes",)
     return Question("autopilot", bool(covers(limit, peak)), line)
 
 
@@ -173,8 +176,9 @@ def _flexible(found: Findings) -> Question:
     f = found.flexible
     if f is None or f.flight is None:
         return Question("flexible flight", None, (_reason(found, "flexible"),))
+    part = f" with the {found.study.plane} plane's part of the stop" * found.study.in_both
     line: Line = (
-        f"flown at {f.sample_rate:g} Hz the flexible vehicle {FLOWN[f.flight.status[0]]}",
+        f"flown at {f.sample_rate:g} Hz{part} the flexible vehicle {FLOWN[f.flight.status[0]]}",
     )
     if f.flight.survived and f.flight.status[1] != f.flight.status[0]:
         line += (f", the rigid one {FLOWN[f.flight.status[1]]}",)

@@ -277,6 +277,11 @@ class Study:
         return abs(float(self.requirement.deflection))
 
     @property
+    def of_both(self) -> float:
+        """What both planes take of the stop over what this one takes; one if it is judged alone."""
+        return self.planes.over(self.plane) if self.planes is not None and self.in_both else 1.0
+
+    @property
     def governs(self) -> str:
         """What the required deflection is governed by, in words."""
         if self.planes is not None and self.in_both:

@@ -81,7 +81,7 @@ def along_and_across(heading: float, attitude: float) -> tuple[float, float]:
 def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[float, float]:
     """Return the wind angles [rad] in pitch and in yaw of a wind whose vector has a size.
 
-        sin(alpha_pitch) = r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
+        sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
     Parameters
     ----------

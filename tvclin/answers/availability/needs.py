@@ -1,8 +1,8 @@
 """What many winds ask of a vehicle along its flight: `varying_need` with K = 1, for all at once.
 
-A law that trims up to the limit, and lets go of it when the attitude is back, needs the largest
-min(trim, demand) of all times: that of the wind with both its sides, and that of what blows to one
-side alone, whichever is more.
+A law that trims up to the limit, and lets go of it when the attitude is back, needs at most the
+largest min(trim, demand) of all times: that of the wind with both its sides, and that of what blows
+to one side alone, whichever is more.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class DispersedStudy:
         Dispersed parameters [SI], ``(n,)`` each.
     deflection : ndarray
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
-        NaN where there is none.
+        of both planes where the study judges both; NaN where there is none.
     status : ndarray of str
         Of each case: "ok", "no unstable pole" (nothing is needed), or why there is no answer.
     required : Quantile
@@ -146,7 +146,7 @@ def disperse_study(
     for name, part in (("probability", probability), ("confidence", confidence)):
         fraction(name, part)
     found = evaluate(campaign, 0, cases)
-    deflection = found[required_name(study.dead_band)]
+    deflection = found[required_name(study.dead_band)] * study.of_both
     good = ~np.isnan(deflection)
     if not np.any(good):
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")

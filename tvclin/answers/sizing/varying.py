@@ -8,16 +8,16 @@ with the state x that trim has left, the wind still to come in units of the grow
 reach of a unit deflection. With constant parameters it is the demand behind `boundary_limit`.
 
 It is the mean, weighted by p.b, of all trim that is still to come. A law that trims up to a limit L
-and lets go of it when the attitude is back is lost in the end exactly when at some time both
+and lets go of it when the attitude is back is lost in the end only if at some time both
 
     trim(t) > L    and    delta_max(t) > L.
 
-For the weighted integral G of trim - L from t on has its least value at a time from which on all
-means are above L, and trim with them; where there is no such time the limit, held, brings the
-attitude back before the wind is over. So the law needs the largest min(trim, delta_max) of all
-times, for winds of both signs on either side, exactly on a fixed path. With drift the path that a
-limited flight leaves is not that of trim: a law that meets its limit again, or whose path is quick,
-is flown (`flown`).
+For the limit is met for the last time at a time t with trim above it, and it does not bring the
+attitude back if delta_max is above it then. So the largest min(trim, delta_max) of all times is
+enough, for winds of both signs on either side. On a fixed path a wind of one sign asks for no less;
+one that comes from the other side may, for it finds the attitude off to that side. With drift the
+path that a limited flight leaves is not that of trim: a law that meets its limit again, or whose
+path is quick, is flown (`flown`).
 """
 
 from __future__ import annotations

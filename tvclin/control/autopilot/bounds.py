@@ -10,8 +10,11 @@ from tvclin.base.cards import card
 from tvclin.base.errors import InputError, nonnegative, number, single
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.margins.record import decibels
-from tvclin.linear.flexible import AnyPlant, check_plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.modes import unstable_modes
+
+_ROUNDING = 1e-9
+"""Of the largest pole: what grows more slowly may be rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +138,9 @@ def margin_bounds(
         single("actuator", actuator.batch)
         damping = 0.5 if actuator.damping is None else float(actuator.damping)
         slow = 2.0 * damping / float(actuator.natural_frequency)
-    grows = np.real(np.asarray(unstable_modes(plant.rigid).poles))
+    poles = plant.poles if isinstance(plant, FlexiblePlant) else unstable_modes(plant).poles
+    grows = np.real(np.asarray(poles))
+    grows = np.where(grows > _ROUNDING * np.abs(np.nan_to_num(poles)).max(initial=0.0), grows, 0.0)
     pole = float(np.nan_to_num(grows, nan=0.0).max(initial=0.0))
     if pole <= 0.0:
         raise InputError("margins are bounded by what grows, and this plant has no unstable pole")
