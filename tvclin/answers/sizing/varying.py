@@ -125,9 +125,8 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
     def over(t: float) -> float:
         return course.trim(t) - course.demand(t)
 
-    held = Plant.from_vehicle(
-        course.mode.schedule.held(times), course.mode.model, course.mode.plane
-    )
+    mode = course.mode
+    held = Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
     paired = leading_pole(held)[1]  # there trim must never be limited
     both = [np.where(paired, s * trim, np.minimum(s * trim, s * demand)) for s in sides]
     most = float(np.max(both))
