@@ -66,7 +66,10 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     found = judged["bending 2", "mode_gain_margin_dB"]
     assert found["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
     assert [key[0] for key, one in judged.items() if not one["met"]] == ["bending 2"]
+    free = margins(*own, "--mode-gain-db", "6").output
+    assert "bending 1: held by phase, of which nothing is asked (--mode-phase-deg)" in free
     failed = margins(*own, "--mode-gain-db", "6", "--mode-phase-deg", "30")
+    assert "nothing is asked" not in failed.output
     assert failed.exit_code == 1
     assert re.search(rf"bending 2 .* 6 dB +{second - 6.0:.3g} NOT MET", failed.output)
     assert re.search(r"bending 1 .* 30 deg .* met", failed.output)

@@ -3,6 +3,8 @@
 from math import isnan
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 if TYPE_CHECKING:
     from tvclin.control.margins.bands import BandMargins, ModeBand, RigidBand
     from tvclin.control.margins.criteria import Criteria, Judgement
@@ -16,6 +18,7 @@ _NUMBERS = (
     *("distance", "alias"),
 )
 """Of a mode, in JSON."""
+_OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
 
 
 def print_bands(found: "BandMargins", asked: "Criteria") -> None:
@@ -27,6 +30,14 @@ def print_bands(found: "BandMargins", asked: "Criteria") -> None:
     rows += [[*_mode(mode), *judged_cells(asked_of.get(mode.name))] for mode in found.modes]
     columns = len(_HEADINGS) if asked_of else len(_HEADINGS) - 2
     print_table("By band", _HEADINGS[:columns], [row[:columns] for row in rows])
+    for word, option in _OPTIONS.items():
+        free = [mode.name for mode in found.modes if mode.stabilised == word]
+        judged = any(name in asked_of for name in free)
+        if asked.of_modes and free and not judged:
+            typer.echo(
+                f"Note: {', '.join(free)}: held by {word}, of which nothing is asked ({option});"
+                " the margins of the whole loop count"
+            )
 
 
 def judged_cells(one: "Judgement | None") -> list[str]:
