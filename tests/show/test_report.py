@@ -700,3 +700,26 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 
     assert result.exit_code == 2
     assert "/nowhere/at/all/x.html cannot be written" in result.stderr
+
+
+def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.StudyPlan) -> None:
+    short = replace(plan, laws=None, sizing=None, dispersions=None)
+    enough = tv.report_html(replace(short, limit=np.radians(0.9)))
+    found = find(replace(short, limit=np.radians(0.9)))
+    loop = found.comparison
+    assert loop is not None
+    law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
+    flown = tv.flown_margins(
+        loop.plant,
+        law,
+        found.study.wind,
+        limit=np.radians(0.9),
+        actuator=loop.autopilot.actuator,
+        delay=float(loop.autopilot.delay),
+        sample_rate=100.0,
+    )
+    part = enough[enough.index("What the limit leaves of the margins") :]
+    shown = " ".join(re.sub(r"<[^>]*>", " ", part[:6000]).split())
+    assert f"{flown.gain_fall.dB:.2f} dB" in shown
+    assert f"{1000 * flown.delay.value:.1f} ms" in shown
+    assert "Nothing is left of the margins" in tv.report_html(short)

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
     from tvclin.control.margins.record import Margins
+    from tvclin.flights.closed_loop.flown_record import FlownMargins
     from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
 Told = Callable[[float, float], None]
@@ -58,6 +60,8 @@ class Findings:
     flexible : FlexibleAnswer or None
         The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
         asked for.
+    flown : FlownMargins or None
+        What the limit leaves of the margins in the wind; None without a limit or an autopilot.
     dispersed : DispersedStudy or None
         The study with vehicle and wind dispersed.
     flight : tuple of Sizing and DeflectionTotal, or None
@@ -75,6 +79,7 @@ class Findings:
     trials: tuple[LawTrial, ...]
     comparison: TrimComparison | None
     flexible: FlexibleAnswer | None
+    flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
     availability: Availability | None
@@ -141,6 +146,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "trials": plan.laws,
             "comparison": plan.gains or plan.criteria,
             "flexible": plan.structure and (plan.gains or plan.criteria),
+            "flown": plan.limit and (plan.gains or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
             "availability": plan.availability,
@@ -163,12 +169,16 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             finally:
                 told(1, 1)
 
+        trials, comparison = part("trials", _trials) or (), part("comparison", _comparison)
+        flexible = part("flexible", _flexible)
+        loop = flexible or comparison
         return Findings(
             plan=plan,
             study=study,
-            trials=part("trials", _trials) or (),
-            comparison=part("comparison", _comparison),
-            flexible=part("flexible", _flexible),
+            trials=trials,
+            comparison=comparison,
+            flexible=flexible,
+            flown=None if loop is None else part("flown", partial(_flown, loop)),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
             availability=part("availability", _availability),
@@ -226,6 +236,20 @@ def _flexible(plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
     # along a straight wind the stop leaves this plane its part
     limit = None if plan.limit is None else plan.limit / study.of_both
     return flexible_answer(plant, autopilot, criteria, blown(study), limit)
+
+
+def _flown(
+    loop: FlexibleAnswer | TrimComparison, plan: StudyPlan, study: Study, told: Told
+) -> FlownMargins:
+    """The margins that the limit leaves in the wind, of an autopilot and its plant."""
+    from tvclin.answers.flexible import nozzle_of
+    from tvclin.control.laws.attitude import SaturatedLaw
+    from tvclin.flights.closed_loop.flown_margins import flown_margins
+
+    assert plan.limit is not None
+    law = SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
+    nozzle, limit = nozzle_of(loop.autopilot), plan.limit / study.of_both
+    return flown_margins(loop.plant, law, blown(study), limit=limit, **nozzle)
 
 
 def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:

@@ -1,5 +1,7 @@
 """The sections of closed loops and dispersed cases."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tvclin.answers.campaign.statistics import shares
@@ -13,6 +15,7 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.edges import OK
+from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargin
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
@@ -109,7 +112,37 @@ def autopilot(found: Findings) -> Section | None:
                 inline_svg(comparison_chart(c), "comparison", label),
             )
         )
+    blocks += _flown(found)
     return Section("margins", "Autopilot and margins", tuple(blocks))
+
+
+def _flown(found: Findings) -> list[Block]:
+    """What the limit leaves of the margins in this wind; nothing without a limit."""
+    if "flown" in found.reasons:
+        return [Paragraph((f"Nothing is left of the margins: {found.reasons['flown']}.",))]
+    f = found.flown
+    if f is None:
+        return []
+    rows = []
+    for name in CHANGES:
+        one: FlownMargin = getattr(f, name)
+        cells = [
+            number(f"flown.{name}.{key}", 1000.0 * value, 1, "ms")
+            if name == "delay"
+            else number(f"flown.{name}.{key}", replace(one, value=value).dB, 2, "dB")
+            for key, value in (("value", one.value), ("near_rest", one.near_rest))
+        ]
+        cause = "is lost" if one.cause == "lost" else one.cause
+        rows.append(((name.replace("_", " "),), cells[0], (cause,), cells[1]))
+    said = (
+        "So much may change before a flight through this wind with the limit in question is lost,"
+        " or the loop grows near rest. The limit is "
+    )
+    spare = number("flown.spare", f.spare, 2)
+    words = (said, *spare, " times the least that this autopilot survives with.", *f.notes)
+    title = "What the limit leaves of the margins in this wind"
+    head = ("may change", "by", "then it", "near rest")
+    return [Table(title, head, tuple(rows)), Paragraph(words)]
 
 
 def dispersed(found: Findings) -> Section | None:
