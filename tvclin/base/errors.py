@@ -198,6 +198,11 @@ def number(
     return float(array)
 
 
+def bearing(name: str, value: ArrayLike) -> float:
+    """Return a direction [rad]; `InputError` beyond one turn, where degrees were meant."""
+    return number(name, value, between(-2.0 * np.pi, 2.0 * np.pi), "rad")
+
+
 def fraction(name: str, value: ArrayLike) -> float:
     """Return `value` as a float; `InputError` unless it is one number above 0 and below 1."""
     part = number(name, value)

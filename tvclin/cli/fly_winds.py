@@ -41,7 +41,7 @@ def sounding_wind(
     from tvclin.answers.sizing.measured import fly_through
     from tvclin.answers.sizing.placing import place
     from tvclin.answers.sizing.schedule_file import load_schedule
-    from tvclin.base.errors import InputError, number, positive
+    from tvclin.base.errors import InputError, between, number, positive
     from tvclin.winds.soundings.read import read_sounding
 
     if azimuth_deg is None:
@@ -49,7 +49,7 @@ def sounding_wind(
     if vehicle.time is None:
         raise InputError("--winds needs a vehicle with its time of flight, time_s")
     length = _WINDOW if window is None else number("--window", window, positive, "s")
-    azimuth = float(np.radians(number("--azimuth-deg", azimuth_deg)))
+    azimuth = float(np.radians(number("--azimuth-deg", azimuth_deg, between(-360.0, 360.0), "deg")))
     flight, time = load_schedule(source), float(vehicle.time)
     met = fly_through(read_sounding(file), flight, azimuth=azimuth, plane=plane, window=length)
     placed = place(met, vehicle, time, "peak", length)

@@ -237,12 +237,12 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
     import numpy as np
 
     from tvclin.answers.sizing.asked import SoundingAsked
-    from tvclin.base.errors import InputError, number
+    from tvclin.base.errors import InputError, between, number
     from tvclin.winds.soundings.read import read_sounding
 
     if files and azimuth_deg is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
-    azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0))
+    azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0, between(-360.0, 360.0), "deg"))
     names = [file.name for file in files]
     return {
         str(file) if names.count(file.name) > 1 else file.name: SoundingAsked(

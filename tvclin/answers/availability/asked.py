@@ -10,7 +10,7 @@ from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS, checked_gust
 from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import InputError, between, fraction, instance, number, one_of
+from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
 from tvclin.base.tables import Table
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -75,7 +75,7 @@ class AvailabilityAsked:
             raise InputError("soundings must hold one or more of what is asked for; there are none")
         for name, names in {"plane": (BOTH, *PLANES), "stop": STOPS, "model": MODELS}.items():
             one_of(f"{name} of availability", getattr(self, name), names)
-        number("azimuth", self.azimuth, unit="rad")
+        bearing("azimuth", self.azimuth)
         growth_of(self.persistence)
         checked_gust(self.gust)
         if self.known_to is not None:

@@ -21,6 +21,7 @@ from tvclin.base.errors import (
     nonnegative,
     number,
     one_of,
+    within,
 )
 from tvclin.linear.plant import MODELS
 from tvclin.vehicle.coefficients import PLANES
@@ -120,6 +121,7 @@ def availability(
         callable_for("progress", progress, "of how many are done and how many there are")
     checked_gust(gust)
     azimuths = one_row_or_one("azimuth", azimuth)
+    within("azimuth", azimuths, -2.0 * np.pi, 2.0 * np.pi, "rad")
     growth = growth_of(persistence)
     capability = number("limit", limit, nonnegative, "rad")
     trusted = fraction("confidence", confidence)

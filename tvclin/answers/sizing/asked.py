@@ -17,6 +17,7 @@ from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
 from tvclin.base.errors import (
     InputError,
+    bearing,
     each,
     finite,
     flag,
@@ -75,7 +76,7 @@ class SoundingAsked:
 
     def __post_init__(self) -> None:
         instance("profile", self.profile, WindProfile, "see read_sounding")
-        object.__setattr__(self, "azimuth", number("azimuth", self.azimuth, unit="rad"))
+        object.__setattr__(self, "azimuth", bearing("azimuth", self.azimuth))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

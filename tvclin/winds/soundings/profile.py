@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
+    bearing,
     between,
     each,
     finite,
@@ -101,7 +102,7 @@ class WindProfile:
         azimuth : float
             Direction of flight [rad], from north, clockwise.
         """
-        angle = number("azimuth", azimuth, unit="rad")
+        angle = bearing("azimuth", azimuth)
         return np.asarray(self.east * np.sin(angle) + self.north * np.cos(angle))
 
     def cross_plane(self, azimuth: float) -> FloatArray:
@@ -112,7 +113,7 @@ class WindProfile:
         azimuth : float
             Direction of flight [rad], from north, clockwise.
         """
-        angle = number("azimuth", azimuth, unit="rad")
+        angle = bearing("azimuth", azimuth)
         return np.asarray(self.north * np.sin(angle) - self.east * np.cos(angle))
 
     def at(self, height: ArrayLike) -> tuple[FloatArray, FloatArray]:

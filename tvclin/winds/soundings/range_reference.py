@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import (
     InputError,
+    bearing,
     each,
     number,
 )
@@ -100,7 +101,7 @@ class RangeReference:
         """
         from scipy.special import ndtri  # late: import time
 
-        angle = number("azimuth", azimuth, unit="rad")
+        angle = bearing("azimuth", azimuth)
         s, c = np.sin(angle), np.cos(angle)
         covariance = self.correlation * self.sd_east * self.sd_north
         variance = (s * self.sd_east) ** 2 + (c * self.sd_north) ** 2 + 2 * s * c * covariance
@@ -112,7 +113,7 @@ class RangeReference:
 
         No sounding is like that: it is an envelope of speeds, whose shear is that of a mean.
         """
-        speed, angle = self.speed(percentile), number("azimuth", azimuth, unit="rad")
+        speed, angle = self.speed(percentile), bearing("azimuth", azimuth)
         return WindProfile(
             height=self.height,
             east=speed * np.sin(angle),

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import (
     InputError,
+    bearing,
     between,
     finite,
     instance,
@@ -64,7 +65,7 @@ def add_gust(
     you design to.
     """
     instance("profile", profile, WindProfile, "see read_sounding")
-    low, angle = number("base", base, unit="m"), number("azimuth", azimuth, unit="rad")
+    low, angle = number("base", base, unit="m"), bearing("azimuth", azimuth)
     flank = number("blend", blend, between(_THINNEST, _THICKEST), "m")
     top = low + flank + number("thickness", thickness, nonnegative, "m")
     if low < profile.height[0] or top + flank > profile.height[-1]:
@@ -156,7 +157,7 @@ def synthetic_profile(
     layer, drop = positive("thickness", thickness, "m"), positive("change", change, "m/s")
     _ascending("height and speed", z, w, z)
     _ascending("thickness and change", layer, drop, layer, drop)
-    at, angle = number("peak_height", peak_height, unit="m"), number("azimuth", azimuth, unit="rad")
+    at, angle = number("peak_height", peak_height, unit="m"), bearing("azimuth", azimuth)
     if not z[0] <= at <= z[-1]:
         raise InputError(
             f"peak_height must be within the envelope, {z[0]:.6g} to {z[-1]:.6g} m; got {at:.6g} m"
