@@ -468,7 +468,7 @@ def test_the_chart_draws_what_the_comparison_says(model, peak):
     t = curves.abscissa
     wind = np.degrees(np.interp(t, *corners))
     drawn = {(col.panel, col.label): col.values for col in curves.columns}
-    closed, even = autopilot.close(plant), np.linspace(0.0, 16.0, 601)  # 4 s and 8 s among them
+    closed, even = autopilot.close(plant), np.linspace(0.0, 12.8, 1201)  # all of t among them
     inputs = [np.interp(even, *corners), 0 * even, 0 * even]
     seen = control.forced_response(closed, even, inputs).outputs
     expected = {("angles", "wind"): wind, ("deflection", "ideal trim"): -0.28 / 2.6 * wind}

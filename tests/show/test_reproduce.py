@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 from typer.testing import CliRunner
 
@@ -27,6 +28,7 @@ def run(*arguments):
 
 @pytest.fixture(scope="module")
 def everything(tmp_path_factory, no_flights):
+    plt.close("all")  # what other tests have drawn
     output = tmp_path_factory.mktemp("out") / "made" / "here"
     with pytest.MonkeyPatch.context() as patch:  # the page itself belongs to test_ledger
         patch.setattr(ledger, "ledger", lambda: "The ledger.\n" * 100)
@@ -67,8 +69,6 @@ def test_each_csv_holds_what_the_figure_draws(everything):
     plot = figures.FIGURES["figure-7"]()
 
     assert plot.curves.csv() == (output / "figure-7.csv").read_text(encoding="utf-8")
-    import matplotlib.pyplot as plt
-
     plt.close(plot.figure)
 
 
@@ -83,8 +83,6 @@ def test_what_flies_is_said_where_jsbsim_is_missing(tmp_path, monkeypatch, there
 
 
 def test_no_figure_stays_open(everything):
-    import matplotlib.pyplot as plt
-
     assert everything[1].exit_code == 0
     assert not plt.get_fignums()
 
@@ -131,7 +129,6 @@ def test_an_unwritable_place_is_one_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr(files.tempfile, "mkstemp", refuse)
     with pytest.raises(tv.InputError, match="cannot be written: Permission denied"):
         figures.reproduce(tmp_path)
-    import matplotlib.pyplot as plt
 
     plt.close("all")
 
