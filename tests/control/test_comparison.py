@@ -481,7 +481,7 @@ def test_the_chart_draws_what_the_comparison_says(model, peak):
     assert drawn.keys() == expected.keys()
     for key, row in expected.items():
         np.testing.assert_allclose(drawn[key], row, rtol=1e-9, atol=1e-9, err_msg=str(key))
-    assert (t.min(), t.max()) == (0.0, 16.0)
+    assert (t.min(), t.max()) == (0.0, 12.8)
     assert f"{c.relative:.3g} times trim" in curves.parameters
     for line, (key, row) in zip(plot.axes[0, 0].lines, drawn.items(), strict=False):
         assert line.get_label().replace("$", "") == key[1]
