@@ -213,7 +213,7 @@ class _Course:
     def demand(self, t: ArrayLike) -> FloatArray:
         """The limit [rad], with its sign, that is enough when it is held from t on."""
         row, reach = self.mode.at(t)
-        kept = np.vecdot(row[2:], self.drifted(t), axis=0)
+        kept = np.sum(row[2:] * self.drifted(t), axis=0)
         return np.asarray(-(kept + self.future(t)[0]) / reach)
 
     def trim(self, t: ArrayLike) -> FloatArray:
@@ -221,7 +221,7 @@ class _Course:
         return _trim(*self.mode.matrices(t), np.moveaxis(self.drifted(t), 0, -1), self.wind(t))
 
 
-def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: ArrayLike) -> FloatArray:
+def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: Any) -> FloatArray:
     """The deflection [rad] that leaves the attitude nominal while the path drifts."""
     kept = np.vecdot(A[..., 1, 2:], x)
     return np.asarray(-(kept + inputs[..., 1, 1] * wind) / inputs[..., 1, 0])
