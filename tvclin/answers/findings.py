@@ -192,14 +192,14 @@ def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
+    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, plan.law_model, plan.plane)
     laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
     nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
     if plan.structure is not None:
         from tvclin.answers.flexible import flexible_plant, nozzle_of, with_filters
 
         gains = gains_of(plan)
-        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, plant.model)
         laws = {name: with_filters(law, gains) for name, law in laws.items()}
         nozzle = nozzle_of(gains, asked.sample_rate)
     return law_trials(
@@ -222,7 +222,7 @@ def gains_of(plan: StudyPlan) -> GainsAsked:
 def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
-    plant = Plant.from_vehicle(plan.vehicle, gains_of(plan).model, plan.plane)
+    plant = Plant.from_vehicle(plan.vehicle, plan.loop_model, plan.plane)
     flying = plant if plan.structure is None else _flexible_plant(plan)
     return compare_with_trim(plant, _autopilot(plan, study, flying), blown(study))
 
@@ -256,7 +256,7 @@ def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:
     from tvclin.answers.flexible import flexible_plant
 
     assert plan.structure is not None
-    return flexible_plant(plan.vehicle, plan.structure, plan.plane, gains_of(plan).model)
+    return flexible_plant(plan.vehicle, plan.structure, plan.plane, plan.loop_model)
 
 
 def _autopilot(plan: StudyPlan, study: Study, plant: AnyPlant) -> Autopilot:

@@ -9,10 +9,10 @@ import typer
 from tvclin.cli.cases import Case, make_case
 from tvclin.cli.inputs import load_linear, peak_angle
 from tvclin.cli.options import (
-    MODELS_HELP,
     AsJson,
     Duration,
     LinearVehicle,
+    Model,
     PeakDeg,
     PeakSpeed,
     Plane,
@@ -50,7 +50,7 @@ def respond(
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, in its place.")
     ] = None,
-    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "fixed-path",
+    model: Model = None,
     plane: Plane = "pitch",
     until: Until = 3.0,
     points: Points = 301,

@@ -22,7 +22,7 @@ from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, shown
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import INPUTS, MODELS, Plant
+from tvclin.linear.plant import INPUTS, MODELS, USUAL_MODEL, Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import Structure, chosen
@@ -71,7 +71,7 @@ class FlexiblePlant:
 
     vehicle: Vehicle
     structure: Structure
-    model: str = "fixed-path"
+    model: str = USUAL_MODEL
     plane: str = "pitch"
 
     _repr_html_ = shows("Flexible plant", "vehicle.name", "model", "plane")
@@ -91,7 +91,7 @@ class FlexiblePlant:
         cls,
         vehicle: Vehicle,
         structure: Structure,
-        model: str = "fixed-path",
+        model: str = USUAL_MODEL,
         plane: str = "pitch",
     ) -> Self:
         """Return the plant of a vehicle and its structure.

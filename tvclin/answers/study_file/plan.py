@@ -20,7 +20,7 @@ from tvclin.base.errors import (
 )
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.plant import MODELS
+from tvclin.linear.plant import MODELS, USUAL_MODEL, usual_model
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.structure import Structure
@@ -89,7 +89,7 @@ class StudyPlan:
 
     vehicle: AnyVehicle
     structure: Structure | None = None
-    model: str = "fixed-path"
+    model: str = ""
     plane: str = "pitch"
     wind: ShapedWind = DEFAULT_WIND
     gust: History | None = None
@@ -109,15 +109,12 @@ class StudyPlan:
     nozzle_stop: Stop | str | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.vehicle, LinearVehicle):
-            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        self._check_subject()
         if not isinstance(self.wind, ShapedWind):
             raise InputError(
                 "a study needs a wind of one shape: give shape, peak and duration in [wind]"
             )
         one_of("shape of the wind of a study", self.wind.shape, PULSES)
-        one_of("model", self.model, MODELS)
-        one_of("plane", self.plane, PLANES)
         one_of("switch", self.switch, SWITCHES)
         number("dead_band", self.dead_band, between(0.0, 1.0))
         if self.limit is not None:
@@ -138,6 +135,14 @@ class StudyPlan:
             whole_number(name, getattr(self, name))
         for name in ("probability", "confidence"):
             fraction(name, getattr(self, name))
+
+    def _check_subject(self) -> None:
+        if not isinstance(self.vehicle, LinearVehicle):
+            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        if self.model == "":
+            object.__setattr__(self, "model", usual_model(self.vehicle))
+        one_of("model", self.model, MODELS)
+        one_of("plane", self.plane, PLANES)
 
     def _check_parts(self) -> None:
         """What may be asked besides; its kinds are imported only where something is."""
@@ -168,6 +173,17 @@ class StudyPlan:
                 "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
                 " needs [[bending]] or [[slosh]] in its file"
             )
+
+    @property
+    def loop_model(self) -> str:
+        """The model that the autopilot controls."""
+        return (self.gains and self.gains.model) or self.model
+
+    @property
+    def law_model(self) -> str:
+        """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
+        own = (self.laws and self.laws.model) or self.model
+        return USUAL_MODEL if own == "drift-and-speed" else own
 
     @property
     def _modes(self) -> bool:

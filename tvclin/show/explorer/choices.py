@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.linear.plant import USUAL_MODEL
 from tvclin.vehicle.vehicle import Vehicle
 
 REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"
@@ -40,7 +41,7 @@ class Choices:
 
     vehicle: Vehicle
     plane: str = "pitch"
-    model: str = "drift"
+    model: str = USUAL_MODEL
     shape: str = "triangular"
     duration: float = 7.5
     peak: float = float(np.radians(5.0))

@@ -8,7 +8,7 @@ import numpy as np
 from tvclin.answers.flexible import flexible_plant, shift_words
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
-from tvclin.linear.plant import MODELS
+from tvclin.linear.plant import MODELS, USUAL_MODEL
 from tvclin.show.explorer.answer import Answer, answer
 from tvclin.show.explorer.choices import LAWS, Choices
 from tvclin.show.explorer.parts import LONGEST
@@ -157,7 +157,7 @@ def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[st
     lists = {
         "vehicle": ("vehicle", vehicles, first),
         "plane": ("plane", PLANES, "pitch"),
-        "model": ("model", MODELS, "drift"),
+        "model": ("model", MODELS, USUAL_MODEL),
         "shape": ("wind shape", PULSES, "triangular"),
         "law": ("law", LAWS, LAWS[1]),
     }

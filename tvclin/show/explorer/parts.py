@@ -228,7 +228,7 @@ def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> 
         return SaturatedLaw(half_relief_gains(plant.coefficients))
     if name == RECOVERABLE:
         return RecoverableAttitudeLaw(plant, design_peak=peak)
-    fixed = Plant.from_coefficients(plant.coefficients)
+    fixed = Plant(plant.coefficients, "fixed-path")
     one_of("law", name, (TRIM, DEAD_BAND))
     return TrimLaw(fixed) if name == TRIM else DeadBandLaw(fixed, dead_band=numbers[0])
 

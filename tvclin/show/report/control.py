@@ -30,7 +30,7 @@ def laws(found: Findings) -> Section | None:
     if not found.trials or found.plan.laws is None:
         return None
     asked, s = found.plan.laws, found.study
-    plant = Plant(s.coefficients, asked.model)
+    plant = Plant(s.coefficients, found.plan.law_model)
     every = standard_winds(s.wind.peak, s.wind.duration)
     trials = {(one.law, one.wind): one for one in found.trials}
     trim = s.trim_deflection
@@ -55,7 +55,7 @@ def laws(found: Findings) -> Section | None:
         for one in found.trials
         if not one.monotone
     ]
-    flown, rate = f"the {asked.model} model", asked.sample_rate
+    flown, rate = f"the {plant.model} model", asked.sample_rate
     if found.plan.structure is not None:
         rate = nozzle_of(gains_of(found.plan), rate)["sample_rate"]
         flown += " of the flexible vehicle, with filters, actuator and delay of the autopilot"
