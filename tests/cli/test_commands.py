@@ -61,7 +61,11 @@ def test_a_damped_vehicle_is_shown_with_its_pole(tmp_path) -> None:
 def test_json_equals_the_library() -> None:
     document = json.loads(run("study", "configuration-ii", "--limit-deg", "0.2", "--json").output)
     expected = tv.Study.from_vehicle(
-        tv.load_vehicle("configuration-ii"), duration=7.5, peak=np.radians(5), limit=np.radians(0.2)
+        tv.load_vehicle("configuration-ii"),
+        duration=7.5,
+        peak=np.radians(5),
+        limit=np.radians(0.2),
+        model="fixed-path",
     )
 
     assert expected.boundaries["drift"].limit.tolist() == document["boundaries"]["drift"]["limit"]

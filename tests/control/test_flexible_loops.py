@@ -372,7 +372,7 @@ def test_what_does_not_go_together_is_refused():
         replace(AUTOPILOT, filters=("notch",))
     with pytest.raises(tv.InputError, match="plant with a bending mode or a tank"):
         tv.detuned(AUTOPILOT, booster(bending=(), slosh=(), engine=None))
-    rigid = tv.Plant.from_vehicle(BOOSTER)
+    rigid = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
     with pytest.raises(tv.InputError, match="plant must be a FlexiblePlant"):
         AUTOPILOT.band_margins(rigid)
 

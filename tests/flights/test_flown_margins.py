@@ -398,7 +398,7 @@ def test_an_integral_leaves_no_edge_where_the_loop_stands_still():
     gains = tv.Autopilot(
         attitude_gain=1.5565827369878802, rate_gain=1.8483319840166301, integral_gain=0.02
     )
-    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     wind = tv.TriangularWind(peak=0.05, duration=6.0)
     one = one_flight(plant, tv.SaturatedLaw(gains), wind, 0.05, np.inf, tv.Actuator(), 0.01, 0.0)
     pace = float(plant.poles[0])

@@ -207,7 +207,7 @@ def test_a_weak_wind_along_the_trajectory_takes_no_more_steps_than_a_strong_one(
         case = planar_case(
             vehicle, wind, (62.0, 75.0), plane="pitch", drift=True, condition=condition
         )
-        law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle))
+        law = tv.TrimLaw(tv.Plant.from_vehicle(vehicle, "fixed-path"))
         flight = ContinuousFlight(case.motion, law, wind, 0.2 * peak, float("inf"), None)
         arcs = flight.arcs(62.0, 75.0)
         counts.append(sum(len(arc.solution.ts) for arc in arcs))

@@ -141,7 +141,7 @@ def test_the_curve_of_a_damped_vehicle_is_that_of_its_pole(shape: str) -> None:
     damped = booster.replace(pitch_damping=0.3 * booster.moment_of_inertia)
     found = parts.boundary_point(damped, "pitch", "fixed-path", shape, 0.5, 9.0).value
     kind = tv.TriangularWind if shape == "triangular" else tv.RectangularWind
-    plant = tv.Plant.from_vehicle(damped)
+    plant = tv.Plant.from_vehicle(damped, "fixed-path")
     needed = tv.boundary_limit(plant, kind(peak=0.1, duration=9.0), 0.5)
     assert found == pytest.approx(abs(needed.deflection) / 0.1, rel=1e-12)
 

@@ -149,7 +149,7 @@ def expected_inputs(vehicle: tv.Vehicle) -> dict[str, float]:
 
 def expected_verdict(study: tv.Study) -> dict[str, float]:
     need = np.degrees(study.required_deflection)
-    plant = tv.Plant.from_vehicle(study.vehicle)
+    plant = tv.Plant.from_vehicle(study.vehicle, "fixed-path")
     return {
         "asked.required_deg": need,
         "verdict.limit_deg": 0.4,
@@ -255,7 +255,7 @@ def expected_flight(plan: tv.StudyPlan) -> dict[str, float]:
     totals: dict[float, dict[str, float]] = {}
     for i, time in enumerate((60.0, 70.0, 80.0, 90.0)):
         vehicle = schedule.at(time)
-        plant = tv.Plant.from_vehicle(vehicle)
+        plant = tv.Plant.from_vehicle(vehicle, "fixed-path")
         around = schedule.at(np.linspace(time - 3.75, time + 3.75, 33))
         now, then = (tv.Coefficients.from_vehicle(one) for one in (vehicle, around))
         changes = [np.abs(x / x0 - 1).max() for x, x0 in ((then.beta, now.beta), (then.B, now.B))]
@@ -318,7 +318,7 @@ def test_every_number_is_that_of_the_library(plan: tv.StudyPlan, page: Page) -> 
 def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
     """Against a dense sample of the report's eq (13) flown to the end that the page names."""
     study = plan.study()
-    plant = tv.Plant.from_vehicle(plan.vehicle)
+    plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     limit = -np.radians(0.4)
     deflection = tv.trim_then_hold(plant, study.wind, limit, 1.0)
     shown = {name: value for name, (value, _) in page.numbers.items()}
@@ -342,7 +342,7 @@ def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.StudyPlan) -> None:
     lost = tv.StudyPlan(vehicle=plan.vehicle, limit=0.001, wind=replace(plan.wind, duration=20.0))
     found = find(lost)
     shown = numbers(sections.response(found))
-    plant = tv.Plant.from_vehicle(plan.vehicle)
+    plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     deflection = tv.trim_then_hold(plant, found.study.wind, -0.001, 1.0)
     late = shown["response.at_end_s"]
     answer = tv.attitude_responses(plant, deflection, found.study.wind, [late - 0.021, late])
@@ -493,7 +493,7 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyP
     found = find(gusty)
     shown = numbers(sections.response(found))
     both = found.study.wind + gust
-    plant = tv.Plant.from_vehicle(plan.vehicle)
+    plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     deflection = tv.trim_then_hold(plant, both, -np.radians(0.4), 1.0)
     times = np.linspace(0.0, shown["response.at_end_s"], 8001)
     attitude = np.degrees(tv.attitude_responses(plant, deflection, both, times)["attitude"])
@@ -560,7 +560,9 @@ def test_a_flight_without_an_answer_says_why(plan: tv.StudyPlan) -> None:
 def test_what_no_page_can_hold_is_replaced() -> None:
     vehicle = tv.load_vehicle("configuration-i")
     object.__setattr__(vehicle, "name", "a\0b\x1b[31m\u202ec")
-    html = tv.report_html(tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.08))
+    html = tv.report_html(
+        tv.Study.from_vehicle(vehicle, duration=7.5, peak=0.08, model="fixed-path")
+    )
 
     assert "a\ufffdb\ufffd[31m\ufffdc: deflection study" in html
     assert all(one.isprintable() or one in "\n\t" for one in html)
@@ -649,7 +651,9 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
 
 def test_a_notebook_shows_a_short_table() -> None:
     vehicle = tv.load_vehicle("configuration-i").replace(name="<b>")
-    study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.3))
+    study = tv.Study.from_vehicle(
+        vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.3), model="fixed-path"
+    )
     page = Page(study._repr_html_())
 
     assert "<b>" in page.texts

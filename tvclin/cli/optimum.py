@@ -56,6 +56,7 @@ def optimum(
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
+    from tvclin.linear.plant import Plant
     from tvclin.winds.shaped import pulse
 
     loaded = load_linear(vehicle, plane)

@@ -24,7 +24,8 @@ def print_study(result: "Study", source: str, explain: bool = False) -> None:
     own = as_written(source)
     rows = [(one.label, _in_units(one, own)) for one in v.quantities()]
     twice = any("(" in value for _, value in rows)
-    print_pairs(f"Vehicle: {v.name or source}", rows, columns=1 if twice else 2)
+    planes = "pitch and yaw" if result.in_both else result.plane
+    print_pairs(f"{v.name or source}, {result.model}, {planes}", rows, columns=1 if twice else 2)
     path = [
         ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
         ("C1", f"{c.C1:.5f} 1/s"),
