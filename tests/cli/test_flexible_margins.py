@@ -89,7 +89,7 @@ def test_rigid_leaves_the_structure_out():
     assert not document["flexible"]
     assert "bands" not in document
     assert document["margins"]["gain_increase"] == pytest.approx(expected.gain_increase, rel=1e-12)
-    assert json.loads(margins("--rigid", "--json").output)["model"] == "drift"
+    assert json.loads(margins("--rigid", "--json").output)["model"] == "drift-exact"
 
 
 @pytest.mark.parametrize(

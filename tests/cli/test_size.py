@@ -279,7 +279,9 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
 
 
 def test_a_gust_on_top_of_the_wind_is_added_in_its_middle() -> None:
-    document = json.loads(run("study", "--gust", "1.5", "2", "--json").output)
+    document = json.loads(
+        run("study", "--gust", "1.5", "2", "--model", "fixed-path", "--json").output
+    )
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0).shift(2.75)
     both = tv.TriangularWind(peak=np.radians(5), duration=7.5) + gust

@@ -118,7 +118,7 @@ def lesson(frequency, share=5e-4):
         rate_slope=slope,
     )
     structure = tv.Structure(bending=(mode,), thrust_follows=False)
-    return tv.FlexiblePlant.from_vehicle(vehicle, structure)
+    return tv.FlexiblePlant.from_vehicle(vehicle, structure, "fixed-path")
 
 
 @pytest.mark.parametrize(

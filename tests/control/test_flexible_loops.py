@@ -59,7 +59,7 @@ def course(hertz, k=5e-4, filters=()):
         rate_slope=slope,
     )
     plant = tv.FlexiblePlant.from_vehicle(
-        COURSE, tv.Structure(bending=(mode,), thrust_follows=False)
+        COURSE, tv.Structure(bending=(mode,), thrust_follows=False), "fixed-path"
     )
     autopilot = tv.Autopilot(
         attitude_gain=5.0,

@@ -336,7 +336,7 @@ def test_a_flight_that_begins_later_leaves_as_much_less(configuration_i):
 
 
 def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
-    plant = Plant.from_coefficients(Coefficients(**STABLE))
+    plant = Plant(Coefficients(**STABLE), "fixed-path")
     wind = tvclin.RectangularWind(peak=0.05, duration=6.0)
     left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).left_over
     assert left.oscillates
@@ -408,7 +408,7 @@ def test_a_repeated_pole_has_no_residue():
             lambda plant, wind: tvclin.Plant.from_vehicle("configuration-i", "fixed-path"),
             "vehicle must be a V",
         ),
-        (lambda plant, wind: tvclin.Plant(3), "coefficients must be a Coefficients"),
+        (lambda plant, wind: tvclin.Plant(3, "drift"), "coefficients must be a Coefficients"),
         (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: all_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),

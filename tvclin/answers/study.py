@@ -199,7 +199,7 @@ class Study:
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> result = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5))
         >>> round(float(np.degrees(result.required_deflection)), 3)
-        0.368
+        0.351
         """
         one_of("wind", wind, PULSES)
         model = one_of("model", usual_model(vehicle) if model is None else model, MODELS)

@@ -125,7 +125,8 @@ class FlexiblePlant:
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> plant = tv.FlexiblePlant.from_vehicle(vehicle, tv.Structure(slosh=(tank,)))
         >>> plant.poles.round(3)
-        array([ 0.528+0.j   , -0.029+2.846j, -0.029-2.846j, -0.528+0.j   ])
+        array([ 0.509+0.j   ,  0.013+0.j   , -0.029+2.846j, -0.029-2.846j,
+               -0.547+0.j   ])
         """
         plant = cls(vehicle, structure, model, plane)
         modes = {f"bending mode {k}": mode for k, mode in enumerate(structure.bending, start=1)}
