@@ -119,11 +119,13 @@ def laws(
     else:
         if isinstance(flying, FlexiblePlant):
             typer.echo(lines(parts_line(flying.structure)))
-            typer.echo(
-                f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms, actuator {servo:g} rad/s"
-            )
+            typer.echo(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
+        engine = f"actuator {servo:g} rad/s" if servo else "no actuator"
         _print(
-            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen)
+            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s, {engine}",
+            found,
+            limits,
+            list(chosen),
         )
 
 
