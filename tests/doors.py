@@ -141,7 +141,7 @@ def doors(folder: Path) -> dict[str, Door]:
     # Short names, since the table below is long.
     booster = tv.load_vehicle("configuration-i")
     coefficients = tv.Coefficients.from_vehicle(booster)
-    plant = tv.Plant.from_coefficients(coefficients)
+    plant = tv.Plant.from_coefficients(coefficients, "fixed-path")
     exact = tv.Plant.from_coefficients(coefficients, "drift-exact")
     wind = tv.TriangularWind(peak=0.09, duration=7.5)
     limit = float(tv.boundary_limit(plant, wind).deflection)

@@ -93,7 +93,7 @@ def plan() -> tv.StudyPlan:
     whole = parse_study(tomllib.loads(example()))
     laws = tv.LawsAsked(names=("trim", "attitude and rate"), sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0)
-    return replace(whole, laws=laws, cases=300, sizing=flight)
+    return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
 
 @pytest.fixture(scope="module")
@@ -339,7 +339,7 @@ def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
 
 
 def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.StudyPlan) -> None:
-    lost = tv.StudyPlan(vehicle=plan.vehicle, limit=0.001, wind=replace(plan.wind, duration=20.0))
+    lost = replace(plan, limit=0.001, wind=replace(plan.wind, duration=20.0))
     found = find(lost)
     shown = numbers(sections.response(found))
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
@@ -497,8 +497,7 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyP
     deflection = tv.trim_then_hold(plant, both, -np.radians(0.4), 1.0)
     times = np.linspace(0.0, shown["response.at_end_s"], 8001)
     attitude = np.degrees(tv.attitude_responses(plant, deflection, both, times)["attitude"])
-    drifting = tv.Plant.from_vehicle(plan.vehicle, "drift")
-    flown = tv.compare_with_trim(drifting, plan.gains.autopilot(drifting), both)
+    flown = tv.compare_with_trim(plant, plan.gains.autopilot(plant), both)
 
     assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-4)
     assert found.comparison.peak_deflection == flown.peak_deflection
@@ -509,9 +508,10 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     plan: tv.StudyPlan,
 ) -> None:
     once = replace(plan.sizing, start=60.0, stop=60.0)
-    short = find(tv.StudyPlan(vehicle=plan.vehicle, limit=plan.limit, sizing=once))
+    fixed = tv.StudyPlan(vehicle=plan.vehicle, model="fixed-path", limit=plan.limit, sizing=once)
+    short = find(fixed)
     wide = np.radians(0.9)
-    enough = find(tv.StudyPlan(vehicle=plan.vehicle, limit=wide, sizing=replace(once, limit=wide)))
+    enough = find(replace(fixed, limit=wide, sizing=replace(once, limit=wide)))
     heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
     headline = {one.name: one.text for one in heading}
     section = {
@@ -571,8 +571,8 @@ def test_what_no_page_can_hold_is_replaced() -> None:
 @pytest.mark.parametrize(
     ("limit", "said"),
     [
-        (0.3, "Not enough: the limit of 0.3000 deg is 0.0681 deg (18.5 %) short of the 0.3681 deg"),
-        (None, "This wind needs 0.3681 deg of deflection."),
+        (0.3, "Not enough: the limit of 0.3000 deg is 0.0508 deg (14.5 %) short of the 0.3508 deg"),
+        (None, "This wind needs 0.3508 deg of deflection."),
     ],
 )
 def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
@@ -666,7 +666,9 @@ def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
 
     assert "Not enough: the whole flight" in html
     assert html.count("There is no answer:") == 2
-    assert "No deflection is needed" in tv.report_html(tv.StudyPlan(vehicle=stable, limit=0.01))
+    assert "No deflection is needed" in tv.report_html(
+        tv.StudyPlan(vehicle=stable, model="fixed-path", limit=0.01)
+    )
 
 
 def test_the_command_writes_the_page_and_exits_by_the_verdict(tmp_path: Path) -> None:

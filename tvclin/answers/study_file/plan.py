@@ -139,7 +139,7 @@ class StudyPlan:
     def _check_subject(self) -> None:
         if not isinstance(self.vehicle, LinearVehicle):
             instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
-        if self.model == "":
+        if isinstance(self.model, str) and not self.model:
             object.__setattr__(self, "model", usual_model(self.vehicle))
         one_of("model", self.model, MODELS)
         one_of("plane", self.plane, PLANES)
