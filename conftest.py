@@ -1,4 +1,4 @@
-"""What pytest may not collect where something is not installed."""
+"""What pytest may not collect where something is not installed, and what it runs first."""
 
 from importlib.util import find_spec
 
@@ -13,3 +13,11 @@ collect_ignore_glob = [
     "docs/_*",
     *(pattern for module, some in _NEEDED.items() if not find_spec(module) for pattern in some),
 ]
+
+COMPILING = ("test_response_cases.py", "test_flights.py", "test_switches.py")
+"""Of tests/kernels: these compile most of the kernels, which all others then find compiled."""
+
+
+def pytest_collection_modifyitems(items):
+    """Run first what compiles; with a file to a worker nothing is compiled twice."""
+    items.sort(key=lambda item: item.path.name not in COMPILING)

@@ -6,7 +6,7 @@ import pytest
 import tvclin as tv
 from tvclin.flights.condition import load_flight_condition
 
-SOUNDINGS = 100
+SOUNDINGS = 40
 
 
 def launcher() -> tv.FlightSchedule:
