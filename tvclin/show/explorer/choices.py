@@ -11,6 +11,8 @@ REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"
 GAINS, HALF_RELIEF = "attitude and rate", "half relief"
 RECOVERABLE = "recoverable attitude"
 LAWS = (REPORT, TRIM, DEAD_BAND, GAINS, HALF_RELIEF, RECOVERABLE)
+_OF_LAWS = {"attitude_gain": (GAINS,), "rate_gain": (GAINS,), "delay": (GAINS, HALF_RELIEF)}
+"""Fields that count with some laws only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,9 +36,9 @@ class Choices:
     law : str
         One of `LAWS`: what turns the nozzle.
     attitude_gain, rate_gain : float
-        a0 [rad/rad] and a1 [s], of the margins and of the law of attitude and rate.
+        a0 [rad/rad] and a1 [s], of the law of attitude and rate.
     delay : float
-        Delay of the loop [s], of the margins only.
+        Delay of the loop [s], of the margins of a law that has them, and not of its flight.
     """
 
     vehicle: Vehicle
@@ -51,3 +53,12 @@ class Choices:
     attitude_gain: float = 0.5
     rate_gain: float = 0.55
     delay: float = 0.02
+
+
+def idle(law: str) -> dict[str, str]:
+    """Return the fields that change nothing with a law, each with the reason."""
+    return {
+        field: f"counts only with the law {' or '.join(laws)}"
+        for field, laws in _OF_LAWS.items()
+        if law not in laws
+    }
