@@ -57,6 +57,7 @@ def values(html: str) -> dict[str, float]:
 
 def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     pytest.importorskip("jinja2")
+    pytest.importorskip("latex2mathml")
     html = tv.report_html(parse_study(document(), folder))
     shown, found = values(html), the_library(folder)
     part = found.part()
@@ -152,6 +153,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
         "why"
     ].startswith("99.0 % of soundings must fly: 39 of 39 flown")
     pytest.importorskip("jinja2")
+    pytest.importorskip("latex2mathml")
     assert run("report", few, "-o", tmp_path / "a.html").exit_code == 0
     assert "NOT sufficient" in run("report", many, "-o", tmp_path / "b.html").output
 

@@ -9,6 +9,7 @@ import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
 
 pytest.importorskip("jinja2")
+pytest.importorskip("latex2mathml")
 
 WIND = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
 

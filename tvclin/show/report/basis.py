@@ -47,7 +47,7 @@ def assumptions(found: Findings) -> Section:
     """Return what the numbers assume, and whether it holds here."""
     s = found.study
     odd = [
-        f"{name}: {status}"
+        f"boundaries on the {name} model: {status}"
         for name, one in s.boundaries.items()
         for status in dict.fromkeys(str(status) for status in one.status if status != "ok")
     ]

@@ -131,8 +131,8 @@ def response(found: Findings) -> Section | None:
     label = f"Attitude, deflection and wind over time with {whose}"
     alone = f" in the {s.plane} plane alone" if s.in_both else ""
     caption = (
-        f"Exact response of the linear model{alone} with {whose}, {np.degrees(limit):.3f} deg: the engine"
-        f" follows trim until the dead band is left, then it holds the limit. {ends}"
+        f"Exact response of the linear model{alone} with {whose}, {np.degrees(limit):.3f} deg: the"
+        f" engine follows trim until the dead band is left, then it holds the limit. {ends}"
     )
     svg = inline_svg(_over_time(found, plant, deflection, end), "response", label)
     head = ("quantity", "[deg]", "time [s]")
