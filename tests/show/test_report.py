@@ -21,7 +21,7 @@ from tvclin.answers.trials import law_trials
 from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.show.report import basis, flight, sections, verdict
-from tvclin.show.report.blocks import Section
+from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template
 from tvclin.vehicle.file import template
 from tvclin.winds.shaped import PULSES, SHAPES
@@ -372,8 +372,6 @@ def test_every_text_is_its_number_rounded(page: Page) -> None:
         text = shown.translate(raised).replace("·10", "e")
         match = re.fullmatch(r"-?\d+(?:\.(\d+))?(?:e(-?\d+))?", text)
         assert match, (name, text)
-        if not match.group(1):
-            assert float(text) == value, name
         step = 10.0 ** (int(match.group(2) or 0) - len(match.group(1) or ""))
         assert abs(float(text) - value) <= 0.5 * step * (1 + 1e-9), (name, value, text)
 
@@ -453,7 +451,7 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
     assert not re.search(r"@import|src=|https?://(?!www\.w3\.org/)", html)
     assert len(ids) == len(set(ids))
     assert {target[1:] for target in targets} <= set(ids)
-    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 11]
+    assert [tag for tag in tags if re.fullmatch("h[1-6]", tag)] == ["h1", *["h2"] * 12]
     assert all(one["scope"] in ("row", "col") for one in page.attributes("th"))
     assert all(one["role"] == "img" and one["aria-label"] for one in page.attributes("svg"))
     assert tags.count("svg") == 5
@@ -518,7 +516,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     assert any("is beyond the single-pole theory" in one for one in texts)
     assert any("In w.csv only what blows within 10 s" in one for one in texts)
     basis = [one for one in verdict.basis(found) if isinstance(one, str)]
-    assert any("counts all else that the nozzle has to do" in one for one in basis)
+    assert any("counts all that the nozzle has to do" in one for one in basis)
     case = numbers(sections.inputs(found))
     assert (case["gust.peak_deg"], case["gust.begins"]) == (pytest.approx(1.0), 16.5)
     (tmp_path / "s.toml").write_text(text.replace("azimuth_deg = 90", "azimuth_deg = 91"))
@@ -658,7 +656,7 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyP
     ("change", "duration", "dead_band", "said"),
     [
         ({}, 60.0, 0.5, "enough for a control that lets go of it"),
-        ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "the attitude stays at zero"),
+        ({"velocity": 45.0, "attitude": 1.5}, 7.5, 1.0, "Trim stays within the limit"),
     ],
 )
 def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
@@ -704,7 +702,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
     told = words(basis.assumptions(found))
 
     assert len(found.study.notes) == 3
-    assert all(f"{note}." in told for note in found.study.notes)
+    assert all(as_sentence(note) in told for note in found.study.notes)
     beside = "".join(one for one in verdict.basis(found) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside
 

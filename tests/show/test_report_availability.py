@@ -83,7 +83,7 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     assert placard == np.degrees(found.placard()).tolist()
     section = html[html.index('id="availability"') :]
     assert "it ends below the height of the largest dynamic pressure" in section
-    assert "one season shows that season" in section
+    assert "One season shows that season" in section
     assert "40 winds of ZZM00088801 from 2023-02-15 to 2023-03-06" in section
     assert "<svg" in section[: section.index("By month")]
 

@@ -1,7 +1,7 @@
 """The sections of the study itself: inputs, boundaries and the response."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -69,7 +69,7 @@ def inputs(found: Findings) -> Section:
     return Section("inputs", "Inputs", blocks)
 
 
-def _typed(name: str, angle: float) -> Line:
+def _typed(name: str, angle: Any) -> Line:
     """An angle [rad] in degrees as it was typed."""
     return significant(name, np.degrees(angle), unit="deg")
 
