@@ -444,6 +444,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Document,
             {"project": "Booster 1", "author": "A", "date": "2026-01-31", "revision": "B"},
         ),
+        "Document.from_table": Door(tv.Document.from_table, {"table": {"revision": "B"}}),
         "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
