@@ -440,6 +440,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "Dispersions.apply": Door(
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
+        "Document": Door(
+            tv.Document,
+            {"project": "Booster 1", "author": "A", "date": "2026-01-31", "revision": "B"},
+        ),
+        "Document.from_table": Door(tv.Document.from_table, {"table": {"revision": "B"}}),
         "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
@@ -715,6 +720,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "confidence": 0.9,
                 "sizing": asked,
                 "availability": days_asked,
+                "document": tv.Document(project="Booster 1"),
             },
         ),
         "StudyPlan.of_study": Door(tv.StudyPlan.of_study, {"study": study}),

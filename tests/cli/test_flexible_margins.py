@@ -143,6 +143,7 @@ def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
 def test_the_page_shows_what_the_commands_print(tmp_path, monkeypatch):
     """Each line below a command of the page is a line of its output, but for spaces."""
     pytest.importorskip("jinja2")
+    pytest.importorskip("latex2mathml")
     page = (Path(__file__).parents[2] / "docs" / "flexible.md").read_text()
     tables, study = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     monkeypatch.chdir(tmp_path)

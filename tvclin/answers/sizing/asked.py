@@ -279,8 +279,8 @@ class SizingAsked:
             return []
         near = "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
         return [
-            f"of {', '.join(self.soundings)} counts what blows{near} to the side on which it is"
-            " largest",
+            f"in {', '.join(self.soundings)} only what blows{near} to the side on which it is"
+            " largest counts",
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from tvclin.answers.document import Document
 from tvclin.answers.study import Study
 from tvclin.base.errors import (
     InputError,
@@ -80,6 +81,8 @@ class StudyPlan:
         An archive of soundings: on how many days it flies.
     nozzle_stop : Stop or str, optional
         As the `stop` of `Study.from_vehicle`: the verdict is on both planes.
+    document : Document, optional
+        Project, author, date and revision, for the head of its page.
 
     Raises
     ------
@@ -107,6 +110,7 @@ class StudyPlan:
     sizing: SizingAsked | None = None
     availability: AvailabilityAsked | None = None
     nozzle_stop: Stop | str | None = None
+    document: Document | None = None
 
     def __post_init__(self) -> None:
         self._check_subject()
@@ -146,6 +150,8 @@ class StudyPlan:
 
     def _check_parts(self) -> None:
         """What may be asked besides; its kinds are imported only where something is."""
+        if self.document is not None:
+            instance("document", self.document, Document, "for the head of the page")
         names = ("laws", "gains", "criteria", "dispersions", "sizing", "availability")
         if all(getattr(self, name) is None for name in names):
             return
