@@ -5,6 +5,7 @@ from importlib.util import find_spec
 _NEEDED = {
     "jsbsim": ["tvclin/flights/sixdof/*", "docs/six-*"],
     "jinja2": ["tvclin/show/report/page.py", "docs/report.md"],
+    "latex2mathml": ["tvclin/show/report/page.py", "docs/report.md"],
     "pyarrow": ["docs/campaigns.md", "tvclin/answers/campaign/engine.py"],
 }
 

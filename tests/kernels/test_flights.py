@@ -201,8 +201,8 @@ def test_flights_of_all_shapes_are_one_kind_of_arrays_so_that_they_are_compiled_
         return f
 
     monkeypatch.setattr(sampled, "flights", noted)
-    one = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
-    many = tv.Plant(tv.Coefficients.from_beta(beta=np.array([0.5, 0.4]), B=0.1))
+    one = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
+    many = tv.Plant(tv.Coefficients.from_beta(beta=np.array([0.5, 0.4]), B=0.1), "fixed-path")
     law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.5))
     wind = tv.TriangularWind(peak=0.05, duration=0.1)
     winds = tv.TriangularWind(peak=[0.05, -0.02], duration=0.1)

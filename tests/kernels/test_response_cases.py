@@ -182,7 +182,7 @@ def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
 @pytest.mark.parametrize("K", [1.0, 0.0])
 def test_all_digits_stay_on_the_boundary_at_any_time(K: float, run: None) -> None:
     """Long after the wind the attitude of eq (5) is the held deflection over B, and stays it."""
-    plant = tv.Plant(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    plant = tv.Plant(tv.Coefficients.from_beta(beta=0.5, B=0.1), "fixed-path")
     wind = tv.TriangularWind(peak=0.1, duration=20.0)
     limit = tv.boundary_limit(plant, wind, K).deflection
     held = tv.trim_then_hold(plant, wind, limit, K)
@@ -195,12 +195,14 @@ def test_all_digits_stay_on_the_boundary_at_any_time(K: float, run: None) -> Non
 @pytest.mark.parametrize("mu_alpha", [1e-8, 1e-12])
 def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
     """Without aerodynamic moment the attitude is the double integral of the deflection."""
-    plants = tv.Plant(tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0))
+    plants = tv.Plant(
+        tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0), "fixed-path"
+    )
     held, wind = tv.HeldDeflection(limit=-0.005), tv.RectangularWind(peak=0.1, duration=5.0)
     times = np.array([0.5, 3.0, 10.0])
     found = tv.attitude_responses(plants, held, wind, times)["attitude"]
     alone = tv.attitude_responses(
-        tv.Plant(tv.Coefficients(mu_alpha=0.3, mu_delta=1.0)), held, wind, times
+        tv.Plant(tv.Coefficients(mu_alpha=0.3, mu_delta=1.0), "fixed-path"), held, wind, times
     )
 
     np.testing.assert_allclose(found[0], 0.0025 * times**2, rtol=1e3 * mu_alpha + 1e-13)
@@ -240,7 +242,9 @@ def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch)
         monkeypatch.setenv(VARIABLE, "1")
         in_one_thread = tv.attitude_responses(plants, held, winds, times).outputs
         c = plants.coefficients
-        one = tv.Plant(tv.Coefficients.from_beta(beta=float(c.beta[77, 0]), B=float(c.B[77, 0])))
+        one = tv.Plant(
+            tv.Coefficients.from_beta(beta=float(c.beta[77, 0]), B=float(c.B[77, 0])), "fixed-path"
+        )
         wind = tv.TriangularWind(peak=0.1, duration=float(winds.duration[13]))
         alone = tv.attitude_responses(one, held, wind, times).outputs
 
@@ -297,7 +301,7 @@ def test_a_case_has_the_same_bits_wherever_it_stands() -> None:
 @pytest.mark.parametrize("K", [1.0, 0.0])
 def test_a_batch_on_the_boundary_keeps_its_digits(K: float, run: None) -> None:
     beta, B = np.linspace(0.3, 0.9, 40), np.linspace(0.05, 0.5, 40)
-    plants = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=B))
+    plants = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=B), "fixed-path")
     wind = tv.TriangularWind(peak=0.1, duration=20.0)
     limit = tv.boundary_limit(plants, wind, K).deflection
     held = tv.trim_then_hold(plants, wind, limit, K)
@@ -326,7 +330,7 @@ def test_some_outputs_are_those_of_all(model: str, asked: tuple[str, ...], run: 
 
 
 def test_some_outputs_of_poles_nearly_alike() -> None:
-    plant = tv.Plant(tv.Coefficients(mu_alpha=1e-12, mu_delta=1.0))
+    plant = tv.Plant(tv.Coefficients(mu_alpha=1e-12, mu_delta=1.0), "fixed-path")
     held, wind = tv.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
     every = tv.attitude_responses(plant, held, wind, [1.0, 9.0])
     some = tv.attitude_responses(plant, held, wind, [1.0, 9.0], ["attitude_rate"])

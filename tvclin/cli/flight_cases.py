@@ -135,11 +135,10 @@ def flight_case(
 
     from tvclin.base.errors import InputError, within
     from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-    from tvclin.flights.beside import MODEL as LINEAR_MODEL
     from tvclin.flights.beside import linear_boundary
-    from tvclin.linear.plant import Plant
+    from tvclin.linear.plant import USUAL_MODEL, Plant
 
-    plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
+    plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
     _check_flight(plant, wind, length)
     control = _control(plant, law, dead_band, float(wind.peak))
     least = linear_boundary(plant, control, wind)

@@ -264,13 +264,13 @@ def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | Non
     import numpy as np
 
     from tvclin.cli.output import print_table
-    from tvclin.flights.beside import MODEL as LINEAR_MODEL
+    from tvclin.linear.plant import USUAL_MODEL
 
     limit, least = (float(np.degrees(angle)) for angle in (case.limit, case.boundary))
     typer.echo(case.title)
     typer.echo(f"flown: {_ENGINES[case.engine]}")
     typer.echo(case.assumed)
-    typer.echo(f"linear: model {LINEAR_MODEL}, parameters frozen")
+    typer.echo(f"linear: model {USUAL_MODEL}, parameters frozen")
     rows = [
         [f"largest {name.replace('_', ' ')}", *_compared(*both)]
         for name, both in _peaks(flight).items()
@@ -302,7 +302,7 @@ def _document(
 ) -> dict[str, Any]:
     import numpy as np
 
-    from tvclin.flights.beside import MODEL as LINEAR_MODEL
+    from tvclin.linear.plant import USUAL_MODEL
 
     deg = np.degrees
     return {
@@ -312,7 +312,7 @@ def _document(
         "law": case.law,
         "dead_band": case.dead_band,
         "along_trajectory": case.condition is not None,
-        "linear_model": LINEAR_MODEL,
+        "linear_model": USUAL_MODEL,
         "wind": {
             "shape": case.shape,
             "peak_deg": deg(case.wind.peak),
