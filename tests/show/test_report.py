@@ -108,7 +108,7 @@ def page(html: str) -> Page:
 
 def expected_boundaries(study: tv.Study) -> dict[str, float]:
     found: dict[str, float] = {}
-    for name in ("fixed-path", "drift"):
+    for name in ("fixed-path", "drift-exact"):
         plant = tv.Plant.from_vehicle(study.vehicle, name)
         for i, K in enumerate((1.0, 0.75, 0.5, 0.25, 0.0)):
             one = tv.boundary_limit(plant, study.wind, K, "literal")
@@ -170,7 +170,7 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
 
 
 def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
-    plant = tv.Plant.from_vehicle(plan.vehicle, "drift-exact")
+    plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
     laws = tv.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
     parts = {"trim": 1.0, "no_forecast": tv.forecast_free_limit(plant, study.wind).limit}
@@ -185,7 +185,7 @@ def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
 
 
 def expected_autopilot(study: tv.Study) -> dict[str, float]:
-    plant = tv.Plant.from_vehicle(study.vehicle, "drift")
+    plant = tv.Plant.from_vehicle(study.vehicle, "fixed-path")
     actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
     autopilot = tv.canonical_gains(plant.coefficients, actuator=actuator)
     m, c = autopilot.margins(plant), tv.compare_with_trim(plant, autopilot, study.wind)
