@@ -91,7 +91,7 @@ def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
 def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.LawsAsked(names=("trim", "attitude and rate"), sample_rate=20.0)
+    laws = tv.LawsAsked(names=("trim", "attitude and rate"), model="drift-exact", sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0)
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
@@ -170,7 +170,7 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
 
 
 def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
-    plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
+    plant = tv.Plant.from_vehicle(plan.vehicle, "drift-exact")
     laws = tv.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
     parts = {"trim": 1.0, "no_forecast": tv.forecast_free_limit(plant, study.wind).limit}
