@@ -92,7 +92,7 @@ def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
     laws = tv.LawsAsked(names=("trim", "attitude and rate"), model="drift-exact", sample_rate=20.0)
-    flight = replace(whole.sizing, start=60.0, stop=90.0)
+    flight = replace(whole.sizing, start=60.0, stop=90.0, model="fixed-path")
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
 
