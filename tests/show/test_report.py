@@ -93,8 +93,8 @@ def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
 def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.LawsAsked(names=("trim", "attitude and rate"), sample_rate=20.0)
-    flight = replace(whole.sizing, start=60.0, stop=90.0)
+    laws = tv.LawsAsked(names=("trim", "attitude and rate"), model="drift-exact", sample_rate=20.0)
+    flight = replace(whole.sizing, start=60.0, stop=90.0, model="fixed-path")
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
 
@@ -110,7 +110,7 @@ def page(html: str) -> Page:
 
 def expected_boundaries(study: tv.Study) -> dict[str, float]:
     found: dict[str, float] = {}
-    for name in ("fixed-path", "drift"):
+    for name in ("fixed-path", "drift-exact"):
         plant = tv.Plant.from_vehicle(study.vehicle, name)
         for i, K in enumerate((1.0, 0.75, 0.5, 0.25, 0.0)):
             one = tv.boundary_limit(plant, study.wind, K, "literal")
@@ -185,7 +185,7 @@ def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
 
 
 def expected_autopilot(study: tv.Study) -> dict[str, float]:
-    plant = tv.Plant.from_vehicle(study.vehicle, "drift")
+    plant = tv.Plant.from_vehicle(study.vehicle, "fixed-path")
     actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
     autopilot = tv.canonical_gains(plant.coefficients, actuator=actuator)
     law = tv.SaturatedLaw(replace(autopilot, actuator=None))
