@@ -41,14 +41,14 @@ LONGEST_WAIT = 90.0
 """Seconds; on a quiet machine each step takes a few."""
 _SEEN = """const out = '.jp-OutputArea ', all = what => [...document.querySelectorAll(out + what)];
 const image = document.querySelector(out + 'img.widget-image');
-const shown = all('.widget-label, .widget-readout, button, select, .noUi-target, img')
-  .filter(one => one.offsetParent);
+const texts = all('.widget-label, .widget-readout, button').filter(one => one.offsetParent);
+const shown = [...texts, ...all('select, .noUi-handle, img').filter(one => one.offsetParent)];
 return {src: image ? image.src : '', width: image ? image.getBoundingClientRect().width : 0,
   text: all('.widget-html').map(one => one.innerText),
   sliders: all('.noUi-handle').length, buttons: all('button').map(one => one.innerText),
   greyed: all('.widget-slider').filter(one => one.querySelector('[disabled]'))
     .map(one => one.querySelector('.widget-label').innerText),
-  clipped: shown.filter(one => one.scrollWidth > one.clientWidth + 1 && one.tagName != 'SELECT')
+  clipped: texts.filter(one => one.scrollWidth > one.clientWidth)
     .map(one => one.className + one.innerText),
   outside: shown.filter(one => one.getBoundingClientRect().right > window.innerWidth)
     .map(one => one.className + one.innerText),
@@ -59,7 +59,7 @@ return {src: image ? image.src : '', width: image ? image.getBoundingClientRect(
 class Started:
     """`tvclin explore --no-browser` in a folder, with no settings but its own."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, terminal: int | None = None) -> None:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             port = free.getsockname()[1]
@@ -76,6 +76,7 @@ class Started:
             [sys.executable, "-m", "tvclin", "explore", "--no-browser", "--", *options],
             cwd=folder,
             env=os.environ | own | {"PYTHONPATH": str(Path(tv.__file__).parents[1])},
+            stdin=terminal,
             stdout=self._log,
             stderr=self._log,
         )
@@ -104,6 +105,19 @@ def started(tmp_path: Path) -> Iterator[Started]:
         yield one
     finally:
         one.stop()
+
+
+@pytest.fixture
+def in_a_terminal(tmp_path: Path) -> Iterator[Started]:
+    pty = pytest.importorskip("pty", reason="Windows has no such terminals and signals")
+    ours, theirs = pty.openpty()
+    one = Started(tmp_path, theirs)
+    try:
+        yield one
+    finally:
+        one.stop()
+        os.close(ours)
+        os.close(theirs)
 
 
 @pytest.fixture
@@ -174,10 +188,11 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     assert gone(kernels)
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
 @pytest.mark.parametrize("ended", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_jupyterlab_and_its_kernels(started: Started, ended: signal.Signals) -> None:
-    begun = monotonic()
+def test_a_signal_ends_jupyterlab_and_its_kernels(
+    in_a_terminal: Started, ended: signal.Signals
+) -> None:
+    started, begun = in_a_terminal, monotonic()
     while not started.answers():
         assert monotonic() - begun < LONGEST_WAIT
         sleep(0.1)
