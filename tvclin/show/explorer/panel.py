@@ -119,7 +119,7 @@ class Panel:
             except RuntimeError:  # not in a notebook
                 self._draw(answer(choices))
             else:
-                self._rest = loop.call_later(0.05, self._complete, choices, known)
+                self._rest = loop.call_later(0.05, self._complete, choices, known + 1)
 
     def _draw(self, found: Answer) -> None:
         self.verdict.value = _paragraphs(found.verdict, weight="bold")
