@@ -21,7 +21,7 @@ from tvclin.answers.campaign.tables import (
     structure_of,
     subject_of,
 )
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
 from tvclin.vehicle.vehicle import Vehicle
@@ -49,10 +49,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     """
     file = a_path("path", path)
     document = read_tables(file, "write a campaign file with: tvclin campaign init")
-    try:
+    with naming(called(file)):
         return parse_campaign(document, file.parent)
-    except InputError as error:
-        raise InputError(f"{called(file)}: {error}") from None
 
 
 def template() -> str:
