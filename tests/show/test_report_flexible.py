@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.flexible import MODE_AND_TANK
 from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import questions, sufficient
 from tvclin.answers.study_file.parse import parse_study
@@ -19,22 +20,6 @@ from tvclin.vehicle.file import vehicle_text
 
 pytest.importorskip("jinja2")
 
-STRUCTURE = """
-[[bending]]
-frequency_Hz = 12.0
-damping = 0.005
-modal_mass_kg = 5.0e4
-gimbal_displacement = 1.0
-gimbal_slope_per_m = -0.07
-attitude_slope_per_m = -0.40
-rate_slope_per_m = -0.40
-
-[[slosh]]
-mass_kg = 2000
-station_m = 12.0
-damping = 0.01
-pendulum_length_m = 2.0
-"""
 STUDY = """
 [study]
 vehicle = "my.toml"
@@ -63,7 +48,7 @@ mode_gain_margin_dB = 10
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a vehicle that bends and a study of it."""
     place = tmp_path_factory.mktemp("flexible")
-    (place / "my.toml").write_text(vehicle_text("configuration-i")[0] + STRUCTURE)
+    (place / "my.toml").write_text(vehicle_text("configuration-i")[0] + MODE_AND_TANK)
     (place / "all.toml").write_text(STUDY)
     return place
 
