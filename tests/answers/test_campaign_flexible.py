@@ -122,6 +122,14 @@ def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
     assert {"structure", "autopilot"}.isdisjoint({*kept["campaign"], *kept})
 
 
+@pytest.mark.parametrize("damaged", [3, None, [], {"bending": [{"frequency": 1.0}]}, {"spring": 1}])
+def test_a_manifest_with_another_structure_is_refused(damaged):
+    document = document_of(campaign())
+    document["campaign"]["structure"] = damaged
+    with pytest.raises(tv.InputError, match="a manifest must hold every number of a Structure"):
+        parse_campaign(document)
+
+
 def test_a_case_is_flown_again_as_the_flexible_vehicle():
     asked = campaign()
     fates = evaluate(asked, 0, 12)["flight_survived"]

@@ -12,7 +12,7 @@ import numpy as np
 from tvclin.answers.campaign.dispersions import Dispersions
 from tvclin.answers.campaign.flights import FLIGHT_TABLE, Flight
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
-from tvclin.answers.campaign.structures import gains_record, record_of
+from tvclin.answers.campaign.structures import record_of
 from tvclin.answers.campaign.tables import (
     dispersions_of,
     gains_of,
@@ -104,7 +104,7 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     if campaign.structure is not None:
         head["structure"] = record_of(campaign.structure)
     if campaign.gains is not None:
-        flown["autopilot"] = gains_record(campaign.gains)
+        flown["autopilot"] = record_of(campaign.gains)
     return flown | {
         "campaign": head | ({} if until is None else {"until_part": until}),
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}
