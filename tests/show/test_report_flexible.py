@@ -11,6 +11,7 @@ import pytest
 import tvclin as tv
 from tests.flexible import MODE_AND_TANK
 from tvclin.answers.findings import Findings, find
+from tvclin.answers.least_gains import asked
 from tvclin.answers.questions import questions, sufficient
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.base.lines import Number
@@ -132,6 +133,14 @@ def test_the_whole_page_holds_the_section_and_what_went_in(plan):
     assert inputs["structure.slosh.0.station"] == 12.0
     assert "structure.slosh.0.frequency" not in inputs
     assert re.search("the autopilot alone", str(basis.assumptions(found)))
+
+
+def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
+    sought, seek = [], asked.autopilot_asked
+    monkeypatch.setattr(asked, "autopilot_asked", lambda *a: sought.append(a) or seek(*a))
+    found = find(replace(plan, limit=None))
+    assert len(sought) == 1
+    assert found.flexible.autopilot is found.comparison.autopilot
 
 
 def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
