@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.cli.flight_cases import FlightCase
-    from tvclin.cli.fly_linear import LinearCase
     from tvclin.flights.beside import FlightBeside
 
 _PEAKS = ("attitude", "deflection", "angle_of_attack")
@@ -52,7 +50,7 @@ class Compared:
         What JSON says besides.
     """
 
-    case: "FlightCase | LinearCase"
+    case: Any
     flight: "FlightBeside"
     limit: float
     beside: str
@@ -150,8 +148,8 @@ class Compared:
             save_figure(flight_chart(numbers, said, float(self.flight.wind.end)), shown.plot)
 
 
-def wind_line(case: "FlightCase | LinearCase") -> str:
-    """Return the vehicle, and in a second line the wind and the law."""
+def wind_line(case: Any) -> str:
+    """Return the vehicle of a case, and in a second line its wind and law."""
     import numpy as np
 
     peak, length = float(np.degrees(case.wind.peak)), float(case.wind.end - case.wind.onset)
