@@ -11,12 +11,10 @@ EXTRAS ?= fast,campaign,sixdof
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
 
-# These compile most of the kernels. A file to a process, so that nothing is compiled twice.
-COMPILING := $(addprefix tests/kernels/test_,response_cases.py flights.py switches.py)
-
+# Bytecode is kept whatever the environment says: workers, notebooks and commands begin many times.
+test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.installed-dev lint  ## set everything up and pass the tests
-	$(BIN)/pytest -n auto --dist loadfile -q $(COMPILING)
-	$(BIN)/pytest -n auto -q $(addprefix --ignore=,$(COMPILING))
+	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
 
 coverage: $(VENV)/.installed-dev  ## pass the tests and list the lines that none of them runs
 	$(BIN)/python -m pip install --quiet --no-compile --group coverage

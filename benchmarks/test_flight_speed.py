@@ -18,7 +18,7 @@ SERVO = tv.Actuator(natural_frequency=25.1, damping=0.7)
 LIMIT, RATE = 1.25 * B * PEAK, 0.02
 GAINS = tv.Autopilot(attitude_gain=3 * B, rate_gain=3 * B / BETA)
 WIND = tv.TriangularWind(peak=PEAK, duration=DURATION)
-PLANT = tv.Plant.from_coefficients(C)
+PLANT = tv.Plant(C, "fixed-path")
 
 
 def rates(t: float, y: Any) -> list[float]:
@@ -56,7 +56,7 @@ def dispersed(cases: int) -> tuple[tv.Plant, tv.History, Any]:
         mu_alpha=C.mu_alpha * factors[0], mu_delta=C.mu_delta * factors[1]
     )
     wind = tv.TriangularWind(peak=PEAK * factors[2], duration=DURATION)
-    return tv.Plant.from_coefficients(coefficients), wind, LIMIT * factors[3]
+    return tv.Plant(coefficients, "fixed-path"), wind, LIMIT * factors[3]
 
 
 @lru_cache

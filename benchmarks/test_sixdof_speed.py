@@ -63,7 +63,7 @@ def test_sixdof_flight_along_the_trajectory(benchmark, bare):
 
 def test_sixdof_flight_of_the_reports_control(benchmark, bare):
     case = SixDof(VEHICLE)
-    air, trim = case.air(WIND, 0.0, 15.0), tv.TrimLaw(tv.Plant.from_vehicle(VEHICLE))
+    air, trim = case.air(WIND, 0.0, 15.0), tv.TrimLaw(tv.Plant.from_vehicle(VEHICLE, "fixed-path"))
 
     ratio(
         benchmark,

@@ -30,7 +30,7 @@ import tvclin as tv
 
 # %%
 vehicle = tv.load_vehicle("configuration-i")
-study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5.0), model="drift")
+study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5.0))
 first = tv.disperse_study(study)
 first
 
@@ -50,7 +50,6 @@ campaign = tv.Campaign(
             tv.Dispersion("wind_duration", "uniform", 0.3),
         )
     ),
-    model="drift",
     outputs=("required",),
     dead_bands=(1.0, 0.5),
     cases=4000,

@@ -64,9 +64,7 @@ angle = tv.angle_from_speed(speed, vehicle.velocity, vehicle.attitude)
 print(f"{np.degrees(float(angle)):.2f} deg")
 
 # %%
-study = tv.Study.from_vehicle(
-    vehicle, duration=duration, peak=float(angle), limit=limit, model="drift"
-)
+study = tv.Study.from_vehicle(vehicle, duration=duration, peak=float(angle), limit=limit)
 study
 
 # %%

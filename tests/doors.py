@@ -141,7 +141,7 @@ def doors(folder: Path) -> dict[str, Door]:
     # Short names, since the table below is long.
     booster = tv.load_vehicle("configuration-i")
     coefficients = tv.Coefficients.from_vehicle(booster)
-    plant = tv.Plant.from_coefficients(coefficients)
+    plant = tv.Plant.from_coefficients(coefficients, "fixed-path")
     exact = tv.Plant.from_coefficients(coefficients, "drift-exact")
     wind = tv.TriangularWind(peak=0.09, duration=7.5)
     limit = float(tv.boundary_limit(plant, wind).deflection)
@@ -153,7 +153,7 @@ def doors(folder: Path) -> dict[str, Door]:
     margins = autopilot.margins(plant)
     condition = load_flight_condition("configuration-i")
     schedule = tv.load_schedule("configuration-i", step=5.0)
-    study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01)
+    study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01, model="fixed-path")
     west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
     archive = tv.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
     available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
@@ -440,6 +440,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "Dispersions.apply": Door(
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
+        "Document": Door(
+            tv.Document,
+            {"project": "Booster 1", "author": "A", "date": "2026-01-31", "revision": "B"},
+        ),
+        "Document.from_table": Door(tv.Document.from_table, {"table": {"revision": "B"}}),
         "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
@@ -570,7 +575,7 @@ def doors(folder: Path) -> dict[str, Door]:
             hasty(tv.least_gain_schedule),
             {
                 "time": [66.0, 70.0],
-                "plants": tv.Plant(coefficients.replace(q=[0.0, 0.0])),
+                "plants": tv.Plant(coefficients.replace(q=[0.0, 0.0]), "fixed-path"),
                 **sought,
             },
         ),
@@ -715,6 +720,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "confidence": 0.9,
                 "sizing": asked,
                 "availability": days_asked,
+                "document": tv.Document(project="Booster 1"),
             },
         ),
         "StudyPlan.of_study": Door(tv.StudyPlan.of_study, {"study": study}),
@@ -1302,7 +1308,7 @@ def hostile() -> dict[str, Any]:
         "calm": batch * 0.0,
         "vehicle": tv.load_vehicle("configuration-ii"),
         "vehicles": tv.load_vehicle("configuration-i").replace(weight=[1e6, 2e6]),
-        "plant": tv.Plant.from_vehicle(tv.load_vehicle("configuration-ii")),
+        "plant": tv.Plant.from_vehicle(tv.load_vehicle("configuration-ii"), "fixed-path"),
         "stable plant": tv.Plant.from_coefficients(
             tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0, C1=0.1), "drift"
         ),

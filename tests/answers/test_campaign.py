@@ -23,7 +23,9 @@ from tvclin.cli.app import app
 @pytest.fixture(scope="module")
 def nominal():
     vehicle = tv.load_vehicle("configuration-i")
-    return tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.42))
+    return tv.Study.from_vehicle(
+        vehicle, duration=7.5, peak=np.radians(5), limit=np.radians(0.42), model="fixed-path"
+    )
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -134,7 +136,9 @@ def test_dispersed_cases_are_those_of_single_studies(nominal):
         values = {name: float(column[case]) for name, column in found.values.items()}
         duration = values.pop("wind_duration")
         vehicle = nominal.vehicle.replace(**values)
-        alone = tv.Study.from_vehicle(vehicle, duration=duration, peak=np.radians(5))
+        alone = tv.Study.from_vehicle(
+            vehicle, duration=duration, peak=np.radians(5), model="fixed-path"
+        )
         assert found.deflection[case] == pytest.approx(alone.required_deflection, rel=1e-12)
     assert set(found.status.tolist()) == {"ok"}
 

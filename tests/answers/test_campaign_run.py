@@ -120,7 +120,9 @@ def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_stu
 def test_a_part_of_no_damping_is_refused(plan):
     part = tv.Dispersions((tv.Dispersion("pitch_damping", "normal", 0.3),))
     with pytest.raises(tv.InputError, match="pitch_damping"):
-        tv.disperse_study(tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=0.05), part)
+        tv.disperse_study(
+            tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=0.05, model="fixed-path"), part
+        )
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin"])
@@ -142,7 +144,11 @@ def test_cases_are_those_of_single_studies(plan, whole):
         drawn = {name: float(whole.column(name)[case]) for name in SPREAD.parameters}
         duration = drawn.pop("wind_duration")
         study = tv.Study.from_vehicle(
-            plan.vehicle.replace(**drawn), duration=duration, peak=np.radians(5), dead_band=0.5
+            plan.vehicle.replace(**drawn),
+            duration=duration,
+            peak=np.radians(5),
+            dead_band=0.5,
+            model="fixed-path",
         )
         found = {name: whole.column(name)[case] for name in whole.outputs}
         row = study.boundaries["fixed-path"].deflection
@@ -415,7 +421,9 @@ def test_a_campaign_without_a_nominal_answer_does_not_begin(plan, tmp_path):
 
 
 def test_the_nominal_case_is_that_of_the_study(plan, whole):
-    study = tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=np.radians(5))
+    study = tv.Study.from_vehicle(
+        plan.vehicle, duration=7.5, peak=np.radians(5), model="fixed-path"
+    )
     assert whole.nominal["required_K1"] == pytest.approx(study.required_deflection, rel=1e-12)
 
 

@@ -43,7 +43,7 @@ def trim_law(plant: tv.Plant) -> tv.Autopilot:
 
 @pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
 def test_on_a_fixed_path_it_is_the_report_s_boundary_to_the_last_bit(configuration_i, dead_band):
-    plant = tv.Plant.from_vehicle(configuration_i)
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
     found = tv.required_deflection(plant, triangle(7.5), dead_band)
     boundary = tv.boundary_limit(plant, triangle(7.5), dead_band)
     assert (found.limit, found.deflection) == (boundary.limit, boundary.deflection)
@@ -92,7 +92,7 @@ def test_a_complex_pair_needs_trim_without_a_limit_and_never_nothing(configurati
     assert tv.survivable_peak(plant, wind, 0.5 * most) == pytest.approx(0.5 * PEAK)
     assert most > tv.optimum_deflection(plant, wind).peak > 0.0
     with pytest.raises(tv.InputError, match=r"the complex pair 0.0767 \+- 0.08106j 1/s"):
-        tv.closed_loop_boundary(plant, tv.TrimLaw(tv.Plant(plant.coefficients)), wind)
+        tv.closed_loop_boundary(plant, tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path")), wind)
 
 
 def test_a_pair_that_flies_survives_with_what_is_required(configuration_i):
@@ -124,7 +124,7 @@ def test_a_slow_real_pole_does_not_hide_a_faster_pair(configuration_i):
 
 
 def test_a_stable_vehicle_needs_nothing():
-    stable = tv.Plant(tv.Coefficients(mu_alpha=[-0.3, 0.3], mu_delta=2.0))
+    stable = tv.Plant(tv.Coefficients(mu_alpha=[-0.3, 0.3], mu_delta=2.0), "fixed-path")
     found = tv.required_deflection(stable, triangle(7.5))
     assert found.governs.tolist() == [NOTHING, BOUNDARY]
     assert (found.deflection[0], found.limit[0]) == (0.0, 0.0)

@@ -128,7 +128,7 @@ def test_a_wind_beyond_the_single_pole_says_so_and_has_the_two_pole_minimum(
     assert f"{beyond:g} s (" in found.notes[0]
     # the edge of any wind is that of triangles for a triangle
     edge = tv.TriangularWind(peak=PEAK, duration=found.edge[0])
-    assert slow_mode(tv.Plant(c), edge) == pytest.approx(1.0, rel=1e-9)
+    assert slow_mode(tv.Plant(c, "fixed-path"), edge) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_a_wind_speed_makes_a_larger_angle_at_a_lower_speed(configuration_i) -> None:
@@ -170,7 +170,7 @@ def test_what_is_doubtful_is_said(configuration_i) -> None:
 def test_the_law_can_be_flown_instead_of_bounded(configuration_i) -> None:
     wind = tv.TriangularWind(peak=PEAK, duration=7.5)
     found = tv.size(held(configuration_i), wind, times=[66.0], model="fixed-path", law="flown")
-    plant = tv.Plant.from_vehicle(configuration_i)
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
 
     bound = abs(tv.forecast_free_limit(plant, wind).deflection)
     assert bound < found.required["no forecast"][0, 0] < 1.1 * bound

@@ -252,7 +252,7 @@ def test_a_stable_end_of_the_flight_is_refused(configuration_i) -> None:
 def test_a_gust_behind_one_from_the_other_side_is_survived_with_what_is_said() -> None:
     """It finds the attitude off to the other side, so that less would be enough; flown."""
     vehicle = tv.load_vehicle("configuration-i")
-    plant = tv.Plant.from_vehicle(vehicle)
+    plant = tv.Plant.from_vehicle(vehicle, "fixed-path")
     long = 0.5 / float(plant.coefficients.pole)
     times = np.array([0.0, 1e-3, long, long + 1e-3, 2.0 * long, 2.0 * long + 1e-3])
     wind = tv.SampledWind(time=times, angle=np.array([0.0, -1.0, -1.0, 1.0, 1.0, 0.0]) * 0.05)

@@ -25,11 +25,13 @@ def test_the_required_deflection_is_the_boundary_of_the_chosen_model(
 def test_the_limit_is_sufficient_exactly_from_the_required_deflection_on(
     configuration_ii: tv.Vehicle,
 ) -> None:
-    need = tv.Study.from_vehicle(configuration_ii, duration=9.0, peak=-0.05).required_deflection
+    need = tv.Study.from_vehicle(
+        configuration_ii, duration=9.0, peak=-0.05, model="fixed-path"
+    ).required_deflection
 
     for factor, expected in ((1.0, True), (1.0001, True), (0.9999, False)):
         result = tv.Study.from_vehicle(
-            configuration_ii, duration=9.0, peak=-0.05, limit=need * factor
+            configuration_ii, duration=9.0, peak=-0.05, limit=need * factor, model="fixed-path"
         )
         assert result.sufficient is expected
         assert result.survivable_peak == pytest.approx(-0.05 * factor, rel=1e-13)
@@ -37,7 +39,7 @@ def test_the_limit_is_sufficient_exactly_from_the_required_deflection_on(
 
 def test_a_stable_vehicle_needs_no_deflection(configuration_i: tv.Vehicle) -> None:
     stable = configuration_i.replace(aerodynamic_arm=-2.0)
-    result = tv.Study.from_vehicle(stable, duration=7.5, peak=0.08, limit=1e-6)
+    result = tv.Study.from_vehicle(stable, duration=7.5, peak=0.08, limit=1e-6, model="fixed-path")
 
     assert result.sufficient is True
     assert result.required_deflection == 0.0
@@ -49,7 +51,7 @@ def test_a_vehicle_with_hardly_an_aerodynamic_moment_is_studied(
     configuration_i: tv.Vehicle, arm: float
 ) -> None:
     result = tv.Study.from_vehicle(
-        configuration_i.replace(aerodynamic_arm=arm), duration=7.5, peak=0.08
+        configuration_i.replace(aerodynamic_arm=arm), duration=7.5, peak=0.08, model="fixed-path"
     )
 
     assert 0.0 <= result.required_deflection < 1e-9
@@ -82,7 +84,10 @@ def test_bad_input_is_one_sentence(
 def test_a_batch_of_vehicles_is_refused(configuration_i: tv.Vehicle) -> None:
     with pytest.raises(tv.InputError, match="one vehicle"):
         tv.Study.from_vehicle(
-            configuration_i.replace(thrust=np.array([2e6, 3e6])), duration=7.5, peak=0.08
+            configuration_i.replace(thrust=np.array([2e6, 3e6])),
+            duration=7.5,
+            peak=0.08,
+            model="fixed-path",
         )
 
 
@@ -92,7 +97,9 @@ def test_what_is_doubtful_about_vehicle_and_plane_is_noted() -> None:
     def notes(peak_deg: float, plane: str = "pitch", **change: float) -> str:
         peak = np.radians(peak_deg)
         changed = vehicle.replace(**change)
-        found = tv.Study.from_vehicle(changed, duration=7.5, peak=peak, plane=plane)
+        found = tv.Study.from_vehicle(
+            changed, duration=7.5, peak=peak, plane=plane, model="fixed-path"
+        )
         return " ".join(found.notes)
 
     assert "head wind of 5 deg needs up to a fifth more" in notes(5.0)

@@ -245,7 +245,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
     own = {"attitude_gain": 0.3, "rate_gain_s": 0.4, "delay_ms": 20, "model": "fixed-path"}
     wanted = {"name": "aircraft", "delay_margin_ms": 50.0}
     found = plan(autopilot=own, criteria=wanted)
-    plant = tv.Plant.from_vehicle(found.vehicle)
+    plant = tv.Plant.from_vehicle(found.vehicle, "fixed-path")
     autopilot = found.gains.autopilot(plant)
 
     assert (autopilot.attitude_gain, autopilot.rate_gain, autopilot.delay) == (0.3, 0.4, 0.02)

@@ -38,7 +38,7 @@ def test_a_tail_wind_asks_for_the_same_to_the_last_bit(booster) -> None:
 
 def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
     """And what a wind speed makes of it in a shell is one horizontal wind."""
-    plant, psi = tv.Plant.from_vehicle(booster), np.radians(45)
+    plant, psi = tv.Plant.from_vehicle(booster, "fixed-path"), np.radians(45)
     parts = [
         tv.angle_from_speed(50 * np.cos(psi), booster.velocity, booster.attitude),
         -tv.angle_from_speed(50 * np.sin(psi), booster.velocity, np.pi / 2),
@@ -65,7 +65,7 @@ def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
 def test_a_study_keeps_its_direction(booster) -> None:
     gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0).shift(2.0)
     study = tv.Study.from_vehicle(
-        booster, duration=7.5, peak=0.08, heading=4.0, stop="square", gust=gust
+        booster, duration=7.5, peak=0.08, heading=4.0, stop="square", gust=gust, model="fixed-path"
     )
     again = StudyPlan.of_study(study).study()
     assert again.required_deflection == pytest.approx(study.required_deflection, rel=1e-12)
@@ -94,7 +94,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
         assert found.exit_code == 2
         assert words in " ".join(found.output.split())
     with pytest.raises(tv.InputError, match="stop needs a heading"):
-        tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round")
+        tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round", model="fixed-path")
     wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=1.0)
     with pytest.raises(tv.InputError, match="a campaign is in one plane"):
         tv.Campaign(vehicle=booster, wind=wind, dispersions=tv.Dispersions(()), cases=2)
@@ -114,7 +114,9 @@ def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(boo
     part = {"parameter": "thrust", "percent": 1.0}
     found = asked(dispersion=[part], campaign={"cases": 30}).dispersed
     for case in (0, 17, 29):
-        plant = tv.Plant.from_vehicle(booster.replace(thrust=found.values["thrust"][case]))
+        plant = tv.Plant.from_vehicle(
+            booster.replace(thrust=found.values["thrust"][case]), "fixed-path"
+        )
         gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
         exact = tv.plane_limit(plant, tv.PlaneWind.towards(gust, 0.3)).deflection
         assert found.deflection[case] == pytest.approx(exact, rel=1e-6)

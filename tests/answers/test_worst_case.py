@@ -89,7 +89,8 @@ def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
     random = np.random.default_rng(1)
     draws = {name: random.uniform(*ends, size=2000) for name, ends in box.items()}
     plants = tv.Plant.from_vehicle(
-        VEHICLE.replace(**{k: v for k, v in draws.items() if not k.startswith("wind")})
+        VEHICLE.replace(**{k: v for k, v in draws.items() if not k.startswith("wind")}),
+        "fixed-path",
     )
     winds = tv.TriangularWind(peak=draws["wind_peak"], duration=draws["wind_duration"])
     inside = np.abs(tv.boundary_limit(plants, winds).deflection).max()

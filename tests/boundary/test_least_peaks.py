@@ -72,7 +72,7 @@ def test_a_batch_of_peaks_takes_plants_of_every_kind_together():
 
 
 def test_without_an_unstable_pole_nothing_is_needed():
-    stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.0))
+    stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.0), "fixed-path")
     assert least_peaks(stable, WIND).tolist() == [0.0, 0.0]
 
 

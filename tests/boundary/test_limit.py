@@ -308,7 +308,7 @@ def test_vehicles_with_more_and_fewer_unstable_poles_stand_in_one_batch():
 
 
 def test_a_batch_of_stable_vehicles_needs_no_deflection():
-    stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.6))
+    stable = Plant(Coefficients(mu_alpha=[-0.3, -0.2], mu_delta=2.6), "fixed-path")
     found = boundary_limit(stable, sampled())
     assert found.limit.tolist() == found.deflection.tolist() == [0.0, 0.0]
 
@@ -338,7 +338,7 @@ def test_shapes_that_do_not_broadcast_are_refused():
 
 
 def test_a_jump_to_a_new_height_after_a_calm_is_not_overlooked():
-    plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=3.0, B=0.1))
+    plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=3.0, B=0.1), "fixed-path")
     first = tvclin.RectangularWind(peak=0.15, duration=2.0)
     wind = first + tvclin.RectangularWind(peak=0.29, duration=3.4).shift(2.7)
 

@@ -241,7 +241,7 @@ def test_a_finite_horizon_costs_little_and_less_the_later_it_is():
 
 def test_nothing_is_needed_by_a_stable_vehicle_or_by_a_wind_that_excites_nothing():
     wind = TriangularWind(peak=0.1, duration=5.0)
-    stable = Plant(Coefficients(mu_alpha=-0.2, mu_delta=1.0))
+    stable = Plant(Coefficients(mu_alpha=-0.2, mu_delta=1.0), "fixed-path")
     best = optimum_deflection(stable, wind)
     assert (best.peak, best.status) == (0.0, STABLE)
     assert best.multipliers.shape == (0,)
@@ -269,7 +269,7 @@ WIND = TriangularWind(peak=0.1, duration=5.0)
         ({"wind": 0.0 * WIND}, "wind must differ from zero"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "wind must be one wind"),
         (
-            {"plant": Plant(Coefficients.from_beta(beta=[0.4, 0.5], B=0.1))},
+            {"plant": Plant(Coefficients.from_beta(beta=[0.4, 0.5], B=0.1), "fixed-path")},
             r"plant must be one plant; got a batch of shape \(2,\)",
         ),
         (
@@ -279,7 +279,10 @@ WIND = TriangularWind(peak=0.1, duration=5.0)
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(change, message):
-    arguments = {"plant": Plant(Coefficients.from_beta(beta=0.5, B=0.1)), "wind": WIND} | change
+    arguments = {
+        "plant": Plant(Coefficients.from_beta(beta=0.5, B=0.1), "fixed-path"),
+        "wind": WIND,
+    } | change
     with pytest.raises(InputError, match=message):
         optimum_deflection(**arguments)
 

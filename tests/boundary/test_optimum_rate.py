@@ -18,7 +18,7 @@ WIND = TriangularWind(peak=-0.1, duration=8.0)
 
 
 def fixed_path():
-    return Plant(Coefficients.from_beta(beta=BETA, B=B))
+    return Plant(Coefficients.from_beta(beta=BETA, B=B), "fixed-path")
 
 
 def configuration(model):
@@ -187,7 +187,7 @@ def test_a_rate_too_small_names_the_one_that_would_do(model, horizon):
 
 
 def test_nothing_is_needed_by_a_stable_vehicle():
-    best = with_limit(Plant(Coefficients(mu_alpha=-0.2, mu_delta=1.0)), WIND, 0.1)
+    best = with_limit(Plant(Coefficients(mu_alpha=-0.2, mu_delta=1.0), "fixed-path"), WIND, 0.1)
     assert (best.peak, best.rate, best.residual) == (0.0, 0.0, 0.0)
     assert best.status.startswith("no unstable pole")
 

@@ -495,7 +495,7 @@ def test_arguments_beyond_their_range_are_refused(changed, message):
 def test_planes_of_other_models_are_served_together():
     """Two conditions in pitch and one in yaw: never less than pitch alone, nor more than both."""
     wind = veering(12, 60, beta=EXACT.coefficients.beta)
-    flat = tv.Plant.from_vehicle(BOOSTER)
+    flat = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
     best = tv.plane_optimum(EXACT, wind, yaw_plant=flat)
     alone = (
         tv.optimum_deflection(EXACT, wind.pitch).peak,

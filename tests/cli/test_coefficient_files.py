@@ -65,7 +65,7 @@ def test_the_coefficients_of_a_vehicle_give_its_numbers(command: list[str], all_
 def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
     study = json.loads(run("study", slopes, "--json").output)
     boundary = tv.boundary_limit(
-        tv.Plant(BOOSTER), tv.TriangularWind(peak=np.radians(5), duration=7.5)
+        tv.Plant(BOOSTER, "fixed-path"), tv.TriangularWind(peak=np.radians(5), duration=7.5)
     )
 
     assert list(study["boundaries"]) == ["fixed-path"]

@@ -18,7 +18,9 @@ TAU = 4 / 0.5292825
 
 
 def run(*arguments):
-    return CliRunner().invoke(app, ["respond", *map(str, arguments)])
+    """Respond on a fixed path, where eq (13) is the answer, unless another model is named."""
+    model = () if "--model" in arguments else ("--model", "fixed-path")
+    return CliRunner().invoke(app, ["respond", *map(str, arguments), *model])
 
 
 def document(*arguments):

@@ -199,7 +199,10 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1")
     document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").output)
     nominal = tv.Study.from_vehicle(
-        tv.load_schedule("configuration-i").at(66.0), duration=7.5, peak=np.radians(5)
+        tv.load_schedule("configuration-i").at(66.0),
+        duration=7.5,
+        peak=np.radians(5),
+        model="fixed-path",
     )
     found = tv.disperse_study(nominal)
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
@@ -276,8 +279,10 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
 
 
 def test_a_gust_on_top_of_the_wind_is_added_in_its_middle() -> None:
-    document = json.loads(run("study", "--gust", "1.5", "2", "--json").output)
-    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    document = json.loads(
+        run("study", "--gust", "1.5", "2", "--model", "fixed-path", "--json").output
+    )
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0).shift(2.75)
     both = tv.TriangularWind(peak=np.radians(5), duration=7.5) + gust
     expected = abs(np.degrees(tv.boundary_limit(plant, both).deflection))

@@ -21,7 +21,7 @@ def booster(structure=STRUCTURE):
         (booster(), ACTUATOR),
         (booster(tv.Structure(bending=(), slosh=STRUCTURE.slosh)), tv.Actuator(damping=None)),
         (tv.Plant.from_vehicle(BOOSTER, "drift"), ACTUATOR),
-        (tv.Plant.from_vehicle(BOOSTER), None),
+        (tv.Plant.from_vehicle(BOOSTER, "fixed-path"), None),
     ],
 )
 @pytest.mark.parametrize("s", [0.4 + 0.3j, 5j, 33j])
@@ -118,7 +118,7 @@ def lesson(frequency, share=5e-4):
         rate_slope=slope,
     )
     structure = tv.Structure(bending=(mode,), thrust_follows=False)
-    return tv.FlexiblePlant.from_vehicle(vehicle, structure)
+    return tv.FlexiblePlant.from_vehicle(vehicle, structure, "fixed-path")
 
 
 @pytest.mark.parametrize(

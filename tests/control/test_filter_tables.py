@@ -65,7 +65,7 @@ def test_a_file_names_the_filters_of_each_place():
         "rate_filters": [3600.0 / (s**2 + 84.0 * s + 3600.0)],
         "attitude_filters": [(1.0 - s / 8.0) / (1.0 + s / (4.0 * np.pi))],
     }
-    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     for name, values in wanted.items():
         chain = getattr(asked.autopilot(plant), name)
         assert len(chain) == len(values)
@@ -79,7 +79,7 @@ def test_a_study_file_takes_them_and_a_rule_keeps_them():
     rule = STUDY + TABLES.replace(
         "attitude_gain = 0.36\nrate_gain_s = 0.56", 'design = "canonical"'
     )
-    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     assert len(parse_study(tomllib.loads(rule)).gains.autopilot(plant).rate_filters) == 1
 
 

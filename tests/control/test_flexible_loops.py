@@ -59,7 +59,7 @@ def course(hertz, k=5e-4, filters=()):
         rate_slope=slope,
     )
     plant = tv.FlexiblePlant.from_vehicle(
-        COURSE, tv.Structure(bending=(mode,), thrust_follows=False)
+        COURSE, tv.Structure(bending=(mode,), thrust_follows=False), "fixed-path"
     )
     autopilot = tv.Autopilot(
         attitude_gain=5.0,
@@ -372,7 +372,7 @@ def test_what_does_not_go_together_is_refused():
         replace(AUTOPILOT, filters=("notch",))
     with pytest.raises(tv.InputError, match="plant with a bending mode or a tank"):
         tv.detuned(AUTOPILOT, booster(bending=(), slosh=(), engine=None))
-    rigid = tv.Plant.from_vehicle(BOOSTER)
+    rigid = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
     with pytest.raises(tv.InputError, match="plant must be a FlexiblePlant"):
         AUTOPILOT.band_margins(rigid)
 

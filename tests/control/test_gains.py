@@ -84,7 +84,9 @@ def test_pure_attitude_hold_has_more_than_the_wind_as_angle_of_attack():
     ratio = hold.attitude_gain / (hold.attitude_gain - COEFFICIENTS.B)
     assert ratio > 1
     assert ratio == pytest.approx(1 + 0.28 / 1.3**2, rel=1e-12)
-    assert steady(hold, Plant(COEFFICIENTS), "angle_of_attack") == pytest.approx(-ratio, rel=1e-12)
+    assert steady(hold, Plant(COEFFICIENTS, "fixed-path"), "angle_of_attack") == pytest.approx(
+        -ratio, rel=1e-12
+    )
     same = tv.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=ratio)
     assert same.attitude_gain == pytest.approx(hold.attitude_gain, rel=1e-12)
     assert same.alpha_gain == pytest.approx(0.0, abs=1e-12)
@@ -138,7 +140,7 @@ def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
     assert slow_pole(least, plant) == pytest.approx(c.C2 / c.mu_alpha, rel=0.05)
     m = least.margins(plant)
     assert (m.status, m.unstable_poles) == ("unstable", 1)
-    assert least.margins(Plant(c)).stable
+    assert least.margins(Plant(c, "fixed-path")).stable
 
 
 @pytest.mark.parametrize(
@@ -244,14 +246,26 @@ def test_lqr_passes_the_other_arguments_on_and_only_ratios_of_weights_count():
     ("plant", "weights", "message"),
     [
         (Plant(COEFFICIENTS, "drift-and-speed"), {}, "got drift-and-speed"),
-        (Plant(COEFFICIENTS.replace(mu_alpha=[0.1, 0.2])), {}, r"of shape \(2,\)"),
+        (Plant(COEFFICIENTS.replace(mu_alpha=[0.1, 0.2]), "fixed-path"), {}, r"of shape \(2,\)"),
         (COEFFICIENTS, {}, "plant must be a Plant"),
         (Plant(COEFFICIENTS, "drift"), {"attitude_weight": 0.0}, "a mode of the plant without a c"),
         (Plant(COEFFICIENTS, "drift"), {"attitude_weight": 0, "alpha_weight": 1}, "without a cost"),
-        (Plant(COEFFICIENTS.replace(mu_alpha=-1.0)), {"attitude_weight": 0}, "without a cost"),
-        (Plant(COEFFICIENTS), {"rate_weight": -1.0}, "rate_weight must be zero or positive"),
-        (Plant(COEFFICIENTS), {"deflection_weight": 0.0}, "deflection_weight must be positive"),
-        (Plant(COEFFICIENTS), {"alpha_weight": [1.0, 2.0]}, "alpha_weight must be"),
+        (
+            Plant(COEFFICIENTS.replace(mu_alpha=-1.0), "fixed-path"),
+            {"attitude_weight": 0},
+            "without a cost",
+        ),
+        (
+            Plant(COEFFICIENTS, "fixed-path"),
+            {"rate_weight": -1.0},
+            "rate_weight must be zero or positive",
+        ),
+        (
+            Plant(COEFFICIENTS, "fixed-path"),
+            {"deflection_weight": 0.0},
+            "deflection_weight must be positive",
+        ),
+        (Plant(COEFFICIENTS, "fixed-path"), {"alpha_weight": [1.0, 2.0]}, "alpha_weight must be"),
     ],
 )
 def test_costs_that_cannot_be(plant, weights, message):
@@ -382,12 +396,12 @@ def test_the_peaks_of_an_answer_are_those_of_a_dense_sampling(options):
 def test_a_fast_mode_that_has_long_died_out_does_not_return_in_a_peak():
     c = Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
     late = tv.design_gains(c, natural_frequency=1.3, damping=0.3, delay=0.005, actuator=Actuator())
-    assert_peaks_of_dense_sampling(late, Plant(c), 60.0)
+    assert_peaks_of_dense_sampling(late, Plant(c, "fixed-path"), 60.0)
 
 
 def test_a_jump_of_the_wind_is_a_rate_without_limit():
     wind = tv.RectangularWind(peak=0.1, duration=8.0)
-    answer = Autopilot(**GAINS).answer(Plant(COEFFICIENTS), wind)
+    answer = Autopilot(**GAINS).answer(Plant(COEFFICIENTS, "fixed-path"), wind)
     assert answer.peak_rate("angle_of_attack") == np.inf
     assert answer.peak_rate("deflection") < np.inf
 
@@ -412,4 +426,4 @@ def test_a_jump_of_the_wind_is_a_rate_without_limit():
 def test_answers_that_cannot_be(call, message):
     wind = tv.TriangularWind(peak=0.1, duration=8.0)
     with pytest.raises(InputError, match=message):
-        call(Autopilot(**GAINS), Plant(COEFFICIENTS), wind)
+        call(Autopilot(**GAINS), Plant(COEFFICIENTS, "fixed-path"), wind)

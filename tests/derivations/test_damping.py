@@ -168,7 +168,9 @@ def flown_limit(mu, damping, tau_pole, K):
 def test_limits_are_those_of_an_integration_that_knows_no_pole(mu, damping, tau_pole, K, expected):
     c = tv.Coefficients(mu_alpha=mu, mu_delta=2.6, damping=damping)
     wind_ = tv.TriangularWind(peak=PEAK, duration=tau_pole / c.pole)
-    assert tv.boundary_limit(tv.Plant(c), wind_, K).limit == pytest.approx(expected, abs=5e-9)
+    assert tv.boundary_limit(tv.Plant(c, "fixed-path"), wind_, K).limit == pytest.approx(
+        expected, abs=5e-9
+    )
     assert triangular_limit(tau_pole, K) == pytest.approx(expected, abs=5e-9)
     assert flown_limit(mu, damping, tau_pole, K) == pytest.approx(expected, abs=2e-6)
 
@@ -197,7 +199,7 @@ def test_closed_forms_of_drift_hold_with_the_pole_in_the_place_of_beta():
 def test_the_bound_without_forecast_and_the_minimum_are_those_of_the_pole(tau_pole):
     """W(t) = p integral of e^(-p (r - t)) wind(r) dr: max{W(0), sup W/2}, and W(0)."""
     c = tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=0.4)
-    pole, plant = fast_pole(0.28, 0.4), tv.Plant(c)
+    pole, plant = fast_pole(0.28, 0.4), tv.Plant(c, "fixed-path")
     wind_ = tv.TriangularWind(peak=PEAK, duration=tau_pole / pole)
     end = float(wind_.end)
 
@@ -253,7 +255,7 @@ def test_the_response_is_two_unlike_exponentials():
     """Theta under a unit step of -(delta/B + wind): c(t) - 1, c'' + d c' = p (p + d) c."""
     c = ((p + d) * sp.exp(p * t) + p * sp.exp(-(p + d) * t)) / (2 * p + d)
     assert sp.simplify(sp.diff(c, t, 2) + d * sp.diff(c, t) - p * (p + d) * c) == 0
-    plant = tv.Plant(tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=0.4))
+    plant = tv.Plant(tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=0.4), "fixed-path")
     times = np.linspace(0.0, 4.0, 9)
     step = tv.HeldDeflection(limit=-plant.coefficients.B * PEAK)
     calm = 0.0 * tv.RectangularWind(peak=PEAK, duration=1.0)
@@ -269,7 +271,7 @@ def test_the_response_is_two_unlike_exponentials():
 )
 def test_the_bound_without_forecast_turns_twice(tau_pole, more):
     """From 2.51 to 4.46 it is that of a wind that goes on, W(0); beyond, half the largest W."""
-    plant = tv.Plant(tv.Coefficients.from_beta(beta=1.0, B=0.1))
+    plant = tv.Plant(tv.Coefficients.from_beta(beta=1.0, B=0.1), "fixed-path")
     now, slower = (
         tv.forecast_free_limit(plant, tv.TriangularWind(peak=PEAK, duration=part * tau_pole)).limit
         for part in (1.0, 0.96)
@@ -291,6 +293,6 @@ def test_a_damping_so_large_that_hardly_anything_grows_is_no_rounding(ratio):
     """The pole goes to mu_alpha/d, and the limit to the wind's mean: p tau/2 for each K."""
     c = tv.Coefficients(mu_alpha=0.28, mu_delta=2.6, damping=ratio * np.sqrt(0.28))
     triangle = tv.TriangularWind(peak=PEAK, duration=7.5)
-    found = tv.boundary_limit(tv.Plant(c), triangle, [1.0, 0.5, 0.0]).limit
+    found = tv.boundary_limit(tv.Plant(c, "fixed-path"), triangle, [1.0, 0.5, 0.0]).limit
     np.testing.assert_allclose(found, 7.5 / 2 * 0.28 / c.damping, rtol=2 * 7.5 * 0.28 / c.damping)
     np.testing.assert_allclose(found, triangular_limit(7.5 * c.pole, [1.0, 0.5, 0.0]), rtol=1e-9)

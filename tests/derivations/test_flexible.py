@@ -225,7 +225,7 @@ def test_a_pendulum_in_a_turning_accelerating_body_swings_as_the_plant_says():
         attitude=0.5,
     )
     tank = tv.SloshTank(mass=mass, station=rest, damping=0.0, pendulum_length=length)
-    plant = tv.FlexiblePlant(vehicle, tv.Structure(slosh=(tank,)))
+    plant = tv.FlexiblePlant(vehicle, tv.Structure(slosh=(tank,)), "fixed-path")
     A, B, *_ = plant.matrices()
     times, tight = np.linspace(0.5, 6.0, 12), {"rtol": 1e-11, "atol": 1e-14}
     shape = lambda t: np.sin(1.3 * t) * np.sin(0.4 * t)  # noqa: E731

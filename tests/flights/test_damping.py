@@ -44,7 +44,9 @@ def test_the_flown_boundary_is_eq_12_with_the_pole(engine, plane, damping, tau_p
         vehicle, wind, K, engine=engine, plane=plane, drift=False, tolerance=1e-4
     )
     assert flown.limit == pytest.approx(triangular_limit(tau_pole, K), abs=1e-3)
-    undamped = tv.boundary_limit(tv.Plant.from_vehicle(damped(NAME, 0.0)), wind, K).limit
+    undamped = tv.boundary_limit(
+        tv.Plant.from_vehicle(damped(NAME, 0.0), "fixed-path"), wind, K
+    ).limit
     assert abs(flown.limit - undamped) > 5e-3
 
 
@@ -118,10 +120,8 @@ def test_the_law_that_leans_survives_above_the_bound_and_no_law_below(model):
     law = tv.RecoverableAttitudeLaw(plant, reach=0.98, design_peak=DEGREE, trust=1.0)
     found = tv.closed_loop_boundary(plant, law, wind, sample_rate=50.0).limit
     assert bound * (1 - 1e-3) < found < 1.12 * bound
-    trim = tv.closed_loop_boundary(
-        tv.Plant.from_vehicle(vehicle), tv.TrimLaw(tv.Plant.from_vehicle(vehicle)), wind,
-        sample_rate=50.0,
-    ).limit  # fmt: skip
+    fixed = tv.Plant.from_vehicle(vehicle, "fixed-path")
+    trim = tv.closed_loop_boundary(fixed, tv.TrimLaw(fixed), wind, sample_rate=50.0).limit
     assert trim == pytest.approx(triangular_limit(8.0, 1.0), abs=2e-3)
 
 

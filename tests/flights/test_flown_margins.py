@@ -203,7 +203,7 @@ def flown(change, value, law, limit, rate):
         law = tv.SaturatedLaw(replace(gains, rate_gain=value * gains.rate_gain))
         return tv.fly_many(PLANT, law, WIND, **options)
     if change == "effectiveness":
-        plant = tv.Plant.from_coefficients(C.replace(mu_delta=value * C.mu_delta))
+        plant = tv.Plant(C.replace(mu_delta=value * C.mu_delta), "fixed-path")
         return tv.fly_many(plant, law, WIND, **options)
     return tv.fly_many(PLANT, law, WIND, delay=value, **options)
 
@@ -266,7 +266,7 @@ class Written(Switched):
 def test_effectiveness_with_a_stop_is_gain_with_a_stop_so_many_times_as_far(law):
     """Equal for laws that do not know their limit; one that leans believes in the whole stop."""
     e, rate = 0.83, 0.02
-    plant = tv.Plant.from_coefficients(C.replace(mu_delta=e * C.mu_delta))
+    plant = tv.Plant(C.replace(mu_delta=e * C.mu_delta), "fixed-path")
     options = {"actuator": SERVO, "sample_rate": 50.0, "until": 14.0}
     limits = np.array([0.7, 1.1]) * TRIM
     real = tv.fly_many(plant, law, WIND, deflection_limit=limits, rate_limit=rate, **options)
@@ -398,7 +398,7 @@ def test_an_integral_leaves_no_edge_where_the_loop_stands_still():
     gains = tv.Autopilot(
         attitude_gain=1.5565827369878802, rate_gain=1.8483319840166301, integral_gain=0.02
     )
-    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     wind = tv.TriangularWind(peak=0.05, duration=6.0)
     one = one_flight(plant, tv.SaturatedLaw(gains), wind, 0.05, np.inf, tv.Actuator(), 0.01, 0.0)
     pace = float(plant.poles[0])

@@ -95,7 +95,7 @@ def written_out(name, model, limit, actuator=None, rate_limit=np.inf):
     for a, b in pairwise(edges):
         span = (a, np.nextafter(b, a))  # the wind jumps at a knot
         run = solve_ivp(
-            rates, span, y, "DOP853", max_step=0.02, rtol=1e-10, atol=1e-13, dense_output=True
+            rates, span, y, "DOP853", max_step=0.05, rtol=1e-10, atol=1e-13, dense_output=True
         )
         y = run.y[:, -1]
         runs.append(run.sol)

@@ -10,7 +10,7 @@ import tvclin as tv
 from tvclin import Actuator, Plant, TriangularWind
 
 PEAK = np.radians(5.0)
-PLANT = Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+PLANT = Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
 GAINS = tv.design_gains(PLANT.coefficients, natural_frequency=1.2, damping=0.7)
 WIND = TriangularWind(peak=PEAK, duration=8.0)
 TIMES = np.linspace(0.5, 15.0, 59)

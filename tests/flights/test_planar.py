@@ -116,7 +116,7 @@ def test_with_drift_the_boundary_is_that_of_another_integration(name, K, limit):
 
 def test_without_drift_the_attitude_is_equation_13():
     vehicle, wind = case(NAMES[0])
-    y = 1.1 * tv.boundary_limit(tv.Plant.from_vehicle(vehicle), wind).limit
+    y = 1.1 * tv.boundary_limit(tv.Plant.from_vehicle(vehicle, "fixed-path"), wind).limit
     B = tv.Coefficients.from_vehicle(vehicle).B
     times = np.linspace(0.0, 1.2 * wind.duration, 200)
     limit = y * B * wind.peak
@@ -131,7 +131,7 @@ def test_without_drift_the_attitude_is_equation_13():
 def test_a_law_flies_as_in_the_linear_theory():
     vehicle, wind = case(NAMES[0], peak=1e-4)
     plant = tv.Plant.from_vehicle(vehicle, "drift-and-speed")
-    design = tv.Plant.from_vehicle(vehicle)
+    design = tv.Plant.from_vehicle(vehicle, "fixed-path")
     law = tv.RecoverableAttitudeLaw(design, design_peak=1e-4)
     limit = 0.5 * plant.coefficients.B * 1e-4
     times = np.linspace(0.0, 12.0, 50)

@@ -9,7 +9,7 @@ from tvclin.flights.sixdof.planes import planes_verdict
 pytest.importorskip("jsbsim")
 
 VEHICLE = tv.load_vehicle("configuration-i")
-FIXED = tv.Plant.from_vehicle(VEHICLE)
+FIXED = tv.Plant.from_vehicle(VEHICLE, "fixed-path")
 GUST = tv.TriangularWind(peak=np.radians(1), duration=4.0 / FIXED.coefficients.beta)
 TRIM = FIXED.coefficients.B * GUST.peak
 EXACT = {plane: tv.Plant.from_vehicle(VEHICLE, "drift-exact", plane) for plane in ("pitch", "yaw")}

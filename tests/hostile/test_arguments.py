@@ -18,7 +18,7 @@ from tests.clock import TooSlow, within
 from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile
 from tvclin.kernels.choice import available
 
-for extra in ("ipywidgets", "jinja2", "jsbsim", "pyarrow"):
+for extra in ("ipywidgets", "jinja2", "jsbsim", "latex2mathml", "pyarrow"):
     pytest.importorskip(extra)
 
 MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))

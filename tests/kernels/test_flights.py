@@ -85,6 +85,26 @@ def test_machine_code_flies_as_plain_python_does(name, options):
     np.testing.assert_allclose(fields(fast), fields(slow), rtol=1e-9, atol=1e-10)
 
 
+class Asked(tv.Law):
+    """Gains in Python: their flights go sample by sample, by `look` and `advance`."""
+
+    def demand(self, measured, states, limit):
+        return 0.3 * measured.attitude + 0.6 * measured.attitude_rate
+
+
+def test_machine_code_moves_by_a_sample_as_plain_python_does():
+    """Behind the kernel of whole flights, whose parts it shares, so that these compile once."""
+    pytest.importorskip("numba")
+    plant, _, wind, limit = case("gains", 10)
+    found = []
+    for compiled in (False, True):
+        with pinned(compiled):
+            flight = flown((plant, Asked(), wind, limit), actuator=SERVO, delay=0.047)
+        found.append(flight)
+    np.testing.assert_array_equal(*(one.status for one in found))
+    np.testing.assert_allclose(fields(found[1]), fields(found[0]), rtol=1e-9, atol=1e-10)
+
+
 @EACH_WAY
 @EACH_KIND
 def test_a_case_does_not_depend_on_its_batch(name, options, compiled):
@@ -181,8 +201,8 @@ def test_flights_of_all_shapes_are_one_kind_of_arrays_so_that_they_are_compiled_
         return f
 
     monkeypatch.setattr(sampled, "flights", noted)
-    one = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
-    many = tv.Plant(tv.Coefficients.from_beta(beta=np.array([0.5, 0.4]), B=0.1))
+    one = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
+    many = tv.Plant(tv.Coefficients.from_beta(beta=np.array([0.5, 0.4]), B=0.1), "fixed-path")
     law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.5))
     wind = tv.TriangularWind(peak=0.05, duration=0.1)
     winds = tv.TriangularWind(peak=[0.05, -0.02], duration=0.1)

@@ -108,7 +108,7 @@ def test_the_response_is_that_of_the_equations_integrated(model):
 
 def test_the_growing_coordinate_has_the_other_pole_below_the_rate():
     """Z = theta + theta'/(p + d) moves by itself; theta + theta'/p does not."""
-    plant = Plant.from_vehicle(damped())
+    plant = Plant.from_vehicle(damped(), "fixed-path")
     found, c = unstable_coordinates(plant), plant.coefficients
     assert c.pole == pytest.approx(0.514495, abs=5e-7)
     np.testing.assert_allclose(found.rows, [[1.0, 1.836564]], rtol=5e-7)
@@ -250,7 +250,7 @@ def _answers(model):
         ]
         found += [modes.poles, modes.deflection_residues, c.pole, c.K1, plant.matrices()[0]]
         found += [plant.numerator(o, i) for o in plant.outputs for i in INPUTS]
-    fixed = Plant.from_vehicle(vehicle)
+    fixed = Plant.from_vehicle(vehicle, "fixed-path")
     law = tv.TrimLaw(fixed)
     flown = tv.fly_many(
         Plant.from_vehicle(vehicle, model),

@@ -221,7 +221,9 @@ def test_many_modes_of_a_uniform_beam_are_the_beam():
     )
     count, station, omega = 40, 0.2, 35.0  # between the first mode, 22.4, and the second, 61.7
     structure = tv.Structure(bending=beam(count, station), thrust_follows=False)
-    plant = tv.FlexiblePlant(weightless, structure)  # without the warnings of from_vehicle
+    plant = tv.FlexiblePlant(
+        weightless, structure, "fixed-path"
+    )  # without the warnings of from_vehicle
     np.testing.assert_allclose(
         np.sort(np.abs(plant.poles))[2::2], [m.frequency for m in structure.bending], rtol=1e-11
     )

@@ -8,7 +8,7 @@ import tvclin as tv
 
 
 def plant() -> tv.Plant:
-    return tv.Plant(tv.Coefficients.from_beta(beta=0.5, B=0.1))
+    return tv.Plant(tv.Coefficients.from_beta(beta=0.5, B=0.1), "fixed-path")
 
 
 def test_ideal_trim_keeps_the_attitude_and_meets_the_whole_wind() -> None:

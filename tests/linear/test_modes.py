@@ -159,7 +159,7 @@ def test_a_growing_pair_is_said_once(configuration_i):
 
 
 def test_on_a_fixed_path_the_held_deflection_leaves_y_times_the_wind(configuration):
-    plant = Plant.from_vehicle(configuration)
+    plant = Plant.from_vehicle(configuration, "fixed-path")
     wind = triangle(plant)
     y = tvclin.boundary_limit(plant, wind).limit
     left = judge(plant, on_the_boundary(plant, wind), wind).left_over
@@ -188,7 +188,7 @@ def test_with_drift_a_pulse_that_ends_leaves_an_offset(configuration_i):
 
 
 def test_trim_throughout_leaves_nothing(configuration_i):
-    plant = Plant.from_vehicle(configuration_i)
+    plant = Plant.from_vehicle(configuration_i, "fixed-path")
     wind = triangle(plant)
     verdict = judge(plant, tvclin.trim_deflection(plant, wind), wind)
     assert verdict.stable is True
@@ -249,7 +249,7 @@ def test_in_yaw_the_models_with_drift_leave_the_same(configuration_i):
 
 
 def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configuration_i):
-    plant = Plant.from_vehicle(configuration_i)
+    plant = Plant.from_vehicle(configuration_i, "fixed-path")
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
     pole = unstable_modes(plant).poles
     for early in (tvclin.HeldDeflection(limit=0.01), wind * 0.2):
@@ -336,7 +336,7 @@ def test_a_flight_that_begins_later_leaves_as_much_less(configuration_i):
 
 
 def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
-    plant = Plant.from_coefficients(Coefficients(**STABLE))
+    plant = Plant(Coefficients(**STABLE), "fixed-path")
     wind = tvclin.RectangularWind(peak=0.05, duration=6.0)
     left = judge(plant, tvclin.trim_deflection(plant, 0.0 * wind), wind).left_over
     assert left.oscillates
@@ -344,7 +344,7 @@ def test_a_stable_vehicle_is_left_with_an_undamped_oscillation():
 
 
 def test_an_unstable_vehicle_does_not_oscillate(configuration_i):
-    plant = Plant.from_vehicle(configuration_i)
+    plant = Plant.from_vehicle(configuration_i, "fixed-path")
     wind = triangle(plant)
     assert not judge(plant, on_the_boundary(plant, wind), wind).left_over.oscillates
 
@@ -404,8 +404,11 @@ def test_a_repeated_pole_has_no_residue():
 @pytest.mark.parametrize(
     ("call", "names"),
     [
-        (lambda plant, wind: tvclin.Plant.from_vehicle("configuration-i"), "vehicle must be a V"),
-        (lambda plant, wind: tvclin.Plant(3), "coefficients must be a Coefficients"),
+        (
+            lambda plant, wind: tvclin.Plant.from_vehicle("configuration-i", "fixed-path"),
+            "vehicle must be a V",
+        ),
+        (lambda plant, wind: tvclin.Plant(3, "drift"), "coefficients must be a Coefficients"),
         (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: all_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),
@@ -418,6 +421,6 @@ def test_a_repeated_pole_has_no_residue():
     ],
 )
 def test_an_argument_of_another_kind_is_named(call, names):
-    plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=0.5, B=0.1))
+    plant = tvclin.Plant(tvclin.Coefficients.from_beta(beta=0.5, B=0.1), "fixed-path")
     with pytest.raises(tvclin.InputError, match=names):
         call(plant, tvclin.TriangularWind(peak=0.1, duration=5.0))

@@ -112,7 +112,7 @@ def test_the_closed_forms_of_the_report_agree(capability: float, K: float) -> No
 
 def test_eq_9_agrees_in_a_rectangular_wind() -> None:
     c, x = coefficients(), np.linspace(-0.2, 2.0, 56)
-    wind, plant = tv.RectangularWind(peak=-0.1, duration=2.0 / c.beta), tv.Plant(c)
+    wind, plant = tv.RectangularWind(peak=-0.1, duration=2.0 / c.beta), tv.Plant(c, "fixed-path")
     for y in (0.5, 0.86, 1.0):
         held = tv.HeldDeflection(limit=y * c.B * 0.1)
         found = tv.attitude_responses(plant, held, wind, x * wind.duration)["attitude"]
@@ -158,7 +158,7 @@ def test_a_knot_on_the_grid_makes_forced_response_right_and_one_off_it_does_not(
     import control
 
     c = coefficients()
-    plant = tv.Plant(c)
+    plant = tv.Plant(c, "fixed-path")
     wind = tv.TriangularWind(peak=0.1, duration=4.0 / c.beta)
     held = tv.HeldDeflection(limit=-0.37 * c.B * 0.1)
     errors = []
@@ -216,7 +216,7 @@ def test_time_scales_with_beta() -> None:
     times = np.linspace(0.0, 9.0, 31)
     answers = []
     for beta in (1.0, 0.4):
-        plant = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=0.1))
+        plant = tv.Plant(tv.Coefficients.from_beta(beta=beta, B=0.1), "fixed-path")
         wind = tv.TriangularWind(peak=0.1, duration=4.0 / beta)
         held = tv.HeldDeflection(limit=-0.0037)
         answers.append(tv.attitude_responses(plant, held, wind, times / beta)["attitude"])
@@ -225,7 +225,7 @@ def test_time_scales_with_beta() -> None:
 
 
 def test_a_vehicle_without_aerodynamic_moment_is_a_double_integrator() -> None:
-    plant = tv.Plant(tv.Coefficients(mu_alpha=0.0, mu_delta=2.0))
+    plant = tv.Plant(tv.Coefficients(mu_alpha=0.0, mu_delta=2.0), "fixed-path")
     held = tv.HeldDeflection(limit=-0.01, start=1.0)
     wind = tv.RectangularWind(peak=0.1, duration=2.0)
     times = np.array([0.0, 1.0, 2.5, 40.0])
@@ -249,7 +249,7 @@ def test_bad_times_are_refused(times: list[float], names: str) -> None:
 
 
 def test_batches_are_refused_where_one_case_is_asked_for() -> None:
-    plant = tv.Plant(coefficients())
+    plant = tv.Plant(coefficients(), "fixed-path")
     winds = tv.TriangularWind(peak=[0.1, 0.2], duration=5.0)
     with pytest.raises(tv.InputError, match="attitude_responses"):
         tv.attitude_response(plant, tv.HeldDeflection(limit=-0.01), winds, [0.0, 1.0])
@@ -275,7 +275,7 @@ def test_a_vehicle_next_to_neutral_answers_like_its_series(mu_alpha: float, mode
 
 @pytest.mark.parametrize("late", [-150.0, 150.0, 1500.0])
 def test_an_early_or_late_flight_is_the_same_flight(late: float) -> None:
-    plant = tv.Plant(tv.Coefficients.from_beta(beta=5.0, B=0.1))
+    plant = tv.Plant(tv.Coefficients.from_beta(beta=5.0, B=0.1), "fixed-path")
     wind, held = tv.TriangularWind(peak=0.1, duration=5.0), tv.HeldDeflection(limit=-0.05)
     times = np.array([-1.0, -1e-3, 0.0, 0.5, 2.0])
     expected = tv.attitude_responses(plant, held, wind, times).outputs

@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
-import nbformat
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
@@ -30,6 +29,8 @@ def notebooks(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 @cache
 def stored(source: Path):
+    import nbformat  # late: it takes seconds, and only who runs these tests needs it
+
     return nbformat.read(source.with_suffix(".ipynb"), as_version=4)
 
 

@@ -80,7 +80,7 @@ def test_the_boundary_beside_it(label: str, number: int) -> None:
         tv.boundary_limit(plant, triangle(vehicle), (1.0, 0.5, 0.0), "literal").limit
         for plant in (
             tv.Plant.from_vehicle(vehicle, "drift-exact"),
-            tv.Plant.from_vehicle(vehicle),
+            tv.Plant.from_vehicle(vehicle, "fixed-path"),
         )
     ]
     shown(row("six-degrees.md", label, 3), limits[0].tolist(), 4, 0.0)

@@ -1,16 +1,17 @@
 """The panel to explore: its numbers are the library's, and what is moved is what changes."""
 
 import ast
+import asyncio
 import io
 import json
-import subprocess
+import os
+import signal
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,10 +32,12 @@ from tvclin.show.explorer.choices import (
     REPORT,
     TRIM,
     Choices,
+    idle,
 )
 from tvclin.show.explorer.notebook import notebook_text
 from tvclin.show.explorer.parts import law_of
 from tvclin.show.explorer.picture import new_picture, round_up
+from tvclin.show.explorer.study import study_text, write_study
 from tvclin.winds.shaped import PULSES
 
 
@@ -78,7 +81,7 @@ def test_a_pulse_without_a_closed_form_is_computed(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
     booster = tv.load_vehicle("configuration-i")
-    found = parts.boundary_point(booster, "pitch", "fixed-path", "sawtooth", 1.0, 7.5).value
+    found = parts.boundary(booster, "pitch", "fixed-path", "sawtooth", 1.0, (7.5,)).value
     c = tv.Coefficients.from_vehicle(booster)
     x = float(c.beta) * 7.5
     # Trim up to t0, then its limit y = t0/tau for ever: (4b) gives e^(-beta t0) = (1 + x) e^-x.
@@ -96,11 +99,15 @@ def test_the_verdict_changes_on_the_boundary(factor: float) -> None:
     assert tv.is_sufficient(plant_of(c), wind_of(c), judged.limit, 0.5) is (factor > 1.0)
 
 
-def test_the_margins_are_those_of_the_library() -> None:
-    c = asked(attitude_gain=0.8, rate_gain=0.7, delay=0.05)
+@pytest.mark.parametrize("law", [GAINS, HALF_RELIEF])
+def test_the_margins_are_those_of_the_library(law: str) -> None:
+    c = asked(law=law, attitude_gain=0.8, rate_gain=0.7, delay=0.05)
+    gains = tv.Autopilot(attitude_gain=0.8, rate_gain=0.7)
+    if law == HALF_RELIEF:
+        gains = tv.half_relief_gains(plant_of(c).coefficients)
     actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
-    autopilot = tv.Autopilot(attitude_gain=0.8, rate_gain=0.7, actuator=actuator, delay=0.05)
-    expected, found = autopilot.margins(plant_of(c)), answer(c).margins
+    expected = replace(gains, actuator=actuator, delay=0.05).margins(plant_of(c))
+    found = answer(c, 0).margins
 
     assert found is not None
     for name in ("aero_margin", "gain_increase", "phase_margin", "delay_margin", "disk_margin"):
@@ -139,33 +146,62 @@ def test_a_flight_and_its_outcome_are_those_of_the_kernels(law: str, limit: floa
 def test_the_curve_of_a_damped_vehicle_is_that_of_its_pole(shape: str) -> None:
     booster = tv.load_vehicle("configuration-i")
     damped = booster.replace(pitch_damping=0.3 * booster.moment_of_inertia)
-    found = parts.boundary_point(damped, "pitch", "fixed-path", shape, 0.5, 9.0).value
+    found = parts.boundary(damped, "pitch", "fixed-path", shape, 0.5, (9.0,)).value
     kind = tv.TriangularWind if shape == "triangular" else tv.RectangularWind
-    plant = tv.Plant.from_vehicle(damped)
+    plant = tv.Plant.from_vehicle(damped, "fixed-path")
     needed = tv.boundary_limit(plant, kind(peak=0.1, duration=9.0), 0.5)
     assert found == pytest.approx(abs(needed.deflection) / 0.1, rel=1e-12)
 
 
 def test_what_did_not_change_is_not_computed_again() -> None:
-    c = asked(peak=0.031)
+    c = asked(peak=0.031, model="fixed-path")
     answer(c)
-    computed = [
-        parts.boundary_curve,
-        parts.boundary_point,
-        parts.loop_margins,
-        parts.motion,
-    ]
+    computed = [parts.boundary, parts.loop_margins, parts.motion]
 
     def grown(**changes: Any) -> list[int]:
         before = [one.cache_info().misses for one in computed]
         answer(replace(c, **changes))
         return [one.cache_info().misses - b for one, b in zip(computed, before, strict=True)]
 
-    assert grown(duration=8.2501) == [0, 1, 0, 1]
-    assert grown(attitude_gain=0.7501) == [0, 0, 1, 0]
-    assert grown(dead_band=0.3501) == [1, 1, 0, 0]
-    assert grown(peak=0.0301) == [0, 0, 0, 1]
-    assert grown(law=GAINS, attitude_gain=0.7502) == [0, 0, 1, 1]
+    assert grown(duration=8.2501) == [1, 0, 1]
+    assert grown(attitude_gain=0.7501) == [0, 0, 0]
+    assert grown(dead_band=0.3501) == [2, 0, 0]  # the point, and the curve
+    assert grown(peak=0.0301) == [0, 0, 1]
+    assert grown(law=GAINS, attitude_gain=0.7502) == [0, 1, 1]
+
+
+def test_a_curve_in_pieces_is_the_whole_one() -> None:
+    c = asked(dead_band=1.0)
+    whole, some = answer(c), answer(c, 4)
+    wind = tv.TriangularWind(peak=c.peak, duration=parts.DURATIONS)
+    needed = np.abs(tv.required_deflection(plant_of(c), wind).deflection)
+
+    assert (whole.whole, some.whole) == (True, False)
+    np.testing.assert_allclose(whole.boundary, needed, rtol=1e-12)
+    np.testing.assert_array_equal(some.boundary, whole.boundary[:4])
+    np.testing.assert_array_equal(some.durations, parts.DURATIONS[:4])
+    assert some.required == whole.required
+
+
+MOVED = {"attitude_gain": 0.9, "rate_gain": 0.8, "delay": 0.09, "dead_band": 0.6, "limit": 0.006}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_idle_are_the_sliders_that_change_nothing_with_the_law(law: str) -> None:
+    def shown(c: Choices) -> list[Any]:
+        one = answer(c)
+        motion, margins = one.motion, one.margins
+        assert motion is not None
+        return [
+            *(one.boundary, motion.attitude, motion.deflection, one.verdict, one.notes),
+            *(() if margins is None else (margins.phase_margin, margins.gain_increase)),
+        ]
+
+    before = asked(law=law, model="fixed-path")
+    for field, value in MOVED.items():
+        pairs = zip(shown(before), shown(replace(before, **{field: value})), strict=True)
+        same = all(np.array_equal(a, b) for a, b in pairs)
+        assert same is (field in idle(law)), field
 
 
 @pytest.mark.parametrize("arm", [-3.0, 0.0])
@@ -211,12 +247,23 @@ def test_round_numbers_hold_what_they_are_made_for() -> None:
     assert [round_up(x) for x in (1.0, 1.2, 0.021, 7.5)] == [1.0, 1.5, 0.03, 10.0]
 
 
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take three durations for the curve: enough to see that it moves."""
+    monkeypatch.setattr(parts, "DURATIONS", parts.DURATIONS[::14])
+
+
 @pytest.fixture(scope="module")
-def panel() -> Any:
+def the_panel() -> Any:
     pytest.importorskip("ipywidgets")
     from tvclin.show.explorer.panel import Panel
 
     return Panel("configuration-i")
+
+
+@pytest.fixture
+def panel(few: None, the_panel: Any) -> Any:
+    return the_panel
 
 
 @pytest.mark.parametrize(
@@ -228,7 +275,7 @@ def panel() -> Any:
         ("dead_band", 0.5, 0.5),
         ("limit", 0.3, 0.3 * (np.pi / 180.0)),
         ("shape", "rectangular", "rectangular"),
-        ("law", "dead band", "dead band"),
+        ("law", "attitude and rate", "attitude and rate"),
         ("attitude_gain", 0.9, 0.9),
         ("rate_gain", 0.9, 0.9),
         ("delay", 100.0, 0.1),
@@ -261,16 +308,31 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
     }.items():
         panel.controls[field].value = value
     assert "dead_band must be between 0.01 and 1" in panel.notes.value
+    assert "Margins: none, with the law dead band." in panel.margins.value
 
+    panel.controls["law"].value = GAINS
     panel.controls["attitude_gain"].value = panel.controls["rate_gain"].value = 0.0
     assert "an autopilot needs a gain" in panel.notes.value
-    assert ">Margins: none.<" in panel.margins.value
+    assert "Margins: none" in panel.margins.value
 
     panel.canonical.click()
     gains = tv.canonical_gains(tv.Coefficients.from_vehicle(panel.choices.vehicle))
     assert panel.choices.attitude_gain == gains.attitude_gain
     assert panel.choices.rate_gain == gains.rate_gain
     assert "phase" in panel.margins.value
+
+
+def test_what_is_idle_is_greyed_and_says_why(panel: Any) -> None:
+    for law in LAWS:
+        panel.controls["law"].value = law
+        greyed = {field for field, one in panel.controls.items() if one.disabled}
+        assert greyed == set(idle(law))
+        assert panel.canonical.disabled is (law != GAINS)
+    assert panel.controls["delay"].tooltip == (
+        "counts only with the law attitude and rate or half relief"
+    )
+    panel.controls["law"].value = GAINS
+    assert panel.controls["delay"].tooltip is None
 
 
 def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
@@ -284,18 +346,127 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
         tv.explore(own.replace(thrust=np.array([3e7, 4e7])))
 
 
-def test_a_vehicle_with_structure_is_said_to_be_rigid_here() -> None:
-    pytest.importorskip("ipywidgets")
-    from tvclin.show.explorer.panel import Panel
+def test_in_a_notebook_the_panel_is_there_before_its_curve(
+    panel: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tvclin.show.explorer.panel._PATIENCE", 0.0)
+    known = []
 
-    panel, plant = Panel("made-up-booster"), tv.load_structure("made-up-booster")
+    async def opened() -> Any:
+        one = type(panel)("configuration-ii")
+        draw, first = one._draw, one.image.value
+        monkeypatch.setattr(
+            one, "_draw", lambda found: (known.append(found.durations.size), draw(found))
+        )
+        assert "Enough" in one.verdict.value
+        while known[-1:] != [3]:
+            await asyncio.sleep(0.01)
+        assert one.image.value != first
+        one.controls["dead_band"].value = 0.99  # drift, and not K = 1: known at once
+        one.controls["dead_band"].value = 1.0
+        return one
+
+    asyncio.run(asyncio.wait_for(opened(), 60.0))
+    assert known[:3] == [1, 2, 3]
+
+
+def test_a_vehicle_with_structure_is_said_to_be_rigid_here(panel: Any) -> None:
+    structured, plant = type(panel)("made-up-booster"), tv.load_structure("made-up-booster")
     moved = tv.FlexiblePlant.from_vehicle(
         tv.load_vehicle("made-up-booster"), plant, "drift-exact"
     ).shift()
-    assert "of the rigid vehicle, without the structure in its file" in panel.notes.value
-    assert f"asks for by {moved.trim_price:+.2f} percent" in panel.notes.value
+    assert "of the rigid vehicle, without the structure in its file" in structured.notes.value
+    assert f"asks for by {moved.trim_price:+.2f} percent" in structured.notes.value
+    structured.controls["vehicle"].value = "configuration-i"
+    assert "structure" not in structured.notes.value
+
+
+CHOSEN = Choices(
+    vehicle=tv.load_vehicle("configuration-ii").replace(name='own "one"', pitch_damping=1e6),
+    plane="yaw",
+    model="drift",
+    shape="rectangular",
+    duration=6.3,
+    peak=4.7 * (np.pi / 180.0),
+    dead_band=0.85,
+    limit=0.61 * (np.pi / 180.0),
+    law=GAINS,
+    attitude_gain=0.84,
+    rate_gain=0.66,
+    delay=0.027,
+)
+
+
+def test_the_study_of_a_panel_has_its_numbers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    here, path = answer(CHOSEN, 0), write_study(CHOSEN, "own/one.toml")
+    told = CliRunner().invoke(app, ["study", str(path), "--json"])
+    there = json.loads(told.stdout)
+    plan = tv.load_study(path)
+    margins = plan.gains.autopilot(plan.study().plant).margins(plan.study().plant)
+
+    assert path == tmp_path / "study-one.toml"
+    assert plan.vehicle == CHOSEN.vehicle
+    assert here.required is not None
+    assert here.margins is not None
+    assert there["required_deflection_deg"] == pytest.approx(np.degrees(here.required), rel=1e-12)
+    assert there["sufficient"] is here.verdict.startswith("Enough")
+    assert margins.phase_margin == pytest.approx(here.margins.phase_margin, rel=1e-12)
+    assert margins.delay_margin == pytest.approx(here.margins.delay_margin, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_study_has_the_gains_of_the_law_if_it_has_some(law: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.toml"
+    path.write_text(study_text(replace(CHOSEN, law=law)), encoding="utf-8")
+    plan = tv.load_study(path)
+
+    assert (plan.gains is not None) is (law in (GAINS, HALF_RELIEF))
+    assert (plan.wind.shape, plan.wind.peak) == (CHOSEN.shape, CHOSEN.peak)
+    assert (plan.limit, plan.dead_band, plan.plane) == (CHOSEN.limit, 0.85, "yaw")
+
+
+def test_a_study_is_never_written_over(
+    panel: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
     panel.controls["vehicle"].value = "configuration-i"
-    assert "structure" not in panel.notes.value
+    (tmp_path / "study-configuration-i.toml").write_text("mine")
+    for name in ("study-configuration-i-2.toml", "study-configuration-i-3.toml"):
+        panel.study.click()
+        assert f"Wrote {tmp_path / name}, for: tvclin study {name}" in panel.said.value
+        assert tv.load_study(name).vehicle == panel.choices.vehicle
+    assert (tmp_path / "study-configuration-i.toml").read_text() == "mine"
+
+
+def test_a_study_that_cannot_be_written_is_one_sentence(
+    panel: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: Path, text: str) -> None:
+        raise tv.InputError(f"{path} cannot be written: disk full")
+
+    monkeypatch.setattr("tvclin.show.explorer.study.write_new", refused)
+    panel.study.click()
+    assert "cannot be written: disk full" in panel.said.value
+
+
+def test_a_panel_ends_only_the_jupyterlab_that_was_started_for_it(
+    panel: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended: list[Any] = []
+    monkeypatch.setattr(os, "kill", lambda *what: ended.append(what))
+
+    def buttons(one: Any) -> list[str]:
+        return [button.description for button in one.box.children[0].children[-1].children]
+
+    assert "End" not in buttons(type(panel)("configuration-i"))
+    monkeypatch.setenv("TVCLIN_EXPLORE", "12345")
+    started = type(panel)("configuration-i")
+    assert "End" in buttons(started)
+    started.end.click()
+    assert ended == [(12345, signal.SIGTERM)]
 
 
 def test_a_missing_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -313,26 +484,15 @@ def test_a_vehicle_s_path_is_quoted_in_the_notebook() -> None:
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[list[str]]:
-    """Return the commands that would have been run."""
+    """Return the options with which JupyterLab would have been started."""
     for name in ("jupyterlab", "ipywidgets", "ipykernel"):
         if find_spec(name) is None:
             pytest.skip(f"{name}, of the extra notebook, is not installed")
     monkeypatch.chdir(tmp_path)
-    commands: list[list[str]] = []
-
-    def begun(command: list[str]) -> Any:
-        commands.append(command)
-        interrupts = [KeyboardInterrupt]
-
-        def wait() -> int:
-            if interrupts:
-                raise interrupts.pop()
-            return 0
-
-        return SimpleNamespace(wait=wait)
-
-    monkeypatch.setattr(subprocess, "Popen", begun)
-    return commands
+    monkeypatch.setenv("TVCLIN_EXPLORE", "")  # to be put back
+    given: list[list[str]] = []
+    monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", given.append)
+    return given
 
 
 def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[str]]) -> None:
@@ -347,8 +507,31 @@ def test_the_command_writes_the_notebook_once_and_opens_it(started: list[list[st
             path.write_text("changed by hand")
 
     assert path.read_text() == "changed by hand"
-    lab = [sys.executable, "-m", "jupyterlab", str(path), "--no-browser", "--allow-root"]
-    assert started == [lab, lab]
+    for one in started:
+        assert (one[0], one[-2:]) == (str(path), ["--no-browser", "--allow-root"])
+        (folder,) = (o.partition("=")[2] for o in one if "extra_labextensions_path" in o)
+        assert list(Path(folder).glob("*/package.json"))
+
+
+def test_a_server_that_opened_its_page_ends_some_time_after_it(started: list[list[str]]) -> None:
+    def timeouts(*options: str) -> list[str]:
+        assert CliRunner().invoke(app, ["explore", *options]).exit_code == 0
+        return [option for option in started[-1] if "timeout" in option]
+
+    idle_kernel, no_kernel = timeouts()
+    assert timeouts("--no-browser") == []
+    own = "--ServerApp.shutdown_no_activity_timeout=900"
+    assert timeouts("--", own) == [idle_kernel, own]
+    assert no_kernel.startswith("--ServerApp.shutdown_no_activity_timeout=")
+
+
+def test_a_jupyterlab_that_cannot_start_is_one_sentence(
+    started: list[list[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", lambda _: sys.exit(1))
+    told = CliRunner().invoke(app, ["explore"])
+    assert told.exit_code == 2
+    assert "JupyterLab ended with exit code 1, see above" in told.stderr
 
 
 def test_the_command_refuses_in_one_sentence(

@@ -113,7 +113,7 @@ def test_every_proof_is_a_test_that_exists(kind):
 )
 def test_every_record_is_complete(kind, keys):
     for record in claims.records(kind):
-        assert set(record) - {"verdict_note"} == keys
+        assert set(record) - {"tex", "verdict_note"} == keys
         assert all(record.values())
 
 

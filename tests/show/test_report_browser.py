@@ -15,6 +15,7 @@ from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.read import example
 
 pytest.importorskip("jinja2")
+pytest.importorskip("latex2mathml")
 webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
 
 BROWSER = next(

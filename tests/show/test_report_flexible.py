@@ -20,6 +20,7 @@ from tvclin.show.report.page import page_of
 from tvclin.vehicle.file import vehicle_text
 
 pytest.importorskip("jinja2")
+pytest.importorskip("latex2mathml")
 
 STUDY = """
 [study]

@@ -9,6 +9,7 @@ import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
 
 pytest.importorskip("jinja2")
+pytest.importorskip("latex2mathml")
 
 WIND = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
 
@@ -30,7 +31,7 @@ def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None
     assert numbers["planes.pitch_deg"] == np.degrees(study.planes.alone["pitch"])
     assert numbers["planes.heading_deg"] == pytest.approx(225.0)
     assert numbers["verdict.required_deg"] == np.degrees(study.required_deflection)
-    words = "The verdict is on both." if stop else "The verdict is on one plane."
+    words = "The verdict is on both planes." if stop else "The verdict is on the pitch plane alone."
     assert words in html
     assert ("in both planes with one stop" in html) is (stop is not None)
 

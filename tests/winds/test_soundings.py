@@ -148,7 +148,7 @@ def test_the_wind_is_met_only_where_flight_and_profile_have_a_height_in_common()
 
 def test_from_a_file_to_a_boundary_and_what_the_triangle_costs():
     wind = tv.read_sounding(GOLDEN / "wyoming.txt").to_wind(climb(NAMES[0]), azimuth=EAST)
-    plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]))
+    plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]), "fixed-path")
     boundary, triangle = tv.boundary_limit(plant, wind), tv.equivalent_triangle(wind)
     assert triangle.laplace(0.0) == pytest.approx(wind.laplace(0.0), rel=1e-12)
     cost = tv.boundary_limit(plant, triangle).deflection / boundary.deflection - 1.0
@@ -156,7 +156,7 @@ def test_from_a_file_to_a_boundary_and_what_the_triangle_costs():
 
 
 def test_a_triangle_of_five_thousand_samples_has_the_boundary_of_the_triangle():
-    plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]))
+    plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]), "fixed-path")
     triangle = tv.TriangularWind(peak=0.09, duration=20.0)
     time = np.linspace(0.0, 20.0, 5001)
     fine = tv.SampledWind(time=time, angle=triangle(time))

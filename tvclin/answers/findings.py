@@ -31,9 +31,11 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
+    from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
     from tvclin.control.margins.record import Margins
+    from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
     from tvclin.flights.closed_loop.flown_record import FlownMargins
     from tvclin.linear.flexible import AnyPlant
 
@@ -62,6 +64,9 @@ class Findings:
     flexible : FlexibleAnswer or None
         The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
         asked for.
+    stop : ClosedLoopBoundary or None
+        The least limit with which the autopilot, flown with it as a stop, survives the wind; None
+        without a limit or an autopilot.
     flown : FlownMargins or None
         What the limit leaves of the margins in the wind; None without a limit or an autopilot.
     dispersed : DispersedStudy or None
@@ -81,6 +86,7 @@ class Findings:
     trials: tuple[LawTrial, ...]
     comparison: TrimComparison | None
     flexible: FlexibleAnswer | None
+    stop: ClosedLoopBoundary | None
     flown: FlownMargins | None
     dispersed: DispersedStudy | None
     flight: tuple[Sizing, DeflectionTotal] | None
@@ -91,9 +97,7 @@ class Findings:
     @property
     def criteria(self) -> Criteria:
         """What the margins are held to."""
-        from tvclin.control.margins.criteria import CRITERIA
-
-        return self.plan.criteria or CRITERIA["classic"]
+        return _criteria(self.plan)
 
     @property
     def margins(self) -> Margins | BandMargins | None:
@@ -106,6 +110,7 @@ class Findings:
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
         asked = asdict(self.plan)
+        del asked["document"]  # no number depends on it
         for later in ("structure", "availability"):
             if asked[later] is None:
                 del asked[later]  # the seals of what could be asked before stay what they were
@@ -148,6 +153,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             "trials": plan.laws,
             "comparison": plan.gains or plan.criteria,
             "flexible": plan.structure and (plan.gains or plan.criteria),
+            "stop": plan.limit and (plan.gains or plan.criteria),
             "flown": plan.limit and (plan.gains or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
@@ -182,6 +188,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             trials=trials,
             comparison=comparison,
             flexible=flexible,
+            stop=None if flying is None else part("stop", partial(_stop, flying)),
             flown=None if flying is None else part("flown", partial(_flown, flying)),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
@@ -196,14 +203,14 @@ def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
+    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, plan.law_model, plan.plane)
     laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
     nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
     if plan.structure is not None:
         from tvclin.answers.flexible import flexible_plant, nozzle_of, with_filters
 
         gains = gains_of(plan)
-        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, asked.model)
+        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, plant.model)
         laws = {name: with_filters(law, gains) for name, law in laws.items()}
         nozzle = nozzle_of(gains, asked.sample_rate)
     return law_trials(
@@ -243,14 +250,34 @@ def _flown(
     loop: FlexibleAnswer | TrimComparison, plan: StudyPlan, study: Study, told: Told
 ) -> FlownMargins:
     """The margins that the limit leaves in the wind, of an autopilot and its plant."""
-    from tvclin.answers.flexible import nozzle_of
-    from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
     assert plan.limit is not None
-    law = SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
-    nozzle, limit = nozzle_of(loop.autopilot), plan.limit / study.of_both
+    law, nozzle = _with_stop(loop)
+    limit = plan.limit / study.of_both
     return flown_margins(loop.plant, law, blown(study), limit=limit, **nozzle)
+
+
+def _stop(
+    loop: FlexibleAnswer | TrimComparison, plan: StudyPlan, study: Study, told: Told
+) -> ClosedLoopBoundary:
+    """The least limit that an autopilot survives with; that of a flexible vehicle is known."""
+    from tvclin.answers.flexible import FlexibleAnswer
+    from tvclin.flights.closed_loop.boundary import closed_loop_boundary
+
+    if isinstance(loop, FlexibleAnswer):
+        return loop.boundaries[0]
+    law, nozzle = _with_stop(loop)
+    return closed_loop_boundary(loop.plant, law, blown(study), **nozzle)
+
+
+def _with_stop(loop: FlexibleAnswer | TrimComparison) -> tuple[SaturatedLaw, dict[str, Any]]:
+    """The law of an autopilot as it is flown with a stop, and its nozzle."""
+    from tvclin.answers.flexible import nozzle_of
+    from tvclin.control.laws.attitude import SaturatedLaw
+
+    law = SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
+    return law, nozzle_of(loop.autopilot)
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
@@ -260,9 +287,9 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
 
     asked, structure = gains_of(plan), plan.structure
     plant: AnyPlant = (
-        Plant.from_vehicle(plan.vehicle, asked.model, plan.plane)
+        Plant.from_vehicle(plan.vehicle, plan.loop_model, plan.plane)
         if structure is None
-        else flexible_plant(plan.vehicle, structure, plan.plane, asked.model)
+        else flexible_plant(plan.vehicle, structure, plan.plane, plan.loop_model)
     )
     return plant, autopilot_asked(asked, plant, blown(study), _criteria(plan))
 

@@ -18,6 +18,7 @@ from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
 from tvclin.linear.flexible import FlexiblePlant, Shift
+from tvclin.linear.plant import USUAL_MODEL
 from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.winds.histories import History
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.margins.criteria import Criteria
 
-_MODELS = {"drift": "drift-exact"}
+_MODELS = {"drift": USUAL_MODEL}
 """The model of a flexible plant, where another has none."""
 _RATE, _PER_ACTUATOR = 100.0, 2.0
 """Least samples of the flights [Hz], and those of them in the time 1/omega_n of the actuator."""
@@ -133,7 +134,7 @@ def with_filters(law: Law, asked: GainsAsked) -> Law:
 
 
 def flexible_plant(
-    vehicle: AnyVehicle, structure: Structure, plane: str, model: str = "drift"
+    vehicle: AnyVehicle, structure: Structure, plane: str, model: str = USUAL_MODEL
 ) -> FlexiblePlant:
     """Return the flexible plant of a vehicle; "drift" has none, and is "drift-exact" here."""
     whole = whole_vehicle(vehicle, "a structure")

@@ -8,7 +8,7 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
-from tvclin.base.lines import Line, degrees, number, text
+from tvclin.base.lines import Line, degrees, number, significant, text
 
 FLOWN = {
     "survived": "survives",
@@ -33,11 +33,17 @@ class Question:
         The answer; None where it is not known.
     line : Line
         Why.
+    needs : float
+        The deflection [rad] that a yes takes; not a number of a question that asks for none.
+    whose : str
+        Who needs it, in words, with the verb.
     """
 
     name: str
     yes: bool | None
     line: Line
+    needs: float = float("nan")
+    whose: str = ""
 
     @property
     def answer(self) -> str:
@@ -98,20 +104,28 @@ def _asked(found: Findings) -> Iterator[Question]:
 def _wind(found: Findings) -> Question:
     need, by = found.study.required_deflection, found.study.governs
     needed = degrees("asked.required", need, unit="deg")
-    line: Line = ("this wind needs ", *needed, f", by {by}")
+    whose = "this wind needs"
+    line: Line = (f"{whose} ", *needed, f", set by {by}")
     if not need:
         line = ("no deflection is needed",)
     elif np.isinf(need):
         line = ("with this dead band no limit is enough",)
-    return Question("wind", found.study.sufficient, line)
+    return Question("wind", found.study.sufficient, line, need, whose)
 
 
 def _flight(found: Findings) -> Question:
-    if found.flight is None:
-        return Question("whole flight", None, (_reason(found, "flight"),))
+    name, asked = "whole flight", found.plan.sizing
+    if found.flight is None or asked is None:
+        return Question(name, None, (_reason(found, "flight"),))
     total = found.flight[1]
-    needed = degrees("asked.flight", total.required, unit="deg")
-    return Question("whole flight", total.sufficient, ("the whole flight needs ", *needed))
+    whole = f"the whole flight of {asked.source}" if asked.source else "the whole flight"
+    whose = f"{whole} needs"
+    reserve = " with its reserve" if total.reserve else ""
+    line: Line = (f"{whose} ", *degrees("asked.flight", total.required, unit="deg"), reserve)
+    if total.sufficient is None:
+        where = ", ".join(total.not_sized)
+        line = (f"{whole} is not sized {where}; where it is, it needs ", *line[1:])
+    return Question(name, total.sufficient, line, total.required, whose)
 
 
 def _availability(found: Findings, least: float) -> Question:
@@ -129,34 +143,51 @@ def _probability(found: Findings, limit: float) -> Question:
     if d is None:
         return Question("probability", None, (_reason(found, "dispersed"),))
     r = d.required
-    percent = number("asked.probability", 100.0 * r.probability, 3, "% of flights")
+    flights = significant("asked.probability", 100.0 * r.probability, 5, "% of flights")
     if np.isinf(r.estimate):
-        return Question("probability", False, (*percent, " need more than any limit"))
+        return Question("probability", False, (*flights, " need more than any limit"))
     if np.isinf(r.upper):
-        return Question("probability", None, ("too few cases to speak of ", *percent))
-    needed = degrees("asked.covers", r.upper, unit="deg")
-    covered = bool(covers(limit, r.upper))
-    sure = f" need, {100.0 * r.confidence:g} % sure, "
-    return Question("probability", covered, (*percent, sure, *needed))
+        return Question("probability", None, ("too few cases to speak of ", *flights))
+    sure = f", with {100.0 * r.confidence:g} % confidence"
+    line = (*flights, " need ", *degrees("asked.covers", r.upper, unit="deg"), sure)
+    whose = f"{text(flights)} need"
+    return Question("probability", bool(covers(limit, r.upper)), line, float(r.upper), whose)
 
 
 def _autopilot(found: Findings, limit: float) -> Question:
-    c = found.comparison
+    """Whether the autopilot survives with the limit as a stop, flown; and without any stop."""
+    name, c = "autopilot", found.comparison
     if c is None:
-        return Question("autopilot", None, (_reason(found, "comparison"),))
+        return Question(name, None, (_reason(found, "comparison"),))
     if not c.margins.stable:
-        return Question("autopilot", False, (f"the loop is not stable: {c.margins.reason}",))
-    peak, said = c.peak_deflection, "the autopilot, which has no limits here, asks for "
-    if found.flexible is not None and found.flexible.peak_deflection > peak:
-        peak = found.flexible.peak_deflection
-        said = "the flexible vehicle's autopilot, without limits, asks for "
+        return Question(name, False, (f"the loop is not stable: {c.margins.reason}",))
+    peak = without_stop(found)
     if np.isinf(peak):
-        return Question("autopilot", False, ("the loop of the flexible vehicle is not stable",))
-    peak *= found.study.of_both
-    line: Line = (said, *degrees("asked.autopilot", peak, unit="deg"))
+        return Question(name, False, ("the loop of the flexible vehicle is not stable",))
+    turns = degrees("asked.autopilot", peak, unit="deg")
+    free: Line = ("without a stop it would turn the nozzle by ", *turns)
     if found.study.in_both:
-        line += (" in both planes",)
-    return Question("autopilot", bool(covers(limit, peak)), line)
+        free += (" in both planes",)
+    whose = "this autopilot needs"
+    if found.stop is None:  # it cannot be flown: enough is what the linear loop never exceeds
+        yes = True if covers(limit, peak) else None
+        return Question(name, yes, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
+    least = abs(float(found.stop.deflection)) * found.study.of_both
+    if np.isinf(least):
+        line: Line = ("flown with a stop it survives with none that was tried; ", *free)
+        return Question(name, bool(covers(limit, peak)), line, peak, whose)
+    line = (f"{whose} ", *degrees("asked.stop", least, unit="deg"), " as a stop, flown; ", *free)
+    return Question(name, bool(covers(limit, least)), line, least, whose)
+
+
+def without_stop(found: Findings) -> float:
+    """Return how far [rad] the autopilot turns a nozzle without a stop; nan without one."""
+    if found.comparison is None:
+        return float("nan")
+    peak = found.comparison.peak_deflection
+    if found.flexible is not None:
+        peak = max(peak, found.flexible.peak_deflection)
+    return float(peak * found.study.of_both)
 
 
 def _margins(found: Findings) -> Question:

@@ -23,7 +23,7 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
-from tvclin.linear.plant import MODELS, Plant, models_of
+from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant, models_of, usual_model
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import (
     AnyVehicle,
@@ -146,7 +146,7 @@ class Study:
         peak: float,
         limit: float | None = None,
         dead_band: float = 1.0,
-        model: str = "fixed-path",
+        model: str | None = None,
         plane: str = "pitch",
         switch: str = "literal",
         gust: History | None = None,
@@ -170,7 +170,8 @@ class Study:
         dead_band : float
             K of the verdict, in [0, 1].
         model : str
-            Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed".
+            Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed";
+            `usual_model` of the vehicle without it.
         plane : {"pitch", "yaw"}
             Plane of the motion.
         switch : {"literal", "report"}
@@ -198,10 +199,10 @@ class Study:
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> result = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5))
         >>> round(float(np.degrees(result.required_deflection)), 3)
-        0.368
+        0.351
         """
         one_of("wind", wind, PULSES)
-        one_of("model", model, MODELS)
+        model = one_of("model", usual_model(vehicle) if model is None else model, MODELS)
         one_of("switch", switch, SWITCHES)
         peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
@@ -225,7 +226,7 @@ class Study:
         alone = pulse("wind", wind, peak, duration)
         history = alone if gust is None else alone + gust
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
-        with_drift = model if model != "fixed-path" else "drift"
+        with_drift = model if model != "fixed-path" else USUAL_MODEL
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant.from_vehicle(vehicle, model, plane)
         limit = None if limit is None else _capability(limit)
@@ -415,7 +416,7 @@ def _notes(
 
 def _left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
     """Where the exact model has more unstable modes, and no duration up to which one is enough."""
-    name = "drift-exact"
+    name = USUAL_MODEL
     if plant.model not in _ONE_POLE or name not in modes:
         return
     more = modes[name].poles.size > modes[plant.model].poles.size

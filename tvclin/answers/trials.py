@@ -43,8 +43,8 @@ FloatArray = NDArray[np.float64]
 
 _DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
     "attitude and rate": lambda plant, _: SaturatedLaw(canonical_gains(plant.coefficients)),
-    "trim": lambda plant, _: TrimLaw(Plant.from_coefficients(plant.coefficients)),
-    "dead band 0.5": lambda plant, _: DeadBandLaw(Plant.from_coefficients(plant.coefficients)),
+    "trim": lambda plant, _: TrimLaw(Plant(plant.coefficients, "fixed-path")),
+    "dead band 0.5": lambda plant, _: DeadBandLaw(Plant(plant.coefficients, "fixed-path")),
     "half relief": lambda plant, _: SaturatedLaw(half_relief_gains(plant.coefficients)),
     "recoverable attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
 }
@@ -71,13 +71,13 @@ class LawsAsked:
     sample_rate : float
         Samples of the laws in a second [Hz].
     model : str
-        The model that they fly.
+        The model that they fly; without it that of the study.
     """
 
     names: tuple[str, ...] = STANDARD_LAWS
     winds: tuple[str, ...] = ("triangle",)
     sample_rate: float = 50.0
-    model: str = "drift-exact"
+    model: str | None = None
 
     def __post_init__(self) -> None:
         for what, given, known in (
@@ -88,7 +88,8 @@ class LawsAsked:
                 one_of(f"{what} of the laws", name, known)
         rate = number("sample rate of the laws", self.sample_rate, positive, "Hz")
         object.__setattr__(self, "sample_rate", rate)
-        one_of("model of the laws", self.model, MODELS)
+        if self.model is not None:
+            one_of("model of the laws", self.model, MODELS)
 
 
 @dataclass(frozen=True)

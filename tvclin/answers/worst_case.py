@@ -19,7 +19,7 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import Plant, usual_model
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
@@ -111,7 +111,7 @@ def worst_case(
     autopilot: Autopilot,
     box: Mapping[str, tuple[float, float]],
     *,
-    model: str = "drift",
+    model: str | None = None,
     plane: str = "pitch",
     wind: ShapedWind | None = None,
     dead_band: float = 1.0,
@@ -129,7 +129,7 @@ def worst_case(
         `Vehicle` or of `Coefficients`, "wind_peak", "wind_duration", gains of `Autopilot`,
         "gain" (a factor on all gains), "delay", "actuator_frequency", "actuator_damping".
     model, plane : str
-        Of the plant; the plane is that of a `Vehicle`.
+        Of the plant, the model by `usual_model` if not given; the plane is that of a `Vehicle`.
     wind : ShapedWind, optional
         The nominal wind; without it no deflection is asked for.
     dead_band : float
@@ -157,9 +157,10 @@ def worst_case(
     >>> found = tv.worst_case(vehicle, autopilot, box)
     >>> worst = found.margins["phase_margin_deg"]
     >>> round(worst.nominal, 1), round(worst.value, 1), worst.at["delay"], worst.how
-    (26.4, 24.9, 0.04, 'searched')
+    (27.2, 25.6, 0.04, 'searched')
     """
     ends = _checked(subject, autopilot, box, wind)
+    model = usual_model(subject) if model is None else model
     case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
     K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
     corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))

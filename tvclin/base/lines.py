@@ -1,4 +1,8 @@
-"""Lines of text with numbers in them, each as it is shown and in full precision."""
+"""Lines of text with numbers in them, each as it is shown and in full precision.
+
+Angles and limits over trim have three digits behind the point wherever they stand: a deflection is
+built, and flights are searched, to about a thousandth.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -25,14 +29,23 @@ class Number:
     text: str
 
 
-Inline = str | Number
+@dataclass(frozen=True)
+class Formula:
+    """A formula: in LaTeX for the page, and as plain text."""
+
+    tex: str
+    text: str
+
+
+Inline = str | Number | Formula
 Line = tuple[Inline, ...]
-"""A run of text with numbers in it; a table's cell is one too."""
+"""A run of text with numbers and formulas in it; a table's cell is one too."""
 
 
 Row = tuple[str, Line]
 """What records yield for tables on a page and in a terminal: a label, and what is beside it."""
 _UNLIMITED = "unlimited"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(line: Line) -> str:
@@ -40,13 +53,10 @@ def text(line: Line) -> str:
     return "".join(part if isinstance(part, str) else part.text for part in line)
 
 
-def number(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
+def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
     """Return a number with so many digits behind the point; a dash or "none" where it is none."""
-    plain = float(value)
-    if not np.isfinite(plain):
-        return ("-" if np.isnan(plain) else _UNLIMITED,)
-    shown = Number(name, plain, f"{plain:.{digits}f}")
-    return (shown, f" {unit}") if unit else (shown,)
+    rounded = round(float(value), digits) or 0.0  # no minus before a zero
+    return _shown(name, value, f"{rounded:.{digits}f}", unit)
 
 
 def least(limit: Line) -> Line:
@@ -56,11 +66,19 @@ def least(limit: Line) -> Line:
 
 def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
     """Return a number with so many significant digits."""
-    plain = float(value)
-    shown = Number(name, plain, f"{plain:.{digits}g}")
-    return (shown, f" {unit}") if unit else (shown,)
+    mantissa, _, power = f"{float(value):.{digits}g}".partition("e")
+    shown = f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
+    return _shown(name, value, shown, unit)
 
 
-def degrees(name: str, angle: Any, digits: int = 4, unit: str = "") -> Line:
+def degrees(name: str, angle: Any, digits: int = 3, unit: str = "") -> Line:
     """Return an angle [rad] in degrees; the name gets its unit."""
     return number(f"{name}_deg", float(np.degrees(angle)), digits, unit)
+
+
+def _shown(name: str, value: Any, shown: str, unit: str) -> Line:
+    plain = float(value)
+    if not np.isfinite(plain):
+        return ("-" if np.isnan(plain) else _UNLIMITED,)
+    one = Number(name, plain, shown)
+    return (one, f" {unit}") if unit else (one,)

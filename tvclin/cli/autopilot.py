@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.gains import GainOptions, gains_document, takes_gains
-from tvclin.cli.inputs import load_linear, peak_angle, plant_of
+from tvclin.cli.inputs import load_linear, peak_angle
 from tvclin.cli.least import (
     Crossover,
     Least,
@@ -21,11 +21,10 @@ from tvclin.cli.least import (
 from tvclin.cli.margin_tables import poles, print_bounds
 from tvclin.cli.margins import CriteriaName, wanted_criteria
 from tvclin.cli.options import (
-    FIXED_HELP,
-    MODELS_HELP,
     AsJson,
     Duration,
     LinearVehicle,
+    Model,
     PeakDeg,
     PeakSpeed,
     Plane,
@@ -41,9 +40,6 @@ if TYPE_CHECKING:
 
 _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
-
-USUAL = "drift"
-"""The model without --model, where all of it is known."""
 
 
 @takes_gains
@@ -63,9 +59,7 @@ def autopilot(
     crossover: Crossover = None,
     limits: Limits = False,
     stops: Stops = 0,
-    model: Annotated[
-        str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
-    ] = None,
+    model: Model = None,
     plane: Plane = "pitch",
     as_json: AsJson = False,
     plot: Plot = None,
@@ -79,6 +73,7 @@ def autopilot(
     from tvclin.base.errors import one_of, positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
+    from tvclin.linear.plant import Plant
     from tvclin.winds.shaped import PULSES
 
     loaded = load_linear(vehicle, plane)
@@ -86,7 +81,7 @@ def autopilot(
     shape = PULSES[one_of("--wind", wind, PULSES)]
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria)
-    plant = plant_of(loaded, model, USUAL, plane)
+    plant = Plant.from_vehicle(loaded, model, plane)
     blows = shape(peak=peak, duration=duration)
     sought = found_least(gains, plant, blows, asked, least, three_gains, crossover, limits, stops)
     autopilot = gains.autopilot(plant) if sought is None else sought.autopilot

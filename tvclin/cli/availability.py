@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import gust_of
-from tvclin.cli.options import MODELS_HELP, AsJson, Gust, Plot
+from tvclin.cli.options import AsJson, Gust, Model, Plot
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def availability(
         str,
         typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
     ] = "round",
-    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
+    model: Model = None,
     persistence_deg: Annotated[
         float | None, typer.Option(help="Angle that is added until launch, in deg.")
     ] = None,
@@ -96,6 +96,7 @@ def availability(
     from tvclin.answers.sizing.schedule_file import load_schedule
     from tvclin.base.errors import within
     from tvclin.cli.output import print_json
+    from tvclin.linear.plant import USUAL_MODEL
     from tvclin.winds.soundings.read import read_sounding
     from tvclin.winds.soundings.read_soundings import read_soundings
 
@@ -120,7 +121,7 @@ def availability(
             azimuth=azimuths,
             plane=plane,
             stop=stop,
-            model=model,
+            model=model or USUAL_MODEL,
             persistence=_persistence(persistence_deg, persistence_hours),
             gust=gust_of(gust, 0.0),
             known_to=known_to_m,

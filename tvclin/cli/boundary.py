@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, plant_of
-from tvclin.cli.options import FIXED_HELP, LINEAR_HELP, AsJson, Plot, Wind
+from tvclin.cli.inputs import load_linear
+from tvclin.cli.options import LINEAR_HELP, MODELS_HELP, AsJson, Plot, Wind
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -27,7 +27,7 @@ def boundary(
     ] = None,
     model: Annotated[
         str | None,
-        typer.Option(help=f"Model, when a vehicle is given; drift if nothing is, {FIXED_HELP}."),
+        typer.Option(help=f"Model, when a vehicle is given: {MODELS_HELP}"),
     ] = None,
     plane: Annotated[
         str | None, typer.Option(help="Plane, when a vehicle is given; pitch if nothing is.")
@@ -101,10 +101,10 @@ def _limits(
     if model is not None:
         one_of("--model", model, MODELS)
     if source is None:
-        plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0))
+        plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         history = shape(peak=1.0, duration=x[:, None])
         return "", boundary_limit(plant, history, K), plant
     vehicle = load_linear(source, plane)
-    plant = plant_of(vehicle, model, "drift", plane)
+    plant = Plant.from_vehicle(vehicle, model, plane)
     history = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     return vehicle.name or source, boundary_limit(plant, history, K), plant

@@ -59,7 +59,7 @@ def make_case(
     dead_band: float,
     capability: float | None,
     limit_deg: float | None,
-    model: str,
+    model: str | None,
     plane: str,
     length: float,
 ) -> Case:

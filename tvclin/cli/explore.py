@@ -18,15 +18,18 @@ def explore(
         bool, typer.Option("--no-browser", help="Start JupyterLab and print its address only.")
     ] = False,
 ) -> None:
-    """Write explore-VEHICLE.ipynb, unless it is there, and open it in JupyterLab.
+    """Write explore-VEHICLE.ipynb, unless it is there, and open and run it in JupyterLab.
+
+    JupyterLab ends with "End" in the panel, with Ctrl-C here, and some minutes after its last page
+    was closed (not with --no-browser).
 
     Exit code 0: JupyterLab was left; 2: bad input, or the extra notebook is missing.
     """
-    import sys
     from importlib.util import find_spec
 
     from tvclin.base.errors import InputError, missing
     from tvclin.base.files import exists, write_text
+    from tvclin.show.explorer.lab import open_notebook
     from tvclin.show.explorer.notebook import notebook_text
     from tvclin.vehicle.file import load_vehicle
 
@@ -42,18 +45,8 @@ def explore(
     else:
         write_text(path, notebook_text(vehicle))
         typer.echo(f"Wrote {path}.")
-    given = [*["--no-browser"] * no_browser, *(options or ())]
-    code = _run([sys.executable, "-m", "jupyterlab", str(path), *given])
-    if code:
-        raise InputError(f"JupyterLab ended with exit code {code}, see above")
-
-
-def _run(command: list[str]) -> int:
-    import subprocess
-
-    process = subprocess.Popen(command)
-    while True:
-        try:
-            return process.wait()
-        except KeyboardInterrupt:  # JupyterLab has had it too, and asks whether to stop
-            continue
+    try:
+        open_notebook(path, [*["--no-browser"] * no_browser, *(options or ())])
+    except SystemExit as ended:
+        if ended.code:
+            raise InputError(f"JupyterLab ended with exit code {ended.code}, see above") from None

@@ -136,11 +136,10 @@ def flight_case(
 
     from tvclin.base.errors import InputError, within
     from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-    from tvclin.flights.beside import MODEL as LINEAR_MODEL
     from tvclin.flights.beside import linear_boundary
-    from tvclin.linear.plant import Plant
+    from tvclin.linear.plant import USUAL_MODEL, Plant
 
-    plant = Plant.from_vehicle(vehicle, LINEAR_MODEL, plane)
+    plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
     _check_flight(plant, wind, length)
     control = _control(plant, law, dead_band, float(wind.peak))
     least = linear_boundary(plant, control, wind)
@@ -186,8 +185,8 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     import numpy as np
 
     from tvclin.cli.fly_shown import Compared
-    from tvclin.flights.beside import MODEL as LINEAR_MODEL
     from tvclin.flights.beside import fly_beside
+    from tvclin.linear.plant import USUAL_MODEL
 
     start = float(case.wind.onset)
     flight = fly_beside(
@@ -211,7 +210,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
             f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
             "\nzero or beyond; the flight, and what is largest in it, is shown until then."
         )
-    linear = f"linear: model {LINEAR_MODEL}, parameters frozen"
+    linear = f"linear: model {USUAL_MODEL}, parameters frozen"
     return Compared(
         case=case,
         flight=flight,
@@ -225,7 +224,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         " linear boundary",
         facts={
             "along_trajectory": case.condition is not None,
-            "linear_model": LINEAR_MODEL,
+            "linear_model": USUAL_MODEL,
             "predicted": flight.predicted,
             "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
             "minimum_deg": np.degrees(case.minimum),

@@ -13,27 +13,26 @@ if TYPE_CHECKING:
 
 
 def load_plant(
-    source: str, model: str | None, plane: str, rigid: bool, usual: str = "drift"
+    source: str, model: str | None, plane: str, rigid: bool
 ) -> "tuple[AnyVehicle, AnyPlant, Plant]":
     """Return a vehicle, its plant, and the rigid plant of the same model.
 
-    The plant is flexible where the file has a structure and `rigid` is not asked for; without a
-    model it is "drift-exact" then, and the usual one else.
+    The plant is flexible where the file has a structure and `rigid` is not asked for.
     """
     from tvclin.linear.flexible import FlexiblePlant
-    from tvclin.linear.plant import Plant
+    from tvclin.linear.plant import USUAL_MODEL, Plant
     from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
     from tvclin.vehicle.structure_file import load_structure
 
     loaded = load_any_vehicle(source)
     if isinstance(loaded, LinearVehicle):
-        plant = plant_of(loaded, model, usual, plane)
+        plant = Plant.from_vehicle(loaded, model, plane)
         return loaded, plant, plant
     structure = load_structure(source)
     if rigid or structure.is_rigid:
-        plant = Plant.from_vehicle(loaded, model or usual, plane)
+        plant = Plant.from_vehicle(loaded, model, plane)
         return loaded, plant, plant
-    bends = FlexiblePlant.from_vehicle(loaded, structure, model or "drift-exact", plane)
+    bends = FlexiblePlant.from_vehicle(loaded, structure, model or USUAL_MODEL, plane)
     return loaded, bends, bends.rigid
 
 
@@ -53,16 +52,6 @@ def load_linear(source: str, plane: str) -> "AnyVehicle":
 
     loaded = load_any_vehicle(source)
     return loaded if isinstance(loaded, LinearVehicle) else load_rigid(source, plane)
-
-
-def plant_of(vehicle: "AnyVehicle", model: str | None, usual: str, plane: str) -> "Plant":
-    """Return the plant of the model asked for; without one of the usual, or of what is known."""
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.linear_vehicle import FIXED_PATH, LinearVehicle
-
-    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
-        usual = FIXED_PATH
-    return Plant.from_vehicle(vehicle, model or usual, plane)
 
 
 def note_structure(

@@ -9,7 +9,6 @@ from tvclin.cli.gains import LowPassHz, NotchHz, filters_of
 from tvclin.cli.inputs import load_plant, peak_angle
 from tvclin.cli.margin_tables import lines
 from tvclin.cli.options import (
-    FIXED_HELP,
     MODELS_HELP,
     AsJson,
     Duration,
@@ -27,9 +26,6 @@ if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
-USUAL = "drift-exact"
-"""The model without --model, where all of it is known."""
-
 
 def laws(
     vehicle: LinearVehicle = "configuration-i",
@@ -46,9 +42,7 @@ def laws(
     sample_rate: Annotated[float, typer.Option(help="Samples of the law, in Hz.")] = 100.0,
     model: Annotated[
         str | None,
-        typer.Option(
-            help=f"Model with one or two real unstable poles: {MODELS_HELP} {USUAL}; {FIXED_HELP}."
-        ),
+        typer.Option(help=f"Model with one or two real unstable poles: {MODELS_HELP}"),
     ] = None,
     plane: Plane = "pitch",
     actuator_frequency: Annotated[
@@ -82,7 +76,7 @@ def laws(
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.linear.flexible import FlexiblePlant
 
-    loaded, flying, plant = load_plant(vehicle, model, plane, rigid, USUAL)
+    loaded, flying, plant = load_plant(vehicle, model, plane, rigid)
     flexible = flying is not plant
     if flexible and plot is not None:
         raise InputError("--plot draws the laws on the rigid vehicle: give --rigid as well")
@@ -125,11 +119,13 @@ def laws(
     else:
         if isinstance(flying, FlexiblePlant):
             typer.echo(lines(parts_line(flying.structure)))
-            typer.echo(
-                f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms, actuator {servo:g} rad/s"
-            )
+            typer.echo(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
+        engine = f"actuator {servo:g} rad/s" if servo else "no actuator"
         _print(
-            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen)
+            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s, {engine}",
+            found,
+            limits,
+            list(chosen),
         )
 
 

@@ -88,8 +88,8 @@ def print_least(found: "LeastGains") -> None:
     }[found.meaning]
     trims = found.question.trims
     rows = [
-        [f"wind of {float(wind.end):.3g} s", f"{np.degrees(one):.4f}", f"{one / trim:.3f}"]
-        for wind, one, trim in zip(found.question.winds, found.each, trims, strict=True)
+        [name, f"{np.degrees(one):.4f}", f"{one / trim:.3f}"]
+        for name, one, trim in zip(found.question.names, found.each, trims, strict=True)
     ]
     print_table(f"Least nozzle: {what}", ["", "[deg]", "of trim"], rows)
     typer.echo(f"Held by: {', '.join(found.active) or 'nothing, a valley'}")

@@ -18,10 +18,10 @@ from tvclin.cli.flown import (
 from tvclin.cli.gains import GainOptions, takes_gains
 from tvclin.cli.inputs import load_plant, note_structure
 from tvclin.cli.options import (
-    MODELS_HELP,
     AsJson,
     Duration,
     LinearVehicle,
+    Model,
     PeakDeg,
     PeakSpeed,
     Plane,
@@ -66,12 +66,7 @@ def margins(
     rigid: Rigid = False,
     detuned: IsDetuned = False,
     box: Box = None,
-    model: Annotated[
-        str | None,
-        typer.Option(
-            help=f"Model: {MODELS_HELP} Without it drift; of a flexible vehicle drift-exact."
-        ),
-    ] = None,
+    model: Model = None,
     plane: Plane = "pitch",
     chart: Annotated[
         str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")

@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, peak_angle, plant_of
+from tvclin.cli.inputs import load_linear, peak_angle
 from tvclin.cli.options import (
-    FIXED_HELP,
-    MODELS_HELP,
     AsJson,
     Duration,
     LinearVehicle,
+    Model,
     PeakDeg,
     PeakSpeed,
     Plane,
@@ -22,9 +21,6 @@ from tvclin.cli.options import (
 if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
-
-USUAL = "drift-exact"
-"""The model without --model, where all of it is known."""
 
 
 def optimum(
@@ -42,9 +38,7 @@ def optimum(
     rate_limit_deg: Annotated[
         float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")
     ] = None,
-    model: Annotated[
-        str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
-    ] = None,
+    model: Model = None,
     plane: Plane = "pitch",
     csv: Annotated[
         Path | None, typer.Option(help="Also write the deflection and the response as CSV.")
@@ -62,12 +56,13 @@ def optimum(
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
+    from tvclin.linear.plant import Plant
     from tvclin.winds.shaped import pulse
 
     loaded = load_linear(vehicle, plane)
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     history = pulse("--wind", wind, peak, duration)
-    plant = plant_of(loaded, model, USUAL, plane)
+    plant = Plant.from_vehicle(loaded, model, plane)
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
     if rate_limit_deg is not None:

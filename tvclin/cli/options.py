@@ -5,10 +5,12 @@ from typing import Annotated
 
 import typer
 
-MODELS_HELP = "fixed-path, drift, drift-exact, drift-and-speed."
+MODELS_HELP = (
+    "fixed-path, drift, drift-exact or drift-and-speed. Without it drift-exact, or fixed-path where"
+    " no more is known than mu_alpha and mu_delta."
+)
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone."
-FIXED_HELP = "fixed-path where no more is known than mu_alpha and mu_delta"
 
 Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]
 LinearVehicle = Annotated[str, typer.Argument(metavar="VEHICLE", help=LINEAR_HELP)]
@@ -49,6 +51,7 @@ WindDirectionDeg = Annotated[
 AzimuthDeg = Annotated[
     float | None, typer.Option(help="Direction of flight, in deg from north, clockwise.")
 ]
+Model = Annotated[str | None, typer.Option(help=f"Model: {MODELS_HELP}")]
 Until = Annotated[float, typer.Option(help="Length in units of the wind's duration.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]

@@ -9,10 +9,10 @@ import typer
 from tvclin.cli.cases import Case, make_case
 from tvclin.cli.inputs import load_linear, peak_angle
 from tvclin.cli.options import (
-    MODELS_HELP,
     AsJson,
     Duration,
     LinearVehicle,
+    Model,
     PeakDeg,
     PeakSpeed,
     Plane,
@@ -50,7 +50,7 @@ def respond(
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, in its place.")
     ] = None,
-    model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "fixed-path",
+    model: Model = None,
     plane: Plane = "pitch",
     until: Until = 3.0,
     points: Points = 301,
@@ -147,8 +147,10 @@ def _print(
     part = f", {case.limit / case.required:.4g} times that" if case.required else ""
     needed = f"Required {np.degrees(case.required):.4f} deg by {case.governs}"
     typer.echo(f"{needed}; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
-    stable = "stable" if verdict.stable else "not stable"
-    typer.echo(f"Held for ever, this deflection is {stable} by (4b); it leaves {verdict.left_over}")
+    stable = "stable by (4b)" if verdict.stable else "not stable by (4b)"
+    if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
+        stable = "stable by (4b) but for the slow mode of the flight path"
+    typer.echo(f"Held for ever, this deflection is {stable}; it leaves {verdict.left_over}")
     if shown.why == LET_GO:
         typer.echo(
             "An autopilot lets go of what is too much when the attitude is back at zero, or beyond;"

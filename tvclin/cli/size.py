@@ -8,11 +8,11 @@ import typer
 
 from tvclin.cli.inputs import gust_of, heading_given, note_source
 from tvclin.cli.options import (
-    MODELS_HELP,
     AsJson,
     AzimuthDeg,
     Gust,
     LimitDeg,
+    Model,
     PeakDeg,
     PeakSpeed,
     Planes,
@@ -71,9 +71,7 @@ def size(
         list[float] | None,
         typer.Option(help="Dead band K, from 0 to 1; may be given several times. 1 and 0.5."),
     ] = None,
-    model: Annotated[
-        str | None, typer.Option(help=f"Model: {MODELS_HELP} drift-exact, as without a study file.")
-    ] = None,
+    model: Model = None,
     plane: Planes = None,
     stop: StopShape = None,
     law: Annotated[

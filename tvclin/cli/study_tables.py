@@ -24,7 +24,8 @@ def print_study(result: "Study", source: str, explain: bool = False) -> None:
     own = as_written(source)
     rows = [(one.label, _in_units(one, own)) for one in v.quantities()]
     twice = any("(" in value for _, value in rows)
-    print_pairs(f"Vehicle: {v.name or source}", rows, columns=1 if twice else 2)
+    planes = "pitch and yaw" if result.in_both else result.plane
+    print_pairs(f"{v.name or source}, {result.model}, {planes}", rows, columns=1 if twice else 2)
     path = [
         ("K1", f"{c.K1:.4f}" if c.mu_alpha > 0.0 else "none (stable)"),
         ("C1", f"{c.C1:.5f} 1/s"),
@@ -47,7 +48,9 @@ def print_study(result: "Study", source: str, explain: bool = False) -> None:
     typer.echo()
     _print_boundaries(result)
     if explain:
-        print_pairs("\nWhat the symbols mean", EXPLAINED.items(), columns=1)
+        from tvclin.answers.glossary import SYMBOLS
+
+        print_pairs("\nWhat the symbols mean", SYMBOLS.items(), columns=1)
 
 
 _FIELDS = {
@@ -298,19 +301,6 @@ def _survived(result: "Study") -> list[str]:
     with np.errstate(divide="ignore"):
         peaks = [float(peak * result.limit / np.float64(row)) for row in rows]
     return ["-" if np.isnan(one) else "any" if np.isinf(one) else f"{one:.3f}" for one in peaks]
-
-
-EXPLAINED = {
-    "beta": "1/beta is the time in which the vehicle falls over, eq (B4)",
-    "B": "deflection that trims one degree of wind angle, eq (2)",
-    "K": "dead band: trim up to K times the limit, then the whole limit; K = 1 needs no forecast",
-    "y_BR": "boundary limit: the least limit that survives, over what trim takes",
-    "K1": "what drift leaves of the wind, eq (15b); below 1, for the vehicle moves with the wind",
-    "C1": "rate at which the flight path follows the attitude, eq (B7)",
-    "C2": "what the weight adds to the poles with drift, eq (B7)",
-    "b1, b2": "zeros of the attitude's answers to deflection and wind, with drift, eq (B7)",
-}
-"""The symbols that a study prints, each in one line."""
 
 
 def _damping(c: "Coefficients") -> list[tuple[str, str]]:

@@ -32,7 +32,7 @@ from tvclin.flights.planar.fly_planar import fly_planar
 from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN_OVER, let_go
-from tvclin.linear.plant import Plant
+from tvclin.linear.plant import USUAL_MODEL, Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -42,8 +42,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-MODEL = "drift-exact"
-"""The linear model that flights are compared with."""
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
 _FLY: dict[str, Callable[..., TimeResponseData]] = {"planar": fly_planar, "sixdof": fly_sixdof}
@@ -171,7 +169,7 @@ def fly_beside(
     >>> one.survived, one.predicted, np.degrees(one.peaks("attitude")).round(2).tolist()
     (True, True, [0.43, 0.43])
     """
-    plant = Plant.from_vehicle(vehicle, MODEL, plane)
+    plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
     instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)
     ending("wind", wind.end)

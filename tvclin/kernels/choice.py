@@ -32,6 +32,8 @@ _swift: dict[str, Callable[..., Any]] = {}
 """Machine code that was taken before."""
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
+_waits: ContextVar[bool] = ContextVar("_waits", default=True)
+"""Whether somebody waits until a kernel is compiled."""
 
 
 def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
@@ -50,7 +52,8 @@ def swiftest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]
         _asked[name] = _asked.get(name, 0.0) + seconds
         work = _asked[name]
         loading = _LOADING_MORE if _swift else _LOADING
-        wanted = name in _swift or work > _COMPILING or (work > loading and _is_kept(function))
+        worth = _waits.get() and work > _COMPILING
+        wanted = name in _swift or worth or (work > loading and _is_kept(function))
     if not available() and seconds > _COMPILING and _pinned.get() is None:
         warn(
             f"this takes about {seconds:.0f} s without numba, a few hundred times as long as with"
@@ -142,3 +145,13 @@ def pinned(compiled: bool) -> Iterator[None]:
         yield
     finally:
         _pinned.reset(token)
+
+
+@contextmanager
+def compiling_nothing() -> Iterator[None]:
+    """Take machine code only where it is there already: for whom nobody waits until it is."""
+    token = _waits.set(False)
+    try:
+        yield
+    finally:
+        _waits.reset(token)

@@ -22,7 +22,7 @@ from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, shown
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import INPUTS, MODELS, Plant
+from tvclin.linear.plant import INPUTS, MODELS, USUAL_MODEL, Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import Structure, chosen
@@ -71,7 +71,7 @@ class FlexiblePlant:
 
     vehicle: Vehicle
     structure: Structure
-    model: str = "fixed-path"
+    model: str = USUAL_MODEL
     plane: str = "pitch"
 
     _repr_html_ = shows("Flexible plant", "vehicle.name", "model", "plane")
@@ -91,7 +91,7 @@ class FlexiblePlant:
         cls,
         vehicle: Vehicle,
         structure: Structure,
-        model: str = "fixed-path",
+        model: str = USUAL_MODEL,
         plane: str = "pitch",
     ) -> Self:
         """Return the plant of a vehicle and its structure.
@@ -125,7 +125,8 @@ class FlexiblePlant:
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> plant = tv.FlexiblePlant.from_vehicle(vehicle, tv.Structure(slosh=(tank,)))
         >>> plant.poles.round(3)
-        array([ 0.528+0.j   , -0.029+2.846j, -0.029-2.846j, -0.528+0.j   ])
+        array([ 0.509+0.j   ,  0.013+0.j   , -0.029+2.846j, -0.029-2.846j,
+               -0.547+0.j   ])
         """
         plant = cls(vehicle, structure, model, plane)
         modes = {f"bending mode {k}": mode for k, mode in enumerate(structure.bending, start=1)}

@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-MODELS = (FIXED_PATH, "drift", "drift-exact", "drift-and-speed")
+USUAL_MODEL = "drift-exact"
+"""The model where none is named: the path as it moves, without an approximation."""
+MODELS = (FIXED_PATH, "drift", USUAL_MODEL, "drift-and-speed")
 INPUTS = ("deflection", "wind")
 RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
 """How to get a `Plant`, for messages where only a rigid one has an answer."""
@@ -54,7 +56,7 @@ class Plant:
     """
 
     coefficients: Coefficients
-    model: str = "fixed-path"
+    model: str
 
     def __post_init__(self) -> None:
         instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_vehicle")
@@ -66,18 +68,23 @@ class Plant:
             )
 
     @classmethod
-    def from_coefficients(cls, coefficients: Coefficients, model: str = "fixed-path") -> Self:
-        """Return the plant of a model, eq (5), (B8), (B7) or its fourth-order parent."""
-        return cls(coefficients, model)
+    def from_coefficients(cls, coefficients: Coefficients, model: str | None = None) -> Self:
+        """Return the plant of a model, eq (5), (B8), (B7) or its fourth-order parent.
+
+        Without a model it is `usual_model(coefficients)`.
+        """
+        return cls(coefficients, usual_model(coefficients) if model is None else model)
 
     @classmethod
     def from_vehicle(
-        cls, vehicle: AnyVehicle, model: str = "fixed-path", plane: str = "pitch"
+        cls, vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
     ) -> Self:
         """Return the plant of a vehicle in the pitch or the yaw plane.
 
-        One that is known by its coefficients is what these are of, in either plane.
+        Without a model it is `usual_model(vehicle)`. A vehicle that is known by its coefficients
+        is what these are of, in either plane.
         """
+        model = usual_model(vehicle) if model is None else model
         if isinstance(vehicle, LinearVehicle):
             return cls(vehicle.known_for(one_of("model", model, MODELS)), model)
         return cls(Coefficients.from_vehicle(vehicle, plane), model)
@@ -374,6 +381,19 @@ def available_models(coefficients: Coefficients) -> list[str]:
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
     return [name for name in MODELS if name != "drift" or not without_moment]
+
+
+def usual_model(known: AnyVehicle | Coefficients) -> str:
+    """Return the model where none is named: `USUAL_MODEL`, or of an unknown path "fixed-path".
+
+    The path of `Coefficients` is unknown where C1, C2, b1, b2 and q are all zero.
+    """
+    if isinstance(known, LinearVehicle):
+        return USUAL_MODEL if known.path_known else FIXED_PATH
+    if isinstance(known, Coefficients):
+        path = (known.C1, known.C2, known.b1, known.b2, known.q)
+        return USUAL_MODEL if any(np.any(one) for one in path) else FIXED_PATH
+    return USUAL_MODEL
 
 
 def models_of(vehicle: AnyVehicle) -> list[str]:

@@ -183,7 +183,8 @@ def figure_9(
 
 
 def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "ControlPlot":
-    plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0))  # in these units any vehicle is the same
+    # in these units any vehicle is the same
+    plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
     title = f"Figure {number}. Attitude error without drift, K = {dead_band:g}, analytic: eq (13)"
     return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)
 

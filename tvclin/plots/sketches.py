@@ -112,7 +112,7 @@ def sketch_c(
 def _wind_and_control(
     name: str, title: str, wind: History, tau_beta: float, dead_band: float
 ) -> "ControlPlot":
-    plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0))
+    plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
     boundary = boundary_limit(plant, wind, dead_band)
     control = trim_then_hold(plant, wind, boundary.deflection, dead_band)
     x = _times_with_jumps(wind, control)

@@ -23,7 +23,7 @@ from tvclin.base.errors import (
     one_of,
     within,
 )
-from tvclin.linear.plant import MODELS
+from tvclin.linear.plant import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
@@ -43,7 +43,7 @@ def availability(
     azimuth: ArrayLike,
     plane: str = BOTH,
     stop: str = "round",
-    model: str = "drift-exact",
+    model: str = USUAL_MODEL,
     persistence: float | WindGrowth | PairGrowth | str | None = None,
     gust: History | None = None,
     known_to: float | None = None,

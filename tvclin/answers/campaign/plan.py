@@ -26,7 +26,7 @@ from tvclin.base.errors import (
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.rules import GainsAsked
-from tvclin.linear.plant import MODELS, Plant
+from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import Vehicle
@@ -104,7 +104,7 @@ class Campaign:
     dispersions: Dispersions = DEFAULT_DISPERSIONS
     cases: int
     seed: int = 0
-    model: str = "fixed-path"
+    model: str = USUAL_MODEL
     plane: str = "pitch"
     outputs: tuple[str, ...] = ("required",)
     dead_bands: tuple[float, ...] = (1.0,)

@@ -254,7 +254,7 @@ def _active(question: Question, margins: Margins, each: FloatArray) -> tuple[str
         held.append(CROSSOVER)
     same = np.flatnonzero(each > (1.0 - _TIGHT) * each.max())
     if same.size > 1:
-        held += [f"wind {k}" for k in same.tolist()]
+        held += [question.names[k] for k in same.tolist()]
     return tuple(held)
 
 

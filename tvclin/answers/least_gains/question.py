@@ -128,6 +128,14 @@ class Question:
         peaks = [float(one.peak) for one in self.winds]
         return np.abs(float(self.plant.coefficients.B) * np.array(peaks))
 
+    @property
+    def names(self) -> list[str]:
+        """What the winds are called: by peak and duration."""
+        return [
+            f"wind of {np.degrees(float(one.peak)):.3g} deg, {float(one.end - one.onset):.3g} s"
+            for one in self.winds
+        ]
+
     def autopilot(self, points: FloatArray) -> Autopilot:
         """Return the autopilots at points of the unit box, ``(n, axes)``.
 

@@ -43,8 +43,8 @@ class LeastGains:
         Of the loop.
     active : tuple of str
         What keeps the deflection from being less: names of margins that are met with less than 0.5
-        percent to spare, "crossover", and "wind k" where several winds ask the same. Empty where
-        more gain and less gain both ask more.
+        percent to spare, "crossover", and the winds, by peak and duration, where several ask the
+        same. Empty where more gain and less gain both ask more.
     unseen : float
         With limits the boundary [rad] in the same winds with 23 sudden stops, most of which the
         search did not know; else None.

@@ -33,6 +33,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.tables import Table
 from tvclin.boundary.stops import Stop, stop_of
+from tvclin.linear.plant import USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -137,7 +138,7 @@ class SizingAsked:
     stop: float | None = None
     every: float = 5.0
     dead_bands: tuple[float, ...] = (1.0, 0.5)
-    model: str = "drift-exact"
+    model: str = USUAL_MODEL
     plane: str = "pitch"
     law: str = "bound"
     varying: bool = False
@@ -279,8 +280,8 @@ class SizingAsked:
             return []
         near = "" if self.window is None else f" within {0.5 * self.window:g} s of each flight time"
         return [
-            f"of {', '.join(self.soundings)} counts what blows{near} to the side on which it is"
-            " largest",
+            f"in {', '.join(self.soundings)} only what blows{near} to the side on which it is"
+            " largest counts",
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]
 

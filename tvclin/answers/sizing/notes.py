@@ -81,6 +81,6 @@ def _at_the_ends(found: Sizing) -> list[str]:
         if values[-1] > (1.0 + _SAME) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
     return [
-        f"largest at the {end} it there may be more: {', '.join(names)}"
+        f"largest at the {end} it there may be more: {'; '.join(names)}"
         for end, names in ends.items()
     ]

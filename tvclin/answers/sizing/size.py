@@ -36,7 +36,7 @@ from tvclin.answers.sizing.varying import VaryingNeed, varying_need
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
-from tvclin.linear.plant import MODELS, Plant
+from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
@@ -53,7 +53,7 @@ def size(
     *,
     times: ArrayLike | None = None,
     dead_bands: ArrayLike = (1.0, 0.5),
-    model: str = "drift-exact",
+    model: str = USUAL_MODEL,
     plane: str = "pitch",
     placing: str | Mapping[str, str] = "peak",
     window: float = 20.0,

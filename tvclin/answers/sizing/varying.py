@@ -28,7 +28,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
@@ -91,13 +91,13 @@ def varying_need(
     times = _times(wind)
     course = _Course.of(mode, wind)
     trim = np.abs(mode.trim_per_wind(times) * wind(times))
-    minimum = abs(course.demand(float(wind.onset)))
+    minimum = abs(float(course.demand(wind.onset)))
     side = -float(np.sign(wind.peak * mode.trim_per_wind(times[0])))
     blows = side * -mode.trim_per_wind(times) * wind(times)
     if np.any(blows < -_EDGE * trim.max()):
         required = np.full(dead_bands.shape, np.nan)
     else:
-        driver = np.array([side * course.trim(t) for t in times.tolist()])
+        driver = side * course.trim(times)
         required = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
         flown = _flown(course, times, (side,))
         if whole is not None:
@@ -119,11 +119,10 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
     """
     from scipy.optimize import brentq
 
-    trim = np.array([course.trim(t) for t in times.tolist()])
-    demand = np.array([course.demand(t) for t in times.tolist()])
+    trim, demand = course.trim(times), course.demand(times)
 
     def over(t: float) -> float:
-        return course.trim(t) - course.demand(t)
+        return float(course.trim(t) - course.demand(t))
 
     mode = course.mode
     held = Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
@@ -135,7 +134,7 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
         ends = np.stack([trim[k : k + 2], demand[k : k + 2]])
         if max(np.max(side * ends, axis=-1).min() for side in sides) > most:
             meets = brentq(over, float(times[k]), float(times[k + 1]), xtol=1e-12)
-            most = max(most, *(side * course.demand(meets) for side in sides))
+            most = max(most, *(side * float(course.demand(meets)) for side in sides))
     above = np.abs(trim) > most
     again = above[0] + np.sum(above[1:] & ~above[:-1]) > 1
     if mode.model == "fixed-path" or not (again or _drifts_fast(mode, times)):
@@ -161,24 +160,23 @@ def _boundary(
     from scipy.optimize import brentq
 
     if K == 0.0:
-        return side * course.demand(float(times[0]))
+        return side * float(course.demand(times[0]))
     highest = np.maximum.accumulate(driver)
     new = np.flatnonzero((driver >= highest * (1.0 - _SLACK)) & (driver > 0.0))
-    demands = np.array([side * course.demand(t) for t in times[new].tolist()])
+    demands = side * course.demand(times[new])
     short = np.flatnonzero(driver[new] < K * demands)
     last = int(short[-1]) if short.size else -1
     if last + 1 == new.size:
-        trims = [side * course.trim(t) for t in times.tolist()]
-        return max(float(highest[-1]) / K, *trims)
+        return max(float(highest[-1]) / K, float(driver.max()))
     if last < 0:
         return float(demands[0])
     floor = float(driver[new[last]])
 
     def over(t: float) -> float:
-        return max(side * course.trim(t), floor) - K * side * course.demand(t)
+        return max(side * float(course.trim(t)), floor) - K * side * float(course.demand(t))
 
     low, high = (float(times[new[i]]) for i in (last, last + 1))
-    return side * course.demand(brentq(over, low, high, xtol=1e-12))
+    return side * float(course.demand(brentq(over, low, high, xtol=1e-12)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,8 +185,8 @@ class _Course:
 
     mode: GrowingMode
     wind: History
-    drifted: Callable[[float], FloatArray]
-    future: Callable[[float], FloatArray]
+    drifted: Callable[[ArrayLike], FloatArray]
+    future: Callable[[ArrayLike], FloatArray]
 
     @classmethod
     def of(cls, mode: GrowingMode, wind: History) -> _Course:
@@ -212,24 +210,26 @@ class _Course:
             _swept(ahead, wind, [(b, a) for a, b in reversed(pieces)], np.zeros(1)),
         )
 
-    def demand(self, t: float) -> float:
+    def demand(self, t: ArrayLike) -> FloatArray:
         """The limit [rad], with its sign, that is enough when it is held from t on."""
         row, reach = self.mode.at(t)
-        return float(-(row[2:] @ self.drifted(t) + self.future(t)[0]) / reach)
+        kept = np.sum(row[2:] * self.drifted(t), axis=0)
+        return np.asarray(-(kept + self.future(t)[0]) / reach)
 
-    def trim(self, t: float) -> float:
+    def trim(self, t: ArrayLike) -> FloatArray:
         """The deflection of ideal trim [rad]."""
-        return _trim(*self.mode.matrices(t), self.drifted(t), float(self.wind(t)))
+        return _trim(*self.mode.matrices(t), np.moveaxis(self.drifted(t), 0, -1), self.wind(t))
 
 
-def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: float) -> float:
+def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: Any) -> FloatArray:
     """The deflection [rad] that leaves the attitude nominal while the path drifts."""
-    return float(-(A[1, 2:] @ x + inputs[1, 1] * wind) / inputs[1, 0])
+    kept = np.vecdot(A[..., 1, 2:], x)
+    return np.asarray(-(kept + inputs[..., 1, 1] * wind) / inputs[..., 1, 0])
 
 
 def _swept(
     rates: Any, wind: History, pieces: list[tuple[float, float]], state: FloatArray
-) -> Callable[[float], FloatArray]:
+) -> Callable[[ArrayLike], FloatArray]:
     """The solution of a linear equation driven by a wind, piece by piece, forwards or backwards."""
     from scipy.integrate import solve_ivp
 
@@ -252,8 +252,12 @@ def _swept(
     order = np.argsort(starts)
     edges = np.array(starts)[order]
 
-    def at(t: float) -> FloatArray:
-        k = max(int(np.searchsorted(edges, t, side="right")) - 1, 0)
-        return np.asarray(solutions[order[k]](t))
+    def at(t: ArrayLike) -> FloatArray:
+        times = np.asarray(t, dtype=float)
+        which = order[np.maximum(np.searchsorted(edges, times, side="right") - 1, 0)]
+        found = np.empty((state.size, *times.shape))
+        for k in np.unique(which).tolist():
+            found[:, which == k] = solutions[k](times[which == k])
+        return found
 
     return at

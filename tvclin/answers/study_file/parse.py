@@ -11,6 +11,7 @@ from tvclin.answers.campaign.tables import (
     structure_of,
     subject_of,
 )
+from tvclin.answers.document import Document
 from tvclin.answers.planes import BOTH
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
@@ -52,6 +53,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
         gains=GainsAsked.from_table(document["autopilot"]) if "autopilot" in document else None,
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,
+        document=Document.from_table(document["document"]) if "document" in document else None,
         **question,
         **given,
     )

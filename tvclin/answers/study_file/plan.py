@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from tvclin.answers.document import Document
 from tvclin.answers.study import Study
 from tvclin.base.errors import (
     InputError,
@@ -20,7 +21,7 @@ from tvclin.base.errors import (
 )
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.plant import MODELS
+from tvclin.linear.plant import MODELS, USUAL_MODEL, usual_model
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.structure import Structure
@@ -80,6 +81,8 @@ class StudyPlan:
         An archive of soundings: on how many days it flies.
     nozzle_stop : Stop or str, optional
         As the `stop` of `Study.from_vehicle`: the verdict is on both planes.
+    document : Document, optional
+        Project, author, date and revision, for the head of its page.
 
     Raises
     ------
@@ -89,7 +92,7 @@ class StudyPlan:
 
     vehicle: AnyVehicle
     structure: Structure | None = None
-    model: str = "fixed-path"
+    model: str = ""
     plane: str = "pitch"
     wind: ShapedWind = DEFAULT_WIND
     gust: History | None = None
@@ -107,17 +110,15 @@ class StudyPlan:
     sizing: SizingAsked | None = None
     availability: AvailabilityAsked | None = None
     nozzle_stop: Stop | str | None = None
+    document: Document | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.vehicle, LinearVehicle):
-            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        self._check_subject()
         if not isinstance(self.wind, ShapedWind):
             raise InputError(
                 "a study needs a wind of one shape: give shape, peak and duration in [wind]"
             )
         one_of("shape of the wind of a study", self.wind.shape, PULSES)
-        one_of("model", self.model, MODELS)
-        one_of("plane", self.plane, PLANES)
         one_of("switch", self.switch, SWITCHES)
         number("dead_band", self.dead_band, between(0.0, 1.0))
         if self.limit is not None:
@@ -139,8 +140,18 @@ class StudyPlan:
         for name in ("probability", "confidence"):
             fraction(name, getattr(self, name))
 
+    def _check_subject(self) -> None:
+        if not isinstance(self.vehicle, LinearVehicle):
+            instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
+        if isinstance(self.model, str) and not self.model:
+            object.__setattr__(self, "model", usual_model(self.vehicle))
+        one_of("model", self.model, MODELS)
+        one_of("plane", self.plane, PLANES)
+
     def _check_parts(self) -> None:
         """What may be asked besides; its kinds are imported only where something is."""
+        if self.document is not None:
+            instance("document", self.document, Document, "for the head of the page")
         names = ("laws", "gains", "criteria", "dispersions", "sizing", "availability")
         if all(getattr(self, name) is None for name in names):
             return
@@ -168,6 +179,17 @@ class StudyPlan:
                 "mode_gain_margin_dB and mode_phase_margin_deg are asked of modes: the vehicle"
                 " needs [[bending]] or [[slosh]] in its file"
             )
+
+    @property
+    def loop_model(self) -> str:
+        """The model that the autopilot controls."""
+        return (self.gains and self.gains.model) or self.model
+
+    @property
+    def law_model(self) -> str:
+        """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
+        own = (self.laws and self.laws.model) or self.model
+        return USUAL_MODEL if own == "drift-and-speed" else own
 
     @property
     def _modes(self) -> bool:

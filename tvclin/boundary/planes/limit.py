@@ -158,7 +158,7 @@ def plane_limit(
     >>> gust = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     >>> found = tv.plane_limit(plant, tv.PlaneWind.towards(gust, np.radians(55)))
     >>> np.degrees([found.deflection, found.pitch_alone]).round(3)
-    array([0.368, 0.211])
+    array([0.351, 0.201])
     """
     stop = CircularStop() if stop is None else stop
     one_of("switch", switch, SWITCHES)

@@ -110,7 +110,7 @@ def plane_optimum(
     >>> gust = tv.TriangularWind(peak=0.08, duration=7.5)
     >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.pi / 7.5)
     >>> round(tv.plane_optimum(plant, wind).limit, 4)
-    0.3156
+    0.3122
     """
     stop = CircularStop() if stop is None else stop
     single("plant, wind", checked(plant, wind, stop, yaw_plant))

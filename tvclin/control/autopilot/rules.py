@@ -56,7 +56,7 @@ class GainsAsked:
     Attributes
     ----------
     model : str
-        The model that is controlled.
+        The model that is controlled; without it that of the study or of the command.
     design : str, optional
         One of `DESIGNS`; "poles" where a frequency or a damping is given, else "canonical". Gains
         for the "least-nozzle" are found for a wind, see `least_deflection_gains`.
@@ -77,7 +77,7 @@ class GainsAsked:
         As of `Autopilot`.
     """
 
-    model: str = "drift"
+    model: str | None = None
     design: str | None = None
     natural_frequency: float | None = None
     damping: float | None = None
@@ -94,7 +94,8 @@ class GainsAsked:
     rate_filters: tuple[Filter, ...] = ()
 
     def __post_init__(self) -> None:
-        one_of("model of the autopilot", self.model, MODELS)
+        if self.model is not None:
+            one_of("model of the autopilot", self.model, MODELS)
         if self.design is not None:
             one_of("design", self.design, DESIGNS)
         for name in ("actuator_frequency", "delay"):

@@ -98,7 +98,7 @@ def worst_duration(
     ...     plant, gains, peak=0.1, shortest=1, longest=60, shape=tv.TriangularWind
     ... )
     >>> round(worst.duration, 1), worst.at_the_end
-    (17.7, False)
+    (12.8, False)
     """
     instance("plant", plant, Plant, RIGID)
     instance("autopilot", autopilot, Autopilot, "see design_gains")

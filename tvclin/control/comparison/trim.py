@@ -131,7 +131,7 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
     >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     >>> c = tv.compare_with_trim(plant, tv.canonical_gains(plant.coefficients), wind)
     >>> round(c.relative, 3), round(c.boundaries[1.0] / c.trim_deflection, 3)
-    (1.707, 0.687)
+    (1.622, 0.654)
     """
     instance("plant", plant, Plant, "see Plant.from_vehicle")
     instance("autopilot", autopilot, Autopilot, "see design_gains")

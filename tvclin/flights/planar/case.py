@@ -89,7 +89,7 @@ class PlanarCase:
         if isinstance(control, History):
             return self._by_history(control, limit)
         if isinstance(control, ReportControl):
-            design = Plant.from_vehicle(self.motion.vehicle, plane=self.motion.plane)
+            design = Plant.from_vehicle(self.motion.vehicle, "fixed-path", self.motion.plane)
             control = _TrimThenHold(design, dead_band=control.dead_band)
         law: Law = control
         if law.rate_noise[0]:

@@ -139,7 +139,7 @@ class SixDof:
         if isinstance(control, History):
             return by_history(control, air.times, self.step, limit)
         if isinstance(control, ReportControl):
-            trim = TrimLaw(Plant.from_vehicle(self.vehicle, plane=self.plane))
+            trim = TrimLaw(Plant.from_vehicle(self.vehicle, "fixed-path", self.plane))
             return TrimThenHold(trim, limit, control.dead_band, air.wind, air.times, self.step)
         if actuator is not None and self.step * float(actuator.natural_frequency) > _PER_SERVO:
             raise InputError(

@@ -29,12 +29,14 @@ class Answer:
     durations, boundary : ndarray
         The deflection that is needed [rad] over the duration of the wind [s], ``(n,)``; the
         second is None where there is no answer, as are the next three.
+    whole : bool
+        Whether that is the whole curve.
     required : float or None
         The same at the chosen duration [rad].
     motion : Motion or None
         Response or flight over time.
     margins : Margins or None
-        Of the gains.
+        Of the law's gains, if it has any.
     verdict : str
         One or two sentences.
     notes : tuple of str
@@ -44,6 +46,7 @@ class Answer:
     choices: Choices
     durations: FloatArray
     boundary: FloatArray | None
+    whole: bool
     required: float | None
     motion: parts.Motion | None
     margins: Margins | None
@@ -51,28 +54,34 @@ class Answer:
     notes: tuple[str, ...]
 
 
-def answer(choices: Choices) -> Answer:
-    """Return all numbers for the choices.
+def answer(choices: Choices, most: int | None = None) -> Answer:
+    """Return all numbers for the choices, with at most so many pieces of the curve.
 
     A part that cannot be answered, such as a law for a stable vehicle, is None and has its reason
     among the notes.
     """
     c = choices
-    plant = c.vehicle, c.plane, c.model
-    curve = parts.boundary_curve(*plant, c.shape, c.dead_band)
-    point = parts.boundary_point(*plant, c.shape, c.dead_band, c.duration)
-    margins = parts.loop_margins(*plant, c.attitude_gain, c.rate_gain, c.delay)
+    plant, law = (c.vehicle, c.plane, c.model), (c.law, _own_numbers(c))
+    durations = parts.pieces(c.model, c.dead_band)
+    known = durations[:most]
+    wanted = *plant, c.shape, c.dead_band
+    curve = [parts.boundary(*wanted, piece) for piece in known]
+    point = parts.boundary(*wanted, (c.duration,))
+    margins = parts.loop_margins(*plant, law, c.delay)
     wind = c.shape, c.duration, c.peak
-    motion = parts.motion(*plant, wind, c.limit, (c.law, _own_numbers(c)))
-    boundary = None if curve.value is None else curve.value * abs(c.peak)
-    required = None if point.value is None else point.value * abs(c.peak)
-    notes = [note for part in (curve, point, motion, margins) for note in part.notes]
+    motion = parts.motion(*plant, wind, c.limit, law)
+    values = [piece.value for piece in curve]
+    unknown = point.value is None or any(value is None for value in values)
+    boundary = None if unknown else np.concatenate([[], *values]) * abs(c.peak)
+    required = None if point.value is None else float(point.value[0]) * abs(c.peak)
+    notes = [note for part in (*curve, point, motion, margins) for note in part.notes]
     if c.law == REPORT and required is not None and c.limit > required > 0.0:
         notes.append(_HELD)
     return Answer(
         choices=c,
-        durations=parts.DURATIONS,
+        durations=np.concatenate([[], *known]),
         boundary=boundary,
+        whole=len(known) == len(durations),
         required=required,
         motion=motion.value,
         margins=margins.value,

@@ -4,12 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.linear.plant import USUAL_MODEL
 from tvclin.vehicle.vehicle import Vehicle
 
 REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"
 GAINS, HALF_RELIEF = "attitude and rate", "half relief"
 RECOVERABLE = "recoverable attitude"
 LAWS = (REPORT, TRIM, DEAD_BAND, GAINS, HALF_RELIEF, RECOVERABLE)
+_OF_LAWS = {"attitude_gain": (GAINS,), "rate_gain": (GAINS,), "delay": (GAINS, HALF_RELIEF)}
+"""Fields that count with some laws only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,14 +36,14 @@ class Choices:
     law : str
         One of `LAWS`: what turns the nozzle.
     attitude_gain, rate_gain : float
-        a0 [rad/rad] and a1 [s], of the margins and of the law of attitude and rate.
+        a0 [rad/rad] and a1 [s], of the law of attitude and rate.
     delay : float
-        Delay of the loop [s], of the margins only.
+        Delay of the loop [s], of the margins of a law that has them, and not of its flight.
     """
 
     vehicle: Vehicle
     plane: str = "pitch"
-    model: str = "drift"
+    model: str = USUAL_MODEL
     shape: str = "triangular"
     duration: float = 7.5
     peak: float = float(np.radians(5.0))
@@ -50,3 +53,12 @@ class Choices:
     attitude_gain: float = 0.5
     rate_gain: float = 0.55
     delay: float = 0.02
+
+
+def idle(law: str) -> dict[str, str]:
+    """Return the fields that change nothing with a law, each with the reason."""
+    return {
+        field: f"counts only with the law {' or '.join(laws)}"
+        for field, laws in _OF_LAWS.items()
+        if law not in laws
+    }

@@ -3,10 +3,8 @@
 import json
 
 _WORDS = """\
-# How much deflection must this booster have?
-
-Run the cell below (Shift+Enter), then move anything: the picture, the margins and the verdict
-follow. Angles are in degrees."""
+**How much deflection must this booster have?** Move anything: picture, margins and verdict
+follow."""
 
 
 def notebook_text(vehicle: str) -> str:

@@ -1,6 +1,8 @@
 """The widgets, and what happens when one is moved."""
 
+import asyncio
 from html import escape
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -8,11 +10,13 @@ import numpy as np
 from tvclin.answers.flexible import flexible_plant, shift_words
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
-from tvclin.linear.plant import MODELS
+from tvclin.linear.plant import MODELS, USUAL_MODEL
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import LAWS, Choices
+from tvclin.show.explorer.choices import GAINS, LAWS, TRIM, Choices, idle
+from tvclin.show.explorer.lab import end, is_open
 from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import new_picture, round_up
+from tvclin.show.explorer.study import write_study
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.file import list_vehicles, load_vehicle
 from tvclin.vehicle.structure_file import load_structure
@@ -22,6 +26,8 @@ from tvclin.winds.shaped import PULSES
 _PEAK = 5.0
 _TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
 _WIDE = {"description_width": "115px"}
+_PATIENCE = 0.3
+"""A picture waits so long [s] for its curve; the rest is drawn as it is found."""
 
 Slider = tuple[str, float, float, float, float]
 """Label, start, least, largest and step."""
@@ -38,8 +44,11 @@ class Panel:
         What is said.
     image : Image
         The picture.
-    canonical : Button
-        Sets the gains to the report's.
+    canonical, study, end : Button
+        Sets the gains to the report's; writes a study file; ends JupyterLab, where
+        `tvclin explore` has started it.
+    said : HTML
+        What a button did.
     box : HBox
         All of it, to be shown.
     """
@@ -53,13 +62,23 @@ class Panel:
         }
         self._picture = new_picture()
         self.controls = _controls(widgets, first, self._vehicles)
-        self.canonical = widgets.Button(description="canonical gains")
-        self.verdict, self.notes, self.margins = (widgets.HTML() for _ in range(3))
+        self.canonical, self.study, self.end = (
+            widgets.Button(description=label, tooltip=does)
+            for label, does in (
+                ("canonical gains", "the report's a0 and a1 for this vehicle"),
+                ("write study file", "what is set here, for tvclin study and tvclin report"),
+                ("End", "ends JupyterLab and what it runs; save the notebook first"),
+            )
+        )
+        self.verdict, self.notes, self.margins, self.said = (widgets.HTML() for _ in range(4))
         self.image = widgets.Image(format="png", layout={"max_width": "100%"})
         self.box = self._arranged(widgets)
         for control in self.controls.values():
             control.observe(self._show, "value")
         self.canonical.on_click(self._set_canonical_gains)
+        self.study.on_click(self._write_study)
+        self.end.on_click(self._end)
+        self._rest: asyncio.TimerHandle | None = None
         self._show()
 
     @property
@@ -75,7 +94,34 @@ class Panel:
         )
 
     def _show(self, _change: Any = None) -> None:
-        found = answer(self.choices)
+        choices = self.choices
+        reasons = idle(choices.law)
+        for field, control in self.controls.items():
+            control.disabled, control.tooltip = field in reasons, reasons.get(field)
+        self.canonical.disabled = choices.law != GAINS
+        self._complete(choices, 0)
+
+    def _complete(self, choices: Choices, known: int) -> None:
+        """Show what is known of the curve some time later, and go on where it is not whole.
+
+        Between two pictures the kernel takes what was moved meanwhile.
+        """
+        if self._rest is not None:
+            self._rest.cancel()
+        begun, found = perf_counter(), answer(choices, known)
+        while not found.whole and perf_counter() - begun < _PATIENCE:
+            known += 1
+            found = answer(choices, known)
+        self._draw(found)
+        if not found.whole:
+            try:
+                loop = asyncio.get_running_loop()
+            except RuntimeError:  # not in a notebook
+                self._draw(answer(choices))
+            else:
+                self._rest = loop.call_later(0.05, self._complete, choices, known)
+
+    def _draw(self, found: Answer) -> None:
         self.verdict.value = _paragraphs(found.verdict, weight="bold")
         self.margins.value = _paragraphs(_margins(found))
         bends = _bends(self.controls["vehicle"].value, self._source, found.choices)
@@ -92,6 +138,19 @@ class Panel:
         for field in ("attitude_gain", "rate_gain"):
             self.controls[field].value = float(getattr(gains, field))
 
+    def _write_study(self, _button: Any) -> None:
+        try:
+            path = write_study(self.choices, self.controls["vehicle"].value)
+        except InputError as error:
+            self.said.value = _paragraphs(str(error))
+            return
+        commands = f"tvclin study {path.name}, tvclin report {path.name}"
+        self.said.value = _paragraphs(f"Wrote {path}, for: {commands}")
+
+    def _end(self, _button: Any) -> None:
+        self.said.value = _paragraphs("JupyterLab has ended; close this page.")
+        end()
+
     def _arranged(self, widgets: Any) -> Any:
         groups = (
             ("vehicle", "plane", "model"),
@@ -100,9 +159,13 @@ class Panel:
             ("attitude_gain", "rate_gain", "delay"),
         )
         column = [self.controls[field] for group in groups for field in group]
-        left = widgets.VBox([*column, self.canonical], layout={"flex": "0 0 310px"})
+        buttons = [self.canonical, self.study, *[self.end] * is_open()]
+        left = widgets.VBox(
+            [*column, widgets.HBox(buttons, layout={"flex_flow": "row wrap"})],
+            layout={"flex": "0 0 310px"},
+        )
         right = widgets.VBox(
-            [self.verdict, self.image, self.margins, self.notes],
+            [self.verdict, self.image, self.margins, self.notes, self.said],
             layout={"flex": "1 1 350px", "min_width": "0"},
         )
         return widgets.HBox([left, right], layout={"flex_flow": "row wrap"})
@@ -157,9 +220,9 @@ def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[st
     lists = {
         "vehicle": ("vehicle", vehicles, first),
         "plane": ("plane", PLANES, "pitch"),
-        "model": ("model", MODELS, "drift"),
+        "model": ("model", MODELS, USUAL_MODEL),
         "shape": ("wind shape", PULSES, "triangular"),
-        "law": ("law", LAWS, LAWS[1]),
+        "law": ("law", LAWS, TRIM),
     }
     controls: dict[str, Any] = {
         field: widgets.Dropdown(description=label, options=list(options), value=value, style=_WIDE)
@@ -224,7 +287,7 @@ def _paragraphs(*texts: str, weight: str = "normal") -> str:
 def _margins(found: Answer) -> str:
     m = found.margins
     if m is None:
-        return "Margins: none."
+        return f"Margins: none, with the law {found.choices.law}."
     if m.reason:
         return f"Margins: none, {m.reason}."
     return (

@@ -6,7 +6,7 @@ change is not computed again.
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, wraps
 from typing import Any
 
@@ -26,7 +26,7 @@ from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
 from tvclin.control.laws.trim import TrimLaw
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.fly import fly
-from tvclin.kernels.choice import pinned
+from tvclin.kernels.choice import compiling_nothing
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
@@ -54,7 +54,7 @@ SAMPLE_RATE = 20.0
 """Samples of a flown law [Hz], where the vehicle is no faster than 1/s."""
 _AFTER, _LONGEST_AFTER = 6.0, 20.0
 """A response is followed so long after the wind, times beta, and at most so many seconds."""
-_KEPT = 32
+_KEPT = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +88,13 @@ class Motion:
 def _part(compute: Callable[..., Any]) -> Callable[..., Part]:
     """Keep what is found, with warnings and refusals as sentences beside it.
 
-    Without compiled kernels: a slider must not wait until they are compiled.
+    A slider must not wait until kernels are compiled; those that are compiled already are taken.
     """
 
     @lru_cache(maxsize=_KEPT)
     @wraps(compute)
     def found(*plain: Any) -> Part:
-        with pinned(False), warnings.catch_warnings(record=True) as said:
+        with compiling_nothing(), warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always", UserWarning)
             try:
                 value = compute(*plain)
@@ -117,23 +117,28 @@ def plant_of(vehicle: Vehicle, plane: str, model: str) -> Plant:
     return Plant(Coefficients.from_vehicle(vehicle, plane), model)
 
 
+def pieces(model: str, dead_band: float) -> list[tuple[float, ...]]:
+    """Return `DURATIONS` in pieces: one by one where the trim law may have to be flown for each."""
+    each = tuple(DURATIONS.tolist())
+    slow = model != "fixed-path" and (dead_band == 1.0 or model == "drift-and-speed")
+    return [(one,) for one in each] if slow else [each]
+
+
 @_part
-def boundary_curve(
-    vehicle: Vehicle, plane: str, model: str, shape: str, dead_band: float
+def boundary(
+    vehicle: Vehicle,
+    plane: str,
+    model: str,
+    shape: str,
+    dead_band: float,
+    durations: tuple[float, ...],
 ) -> FloatArray:
-    """Return the deflection that is needed per wind angle [rad/rad] at each of `DURATIONS`."""
-    return _needed(plant_of(vehicle, plane, model), shape, dead_band, DURATIONS)
+    """Return the deflection that is needed per wind angle [rad/rad] at durations [s], ``(n,)``."""
+    plant = plant_of(vehicle, plane, model)
+    return np.asarray(_needed(plant, shape, dead_band, np.array(durations)))
 
 
-@_part
-def boundary_point(
-    vehicle: Vehicle, plane: str, model: str, shape: str, dead_band: float, duration: float
-) -> float:
-    """Return the deflection that is needed per wind angle [rad/rad] at one duration [s]."""
-    return float(_needed(plant_of(vehicle, plane, model), shape, dead_band, duration))
-
-
-def _needed(plant: Plant, shape: str, dead_band: float, duration: Any) -> Any:
+def _needed(plant: Plant, shape: str, dead_band: float, duration: FloatArray) -> Any:
     """Linear in the peak, which is why the peak is not asked for."""
     limit = _closed_form(plant, one_of("shape", shape, PULSES), dead_band, duration)
     if np.all(np.isfinite(limit)):
@@ -156,21 +161,14 @@ def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> A
 
 @_part
 def loop_margins(
-    vehicle: Vehicle,
-    plane: str,
-    model: str,
-    attitude_gain: float,
-    rate_gain: float,
-    delay: float,
-) -> Margins:
-    """Return the margins of the gains, with `ACTUATOR` and a delay [s]."""
-    autopilot = Autopilot(
-        attitude_gain=attitude_gain,
-        rate_gain=rate_gain,
-        actuator=Actuator(**ACTUATOR),
-        delay=delay,
-    )
-    return autopilot.margins(plant_of(vehicle, plane, model))
+    vehicle: Vehicle, plane: str, model: str, law: tuple[str, tuple[float, ...]], delay: float
+) -> Margins | None:
+    """Return the margins of a law's gains, with `ACTUATOR` and a delay [s]; None if it has none."""
+    plant = plant_of(vehicle, plane, model)
+    gains = gains_of(plant, *law)
+    if gains is None:
+        return None
+    return replace(gains, actuator=Actuator(**ACTUATOR), delay=delay).margins(plant)
 
 
 @_part
@@ -222,15 +220,21 @@ def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> 
     InputError
         For a name that is no law, and as the law itself.
     """
-    if name == GAINS:
-        return SaturatedLaw(Autopilot(attitude_gain=numbers[0], rate_gain=numbers[1]))
-    if name == HALF_RELIEF:
-        return SaturatedLaw(half_relief_gains(plant.coefficients))
+    gains = gains_of(plant, name, numbers)
+    if gains is not None:
+        return SaturatedLaw(gains)
     if name == RECOVERABLE:
         return RecoverableAttitudeLaw(plant, design_peak=peak)
-    fixed = Plant.from_coefficients(plant.coefficients)
+    fixed = Plant(plant.coefficients, "fixed-path")
     one_of("law", name, (TRIM, DEAD_BAND))
     return TrimLaw(fixed) if name == TRIM else DeadBandLaw(fixed, dead_band=numbers[0])
+
+
+def gains_of(plant: Plant, name: str, numbers: tuple[float, ...]) -> Autopilot | None:
+    """Return the gains of a law by its name; None where it is none of constant gains."""
+    if name == GAINS:
+        return Autopilot(attitude_gain=numbers[0], rate_gain=numbers[1])
+    return half_relief_gains(plant.coefficients) if name == HALF_RELIEF else None
 
 
 def _recoverable(plant: Plant, seen: FloatArray, limit: float) -> bool | None:

@@ -187,7 +187,7 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
     time, attitude = (np.asarray(one) for one in data["attitude.attitude"])
     shown = [*np.abs(attitude[time <= calm]), *np.abs(data["attitude.wind"][1])]
     tall = round_up(min(_SPARE * max(shown, default=1.0), _LARGEST))
-    needed = max([limit, *data["boundary.curve"][1]])
+    needed = max([limit, *data["boundary.curve"][1], *data["boundary.point"][1]])
     long = (0.0, round_up(max(float(time[-1]) if time.size else calm, 1.0)))
     turned = round_up(1.05 * limit)
     return {

@@ -11,47 +11,43 @@ from tvclin.base.lines import Line, degrees, number
 from tvclin.plots import availability_chart
 from tvclin.show.report.blocks import (
     Block,
-    Check,
-    Checks,
     Figure,
     Paragraph,
     Section,
     Table,
-    no_answer,
+    checks,
+    section_of,
 )
 from tvclin.show.report.figures import inline_svg
 
-_TITLE = "On how many days it flies"
 _MONTHS = "January February March April May June July August September October November December"
 _PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
 
 
 def availability(found: Findings) -> Section | None:
     """Return which part of an archive's soundings flies, by month and over the limit."""
-    if "availability" in found.reasons:
-        return no_answer("availability", _TITLE, found.reasons["availability"])
+    return section_of(found, "availability", "availability", "On how many days it flies", _blocks)
+
+
+def _blocks(found: Findings) -> list[Block]:
     a = found.availability
-    if a is None:
-        return None
+    assert a is not None
     whole = a.part()
     blocks: list[Block] = [Paragraph(_answer(a, whole)), Paragraph((_how(a),))]
     if np.nanmax(a.most, initial=0.0) > 0.0:
         label = "The part of soundings that fly, over the deflection limit"
-        blocks.append(
-            Figure(
-                label,
-                "Soundings that fly over those that are judged, by the deflection limit, with the"
-                " ends of the interval. The line upright is the limit in question.",
-                inline_svg(availability_chart(a), "availability", label),
-            )
+        caption = (
+            "Part of the judged soundings in which a limit is enough, over that limit, with its"
+            " confidence interval. The vertical line is the limit in question."
         )
+        svg = inline_svg(availability_chart(a), "availability", label)
+        blocks.append(Figure(label, caption, svg))
     blocks.append(_by_month(a))
     if whole.judged:
         blocks.append(_placard(a))
     if whole.unknown:
         blocks.append(_unknown(a))
-    notes = tuple(Check("doubt", (f"{note}.",)) for note in a.notes)
-    return Section("availability", _TITLE, (*blocks, *([Checks(notes)] if notes else [])))
+    return [*blocks, *checks(a.notes)]
 
 
 def _answer(a: Availability, whole: Part) -> Line:
@@ -61,27 +57,27 @@ def _answer(a: Availability, whole: Part) -> Line:
         return ("Of the limit of ", *limit, " nothing can be said: all ", *unknown, " are unknown.")
     low, high = whole.bounds
     apart: Line = (
-        " Of ",
+        " It is not known of ",
         *unknown,
-        " more it is not known; whatever they were, it is ",
-        *number("availability.least_percent", 100.0 * low, 1),
-        " to ",
+        " more: with all of them lost the part is ",
+        *number("availability.least_percent", 100.0 * low, 1, "%"),
+        ", with all of them flown ",
         *number("availability.most_percent", 100.0 * high, 1, "%."),
     )
     return (
         "The limit of ",
         *limit,
-        " is enough for ",
+        " is enough in ",
         *number("availability.flown", whole.flown, 0),
         " of ",
         *number("availability.judged", whole.judged, 0),
         " soundings, ",
         *number("availability.part_percent", 100.0 * whole.part, 1, "%"),
-        f"; {100.0 * whole.confidence:g} % interval ",
+        f", with a {100.0 * whole.confidence:g} % confidence interval from ",
         *number("availability.lower_percent", 100.0 * whole.lower, 1),
         " to ",
         *number("availability.upper_percent", 100.0 * whole.upper, 1, "%"),
-        ", as of ",
+        ": they count as ",
         *number("availability.effective", whole.effective, 0),
         " independent ones.",
         *(apart if whole.unknown else ()),
@@ -94,10 +90,10 @@ def _how(a: Availability) -> str:
     station = a.soundings.station or "an archive"
     planes = "both planes" if a.plane == "both" else f"the {a.plane} plane"
     return (
-        f"Each of the {len(a.soundings)} winds of {station} from {first} to {last} is flown through"
-        f" towards {azimuth} deg, with parameters that vary, on the {a.model} model in {planes},"
-        " with trim up to the limit (K = 1), which needs no forecast. What a balloon did not see is"
-        " unknown, and in no part."
+        f"The vehicle flies towards {azimuth} deg through each of the {len(a.soundings)} winds of"
+        f" {station} from {first} to {last}. It varies while the wind blows, on the {a.model} model"
+        f" in {planes}, and is trimmed up to the limit (K = 1), which needs no forecast. A wind"
+        " that the balloon did not see is unknown, and counts in no part."
     )
 
 
@@ -110,7 +106,7 @@ def _by_month(a: Availability) -> Table:
         cells = [number(f"{key}.{name}", value, 0) for name, value in counts.items()]
         cells += [number(f"{key}.{k}_percent", 100.0 * x, 1) for k, x in shares.items()]
         rows.append(((names[month - 1],), *cells))
-    head = ("month", "flown", "of", "unknown", "flown [%]", "from", "to")
+    head = ("month", "enough in", "of", "unknown", "part [%]", "from [%]", "to [%]")
     return Table("By month", head, tuple(rows))
 
 
@@ -120,7 +116,7 @@ def _placard(a: Availability) -> Table:
         ((f"{100.0 * part:g} %",), degrees(f"availability.placard.{100.0 * part:g}", limit))
         for part, limit in limits
     )
-    return Table("The limit that is enough for so many", ("part", "limit [deg]"), rows)
+    return Table("Limit that is enough in a part of soundings", ("part", "limit [deg]"), rows)
 
 
 def _unknown(a: Availability) -> Table:
@@ -130,4 +126,4 @@ def _unknown(a: Availability) -> Table:
         ((why,), number(f"availability.unknown.{i}", count, 0))
         for i, (why, count) in enumerate(reasons.most_common())
     )
-    return Table("Unknown soundings", ("why", "how many"), rows)
+    return Table("Unknown soundings", ("why", "number"), rows)

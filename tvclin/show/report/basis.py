@@ -1,15 +1,28 @@
-"""What the page rests on: assumptions, equations, inputs and versions."""
+"""What the page rests on: assumptions, equations, inputs and versions, and its words."""
 
 import platform
+import re
+from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 
 import numpy as np
 
 from tvclin.answers.findings import Findings
+from tvclin.answers.glossary import SYMBOLS, TERMS
 from tvclin.answers.study import OUTLASTS, outlasts_one_pole
-from tvclin.base.lines import Line, significant
+from tvclin.base.lines import Formula, Line, significant, text
 from tvclin.boundary.optimum.two_poles import single_pole_validity
-from tvclin.show.report.blocks import Check, Checks, Paragraph, Section, Table
+from tvclin.show.report.blocks import (
+    Check,
+    Checks,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+    as_sentence,
+    checks,
+    labelled,
+)
 from tvclin.show.reproduce.claims import equations as every_equation
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
@@ -33,40 +46,36 @@ _BY_SHAPE = {
 def assumptions(found: Findings) -> Section:
     """Return what the numbers assume, and whether it holds here."""
     s = found.study
-    checks = [_one_pole(found)]
-    for name, one in s.boundaries.items():
-        odd = dict.fromkeys(str(status) for status in one.status if status != "ok")
-        checks += [Check("doubt", (f"{name}: {status}.",)) for status in odd]
-    checks += [Check("doubt", (f"{note}.",)) for note in s.notes if OUTLASTS not in note]
-    checks += [Check("doubt", (f"{one}.",)) for one in found.warnings]
+    odd = [
+        f"boundaries on the {name} model: {status}"
+        for name, one in s.boundaries.items()
+        for status in dict.fromkeys(str(status) for status in one.status if status != "ok")
+    ]
+    odd += [note for note in s.notes if OUTLASTS not in note]
+    odd += found.warnings
     if found.comparison is not None:
         notes = dict.fromkeys((*found.comparison.margins.notes, *found.comparison.notes))
-        checks += [Check("doubt", (f"autopilot: {note}.",)) for note in notes]
-    checks += [
-        Check(
-            "reader",
-            (
-                "The vehicle is rigid, and its numbers stay as they are while the wind blows; the"
-                " motion is planar and linear about the nominal flight.",
-            ),
-        ),
-        Check("reader", ("The deflection limit is sharp, and no rate limit counts.",)),
-        Check("reader", (_left_out(found),)),
+        odd += [f"autopilot: {note}" for note in notes]
+    assumed = [
+        "the vehicle is rigid, and its numbers stay as they are while the wind blows; the motion is"
+        " planar, linear, and a deviation from the nominal flight",
+        "the engine stops sharply at its limit; a limit of its rate does not count",
+        _left_out(found),
     ]
     if found.dispersed is not None:
-        checks.append(
-            Check("reader", ("The dispersions are those of the input, and as good as it is.",))
-        )
-    return Section("assumptions", "Assumptions", (Checks(tuple(checks)),))
+        assumed.append("the dispersions are those of the input, and as good as it is")
+    return Section(
+        "assumptions", "Assumptions", (Checks((_one_pole(found),)), *checks(odd, assumed))
+    )
 
 
 def _left_out(found: Findings) -> str:
     damped = "" if found.study.coefficients.damping else ", damping of the attitude rate"
     if found.plan.structure is None:
-        return f"Bending, slosh{damped} and sensor noise are left out."
+        return f"bending, slosh{damped} and sensor noise are left out"
     return (
-        "Bending and slosh count for the autopilot alone, and are left out of all else; sensor"
-        f" noise{damped} is left out."
+        "bending and slosh count for the autopilot alone, and are left out of all else; sensor"
+        f" noise{damped} is left out"
     )
 
 
@@ -81,14 +90,18 @@ def equations(found: Findings) -> Section:
             used[_BY_SHAPE[s.shape, drifts]] = f"the boundary, {name}"
         if drifts:
             used["(15b)"] = "K1"
-    texts = {one["id"]: _as_it_should_read(one) for one in every_equation()}
-    rows = tuple(((key,), (texts[key],), (used[key],)) for key in texts if key in used)
+    rows: list[tuple[Line, ...]] = [
+        ((one["id"],), (Formula(one["tex"], _as_it_should_read(one)),), (used[one["id"]],))
+        for one in every_equation()
+        if one["id"] in used
+    ]
     words = (
         "Numbers are those of Borsody and Teren (NASA Lewis Research Center, 1968), with the errors"
-        " of the print corrected; variables are deviations from the nominal flight. Models with"
-        " more poles than the equation has are solved by the same condition (4b)."
+        " of the print corrected. Variables are deviations from the nominal flight, and L is the"
+        " Laplace transform. A model with more poles than its equation has is solved by the same"
+        " condition (4b)."
     )
-    table = Table("Equations", ("number", "as it should read", "used for"), rows)
+    table = Table("Equations", ("number", "as it should read", "used for"), tuple(rows))
     return Section("equations", "Equations", (table, Paragraph((words,))))
 
 
@@ -97,9 +110,44 @@ def origin(found: Findings) -> Section:
     rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (found.seal,))]
     rows += [((name,), (version(name),)) for name in _PACKAGES]
     rows.append((("Python",), (platform.python_version(),)))
-    words = "The same inputs and versions give the same page, to the last byte."
+    words = "The same study file and versions give the same page, to the last byte."
     table = Table("Inputs and versions", ("what", "which"), tuple(rows))
     return Section("origin", "Origin", (table, Paragraph((words,))))
+
+
+def glossary(sections: Sequence[Section]) -> Section:
+    """Return what the symbols and terms of these sections mean."""
+    words = " ".join(_texts(sections))
+    used: list[tuple[Line, ...]] = [
+        (_symbols(name), (as_sentence(meaning),))
+        for name, meaning in SYMBOLS.items()
+        if re.search(rf"(?<!\w){name.partition(',')[0]}(?!\w)", words)
+    ]
+    used += [
+        ((name,), (as_sentence(meaning),))
+        for name, meaning in TERMS.items()
+        if re.search(rf"\b{name}", words, re.IGNORECASE)
+    ]
+    table = Table("Symbols and terms of this page", ("what", "meaning"), tuple(used))
+    return Section("glossary", "Glossary", (table,))
+
+
+def _symbols(names: str) -> Line:
+    """One symbol, or several with commas between."""
+    first, *others = (labelled(one)[-1] for one in names.split(", "))
+    return (first, *(part for one in others for part in (", ", one)))
+
+
+def _texts(sections: Sequence[Section]) -> Iterator[str]:
+    """All that stands in sections, but the figures themselves."""
+    for block in (block for section in sections for block in section.blocks):
+        if isinstance(block, Table):
+            yield from (block.caption, *block.head)
+            yield from (text(line) for row in block.rows for line in row)
+        elif isinstance(block, Checks):
+            yield from (text(one.line) for one in block.each)
+        else:
+            yield block.caption if isinstance(block, Figure) else text(block.line)
 
 
 def _one_pole(found: Findings) -> Check:
@@ -107,18 +155,19 @@ def _one_pole(found: Findings) -> Check:
     s = found.study
     edge = float(single_pole_validity(s.coefficients))
     if np.isnan(edge):
-        words = "How long one pole is enough is not defined: there are no two real unstable poles."
+        words = (
+            "Up to which duration the slow motion of the flight path may be neglected is not"
+            " defined: the vehicle has no two real unstable poles."
+        )
         return Check("reader", (words,))
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
-    upto = significant("validity.edge", edge, unit="s")
+    upto = significant("validity.edge", edge, 3, unit="s")
     if outlasts_one_pole(s):
-        needs = "; the slow mode of the flight path may then need more than the boundary says."
-        line = ("One pole is not enough: the wind lasts ", *tau, ", longer than ", *upto, needs)
-        return Check("doubt", line)
-    return Check(
-        "ok",
-        ("One unstable pole is enough: the wind lasts ", *tau, ", not longer than ", *upto, "."),
-    )
+        begin = "The slow motion of the flight path counts: the wind lasts "
+        end = " up to which it may be neglected; more may be needed than the boundary says."
+        return Check("doubt", (begin, *tau, ", longer than the ", *upto, end))
+    begin = "The slow motion of the flight path may be neglected: the wind lasts "
+    return Check("ok", (begin, *tau, ", not longer than ", *upto, "."))
 
 
 def _as_it_should_read(equation: dict[str, str]) -> str:

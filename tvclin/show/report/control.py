@@ -7,9 +7,9 @@ import numpy as np
 from tvclin.answers.campaign.statistics import shares
 from tvclin.answers.findings import Findings, gains_of
 from tvclin.answers.flexible import nozzle_of
-from tvclin.answers.trials import LawTrial, standard_winds
+from tvclin.answers.trials import LawsAsked, LawTrial, standard_winds
 from tvclin.base.errors import InputError
-from tvclin.base.lines import Line, degrees, number, significant
+from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.comparison.trim import TrimComparison
@@ -19,74 +19,103 @@ from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargin
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
-from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, no_answer, pairs
+from tvclin.show.report.blocks import (
+    Block,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+    checks,
+    labelled,
+    margin,
+    pairs,
+    section_of,
+)
 from tvclin.show.report.figures import inline_svg
+from tvclin.show.report.sections import LEAST
+
+_ACROSS = 3
+"""Winds beside each other in a table of laws."""
+_CHANGES = {
+    "gain_fall": "gain falls",
+    "gain_rise": "gain rises",
+    "effectiveness_fall": "effectiveness falls",
+    "effectiveness_rise": "effectiveness rises",
+    "delay": "further delay",
+}
+_CAUSES = {"lost": "the flight is lost", "rings": "the loop is unstable near rest"}
+_CAUSES |= {"undecided": "the flight is neither lost nor saved"}
 
 
 def laws(found: Findings) -> Section | None:
     """Return what each law needs in each wind, beside trim and the minimum."""
-    if "trials" in found.reasons:
-        return no_answer("laws", "Control laws", found.reasons["trials"])
-    if not found.trials or found.plan.laws is None:
-        return None
+    return section_of(found, "trials", "laws", "Control laws", _laws)
+
+
+def _laws(found: Findings) -> list[Block]:
     asked, s = found.plan.laws, found.study
-    plant = Plant(s.coefficients, asked.model)
-    every = standard_winds(s.wind.peak, s.wind.duration)
-    trials = {(one.law, one.wind): one for one in found.trials}
-    trim = s.trim_deflection
-    rows: list[tuple[Line, ...]] = [
-        (("ideal trim",), *_both("laws.trim", [1.0] * len(asked.winds), trim))
-    ]
-    for i, law in enumerate(asked.names):
-        cells: list[Line] = []
-        for j, wind in enumerate(asked.winds):
-            cells += _trial(f"laws.{i}.{j}", trials[law, wind], trim)
-        rows.append(((law,), *cells))
-    free, least = [], []
-    for wind in asked.winds:
-        free.append(_no_forecast(plant, every[wind]))
-        least.append(optimum_deflection(plant, every[wind]).peak / trim if trim else np.nan)
-    rows.append((("no forecast, any law",), *_both("laws.no_forecast", free, trim)))
-    rows.append((("minimum, wind known",), *_both("laws.minimum", least, trim)))
-    head = ("law", *(h for wind in asked.winds for h in (f"{wind}: over trim", f"{wind} [deg]")))
-    said = [f"{one.law}, {one.wind}: {one.status}." for one in found.trials if one.status != OK]
-    said += [
-        f"{one.law}, {one.wind}: some lower limits survive as well."
-        for one in found.trials
-        if not one.monotone
-    ]
-    flown, rate = f"the {asked.model} model", asked.sample_rate
+    assert asked is not None
+    flown, rate = f"the {found.plan.law_model} model", asked.sample_rate
     if found.plan.structure is not None:
         rate = nozzle_of(gains_of(found.plan), rate)["sample_rate"]
         flown += " of the flexible vehicle, with filters, actuator and delay of the autopilot"
     words = (
-        f"Each law is flown with limits on {flown}, sampled at {rate:g} Hz, in winds with the peak"
-        " and duration of this study. The number"
-        " is the least deflection limit above which every limit that was tried survives. Trim and"
-        " dead band hold the attitude and are designed on a fixed path."
-        + (" The gust is left out here." if s.gust is not None else "")
+        f"Each law is flown with a stop on {flown}, sampled at {rate:g} Hz, in winds with the peak"
+        " and duration of this study. The number is the least stop above which every one that was"
+        " tried survives. The laws trim and dead band hold the attitude, and are designed on a"
+        " fixed path." + (" The gust is left out here." if s.gust is not None else "")
     )
-    table = Table("Deflection limit that each law needs", head, tuple(rows))
-    blocks: tuple[Block, ...] = (table, Paragraph((" ".join([words, *said]),)))
-    return Section("laws", "Control laws", blocks)
+    odd = [f'"{one.law}" in "{one.wind}": {one.status}' for one in found.trials if one.status != OK]
+    odd += [
+        f'"{one.law}" in "{one.wind}": some lower limits survive as well'
+        for one in found.trials
+        if not one.monotone
+    ]
+    parts = [range(j, len(asked.winds))[:_ACROSS] for j in range(0, len(asked.winds), _ACROSS)]
+    tables = [_needed(found, asked, part) for part in parts]
+    return [*tables, Paragraph((words,)), *checks(odd)]
+
+
+def _needed(found: Findings, asked: LawsAsked, part: range) -> Table:
+    """What each law needs in some of the winds."""
+    s = found.study
+    plant = Plant(s.coefficients, found.plan.law_model)
+    every = standard_winds(s.wind.peak, s.wind.duration)
+    trials = {(one.law, one.wind): one for one in found.trials}
+    trim, winds = s.trim_deflection, {j: asked.winds[j] for j in part}
+    full = dict.fromkeys(winds, 1.0)
+    rows: list[tuple[Line, ...]] = [(("ideal trim",), *_both("laws.trim", full, trim))]
+    for i, law in enumerate(asked.names):
+        cells: list[Line] = []
+        for j, wind in winds.items():
+            cells += _trial(f"laws.{i}.{j}", trials[law, wind], trim)
+        rows.append(((law,), *cells))
+    free = {j: _no_forecast(plant, every[wind]) for j, wind in winds.items()}
+    known = {
+        j: optimum_deflection(plant, every[wind]).peak / trim if trim else np.nan
+        for j, wind in winds.items()
+    }
+    rows.append(((LEAST["forecast_free"],), *_both("laws.no_forecast", free, trim)))
+    rows.append(((LEAST["minimum"],), *_both("laws.minimum", known, trim)))
+    names = (h for wind in winds.values() for h in (f"{wind}: over trim", f"{wind} [deg]"))
+    return Table("Deflection limit that each law needs", ("law", *names), tuple(rows))
 
 
 def autopilot(found: Findings) -> Section | None:
     """Return gains, margins beside their criteria, and what the autopilot asks of the nozzle."""
-    if "comparison" in found.reasons:
-        return no_answer("margins", "Autopilot and margins", found.reasons["comparison"])
-    c = found.comparison
-    if c is None:
-        return None
-    f, judged = found.flexible, found.margins or c.margins
+    return section_of(found, "comparison", "margins", "Autopilot and margins", _autopilot)
+
+
+def _autopilot(found: Findings) -> list[Block]:
+    c, f = found.comparison, found.flexible
+    assert c is not None
     plant: AnyPlant = c.plant if f is None else f.plant
     margins = c.margins if f is None else f.bands.whole
-    met = found.criteria.are_met(judged)
-    verdict = "met" if met else "not met"
-    whose = "" if f is None else ", flexible"
+    verdict = "met" if found.criteria.are_met(found.margins or c.margins) else "not met"
+    whose = "" if f is None else " of the flexible vehicle"
     words = (
-        f"Criteria {found.criteria.name}: {verdict}. The loop is that of the {plant.model}"
-        f" model{whose}."
+        f'The criteria "{found.criteria.name}" are {verdict}. The loop is that of the'
+        f" {plant.model} model{whose}, without a stop."
     )
     blocks: list[Block] = [
         Paragraph((words,)),
@@ -108,18 +137,19 @@ def autopilot(found: Findings) -> Section | None:
         blocks.append(
             Figure(
                 label,
-                "What the autopilot, which has no limits here, asks of the nozzle in this wind.",
+                "Deflection that the autopilot without a stop asks for in this wind.",
                 inline_svg(comparison_chart(c), "comparison", label),
             )
         )
-    blocks += _flown(found)
-    return Section("margins", "Autopilot and margins", tuple(blocks))
+    if f is None and found.stop is not None and found.stop.status != OK:
+        blocks += checks([f"flown with a stop: {found.stop.status}"])
+    return blocks + _flown(found)
 
 
 def _flown(found: Findings) -> list[Block]:
     """What the limit leaves of the margins in this wind; nothing without a limit."""
     if "flown" in found.reasons:
-        return [Paragraph((f"Nothing is left of the margins: {found.reasons['flown']}.",))]
+        return [Paragraph((f"With this limit no margin is left in this wind: {_lost(found)}.",))]
     f = found.flown
     if f is None:
         return []
@@ -127,42 +157,50 @@ def _flown(found: Findings) -> list[Block]:
     for name in CHANGES:
         one: FlownMargin = getattr(f, name)
         cells = [
-            number(f"flown.{name}.{key}", 1000.0 * value, 1, "ms")
+            margin(f"flown.{name}.{key}", 1000.0 * value, "ms")
             if name == "delay"
-            else number(f"flown.{name}.{key}", replace(one, value=value).dB, 2, "dB")
+            else margin(f"flown.{name}.{key}", replace(one, value=value).dB, "dB")
             for key, value in (("value", one.value), ("near_rest", one.near_rest))
         ]
-        cause = "is lost" if one.cause == "lost" else one.cause
-        rows.append(((name.replace("_", " "),), cells[0], (cause,), cells[1]))
-    said = (
-        "So much may change before a flight through this wind with the limit in question is lost,"
-        " or the loop grows near rest. The limit is "
+        rows.append(((_CHANGES[name],), cells[0], (_CAUSES.get(one.cause, one.cause),), cells[1]))
+    words = (
+        "By so much one thing may change before a flight through this wind, with the limit as its"
+        " stop, is lost, or the loop becomes unstable near rest. The limit is ",
+        *number("flown.spare", f.spare, 2),
+        " times the least with which this autopilot survives.",
     )
-    spare = number("flown.spare", f.spare, 2)
-    words = (said, *spare, " times the least that this autopilot survives with.", *f.notes)
-    title = "What the limit leaves of the margins in this wind"
-    head = ("may change", "by", "then it", "near rest")
-    return [Table(title, head, tuple(rows)), Paragraph(words)]
+    title = "Margins that the limit leaves in this wind"
+    head = ("change", "margin", "what fails then", "margin near rest")
+    return [Table(title, head, tuple(rows)), Paragraph(words), *checks(f.notes)]
+
+
+def _lost(found: Findings) -> str:
+    """Why the flight with the limit has no margins."""
+    stop, limit = found.stop, found.study.limit
+    if stop is None or limit is None or not abs(stop.deflection) * found.study.of_both > limit:
+        return found.reasons["flown"]
+    least, have = np.degrees(abs(stop.deflection) * found.study.of_both), np.degrees(limit)
+    if np.isinf(least):
+        return f"flown with a stop of {have:.3f} deg or more, the autopilot does not survive"
+    return f"the autopilot needs a stop of {least:.3f} deg, flown, and has {have:.3f} deg"
 
 
 def dispersed(found: Findings) -> Section | None:
     """Return what covers a dispersed vehicle in a dispersed wind."""
     title = "Dispersed vehicle and wind"
-    if "dispersed" in found.reasons:
-        return no_answer("dispersed", title, found.reasons["dispersed"])
+    return section_of(found, "dispersed", "dispersed", title, _dispersed)
+
+
+def _dispersed(found: Findings) -> list[Block]:
     d = found.dispersed
-    if d is None:
-        return None
+    assert d is not None
     r = d.required
     of_cases, of_flights = shares(r.probability, r.confidence)
     rows: list[tuple[Line, ...]] = [
         (("cases",), significant("dispersed.cases", r.cases, 9)),
         (("seed",), significant("dispersed.seed", d.seed, 9)),
         (("median",), degrees("dispersed.median", float(np.nanmedian(d.deflection)), unit="deg")),
-        (
-            (of_cases,),
-            degrees("dispersed.estimate", r.estimate, unit="deg"),
-        ),
+        ((of_cases,), degrees("dispersed.estimate", r.estimate, unit="deg")),
         (
             (of_flights,),
             ("too few cases to say",)
@@ -172,39 +210,37 @@ def dispersed(found: Findings) -> Section | None:
     ]
     if d.success is not None:
         rows += [
-            ((label,), number(f"dispersed.{key}", 100.0 * part, 2, "%"))
+            ((label,), number(f"dispersed.{key}", 100.0 * part, 1, "%"))
             for label, key, part in (
                 ("the limit is enough in", "success", d.success.estimate),
-                ("at least in", "success_lower", d.success.lower),
-                ("at most in", "success_upper", d.success.upper),
+                ("interval of that: from", "success_lower", d.success.lower),
+                ("to", "success_upper", d.success.upper),
             )
         ]
     drivers = tuple(
         ((name.replace("_", " "),), number(f"dispersed.driver.{name}", rank, 2))
         for name, rank in d.drivers.items()
     )
-    spreads = "; ".join(
-        f"{one.parameter.replace('_', ' ')}: {one.shape},"
-        f" {f'{100 * one.spread:g} %' if one.relative else f'{one.spread:g} in its SI unit'}"
+    spreads = ", ".join(
+        f"{one.parameter.replace('_', ' ')} ({one.shape},"
+        f" {f'{100 * one.spread:.4g} %' if one.relative else f'{one.spread:.4g} in its SI unit'})"
         for one in d.dispersions.each
     )
-    blocks = (
+    words = (
+        f"Dispersed are {spreads}. The number is one standard deviation, of a uniform distribution"
+        " half its width; a truncated one is normal and cut at three standard deviations."
+    )
+    return [
         Table("Deflection that covers the dispersions", ("quantity", "value"), tuple(rows)),
         Table("What drives it", ("parameter", "rank correlation"), drivers),
-        Paragraph(
-            (
-                f"Dispersed: {spreads}. The spread is one standard deviation, of a uniform"
-                " distribution half its width.",
-            )
-        ),
-    )
-    return Section("dispersed", title, blocks)
+        Paragraph((words,)),
+    ]
 
 
-def _both(key: str, parts: list[float], trim: float) -> list[Line]:
+def _both(key: str, parts: dict[int, float], trim: float) -> list[Line]:
     """Cells of a deflection in each wind: over trim, and in degrees."""
     cells: list[Line] = []
-    for j, part in enumerate(parts):
+    for j, part in parts.items():
         cells += [number(f"{key}.{j}.part", part), degrees(f"{key}.{j}", part * trim)]
     return cells
 
@@ -232,9 +268,9 @@ def _margins(found: Findings, whole: Margins) -> Block:
     rows: list[tuple[Line, ...]] = []
     for name, label, value, unit, at in whole.rows():
         row = [
-            (label,),
-            number(f"margin.{name}", value, 3, unit),
-            number(f"margin.{name}.rad_per_s", at, 3),
+            labelled(label),
+            margin(f"margin.{name}", value, unit),
+            significant(f"margin.{name}.rad_per_s", at, 3),
         ]
         one = judged.get(name)
         if one is None:
@@ -262,9 +298,17 @@ def _in_the_wind(found: Findings, c: TrimComparison) -> Block:
         (("ideal trim",), degrees("wind.trim", c.trim_deflection, unit="deg")),
         (("minimum, wind known",), degrees("wind.minimum", c.minimum, unit="deg")),
     ]
-    title = "The autopilot in this wind"
+    title = "The autopilot in this wind, without a stop"
     if found.flexible is not None:
         peak = degrees("wind.flexible", found.flexible.peak_deflection, unit="deg")
         rows.insert(1, (("the same, flexible vehicle",), peak))
         title += ", rigid vehicle"
+    if found.stop is not None:
+        stop = abs(float(found.stop.deflection)) * found.study.of_both
+        rows.append(
+            (
+                ("least stop that it survives with, flown",),
+                least(degrees("wind.stop", stop, unit="deg")),
+            )
+        )
     return Table(title, ("quantity", "value"), tuple(rows))

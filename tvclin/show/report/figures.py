@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from control import ControlPlot
 
-_WIDTH, _PANEL, _FOOT = 6.4, 2.6, 1.1
+_WIDTH, _PANEL, _FOOT = 6.4, 1.9, 1.1
 """Sizes [inch]: of a figure, of one panel where there are several, and of the legend."""
 _ALONE = 4.2
 _LINE, _TWO_COLUMNS = 0.21, 46

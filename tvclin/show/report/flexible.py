@@ -15,7 +15,7 @@ from tvclin.control.margins.record import MARGINS
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.plots import bode_chart
-from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, checks, margin
 from tvclin.show.report.figures import inline_svg
 from tvclin.vehicle.structure import Structure
 
@@ -97,8 +97,8 @@ def _words(plant: FlexiblePlant) -> Line:
     moved = shift_of(plant)
     if moved is None:
         return (f"{said}.",)
-    pole = number("flexible.shift.fast_pole", moved.fast_pole, 2, "percent")
-    price = number("flexible.shift.trim_price", moved.trim_price, 2, "percent")
+    pole = number("flexible.shift.fast_pole", moved.fast_pole, 1, "%")
+    price = number("flexible.shift.trim_price", moved.trim_price, 1, "%")
     ask = ", and the deflection that a wind asks for by "
     return (f"{said}; the structure would move its fast pole by ", *pole, ask, *price, ".")
 
@@ -114,13 +114,13 @@ def _modes(plant: FlexiblePlant) -> list[Block]:
         rows.append(
             (
                 (name,),
-                significant(f"{key}.rad_per_s", size),
-                significant(f"{key}.Hz", size / (2.0 * np.pi)),
-                significant(f"{key}.damping", -pole.real / size if size else np.nan),
+                significant(f"{key}.rad_per_s", size, 3),
+                significant(f"{key}.Hz", size / (2.0 * np.pi), 3),
+                significant(f"{key}.damping", -pole.real / size if size else np.nan, 3),
             )
         )
     head = ("mode", "[rad/s]", "[Hz]", "damping")
-    return [Table("Modes in the vehicle, free and coupled", head, tuple(rows))]
+    return [Table("Modes of the coupled vehicle, without an autopilot", head, tuple(rows))]
 
 
 def _bands(found: Findings, f: FlexibleAnswer) -> Table:
@@ -133,33 +133,33 @@ def _bands(found: Findings, f: FlexibleAnswer) -> Table:
         ("phase", "phase", rigid.phase_margin_deg, "deg", rigid.crossover_frequency),
     )
     for label, key, value, unit, at in parts if f.bands.whole.stable else ():
-        margin = number(f"flexible.rigid.{key}", value, 2, unit)
-        where = number(f"flexible.rigid.{key}.rad_per_s", at, 3)
-        rows.append(((f"rigid body, {label}",), ("",), where, margin, ("",), ("",)))
+        where = significant(f"flexible.rigid.{key}.rad_per_s", at, 3)
+        spare = margin(f"flexible.rigid.{key}", value, unit)
+        rows.append(((f"rigid body, {label}",), ("",), where, spare, ("",), ("",)))
     asked = {
         one.band: one
         for one in found.criteria.judge(f.bands)
         if one.band and not np.isnan(one.value)
     }
     rows += [_mode(k, mode, asked.get(mode.name)) for k, mode in enumerate(f.bands.modes)]
-    head = ("band", "held by", "at [rad/s]", "margin", "asked", "criterion")
+    head = ("band", "stabilised by", "at [rad/s]", "margin", "asked", "criterion")
     return Table("Margins by band", head, tuple(rows))
 
 
 def _mode(k: int, mode: ModeBand, asked: Judgement | None) -> tuple[Line, ...]:
     key = f"flexible.band.{k}"
-    margin: Line = ("none",)
+    spare: Line = ("none",)
     if mode.stabilised == GAIN:
-        margin = number(f"{key}.gain", mode.gain_margin_dB, 2, "dB")
+        spare = margin(f"{key}.gain", mode.gain_margin_dB, "dB")
     elif mode.stabilised == PHASE:
-        margin = number(f"{key}.phase", mode.phase_margin_deg, 2, "deg")
+        spare = margin(f"{key}.phase", mode.phase_margin_deg, "deg")
     elif mode.closed_pole.real < 0.0:
-        margin = (*number(f"{key}.distance", mode.distance, 2), " from -1")
+        spare = (*margin(f"{key}.distance", mode.distance, ""), " from -1")
     cells: tuple[Line, ...] = (
         (mode.name,),
         (str(mode.stabilised),),
-        significant(f"{key}.rad_per_s", mode.frequency),
-        margin,
+        significant(f"{key}.rad_per_s", mode.frequency, 3),
+        spare,
     )
     if asked is None:
         return (*cells, ("",), ("",))
@@ -179,14 +179,14 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
         rows.append(
             (
                 (change,),
-                number(f"{key}.aero_dB", m.aero_margin_dB[k], 2),
-                number(f"{key}.gain_dB", m.gain_increase_dB[k], 2),
-                number(f"{key}.phase_deg", m.phase_margin_deg[k], 2),
+                number(f"{key}.aero_dB", m.aero_margin_dB[k], 1),
+                number(f"{key}.gain_dB", m.gain_increase_dB[k], 1),
+                number(f"{key}.phase_deg", m.phase_margin_deg[k], 1),
                 (_first(d.first[k]),),
                 ("met" if d.met[k] else "not met",),
             )
         )
-    head = ("change", "down [dB]", "up [dB]", "phase [deg]", "fails first", "criteria")
+    head = ("change", "gain down [dB]", "gain up [dB]", "phase [deg]", "fails first", "criteria")
     line: Line = ()
     for j, edge in enumerate(d.edges):
         for side in ("lower", "upper"):
@@ -197,8 +197,8 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
     if line:
         said: Line = ("The loop becomes unstable with ", *line[:-1], " times its frequency.")
     else:
-        said = ("Between these frequencies the loop becomes unstable nowhere.",)
-    table = Table("Modes off their places, and what is left of the margins", head, tuple(rows))
+        said = ("At no frequency between these does the loop become unstable.",)
+    table = Table("Margins with one mode off its place", head, tuple(rows))
     return [table, Paragraph(said)]
 
 
@@ -237,9 +237,6 @@ def _both(key: str, angles: Sequence[float]) -> list[Line]:
 
 
 def _notes(f: FlexibleAnswer) -> list[Block]:
-    said = [
-        f"{name} vehicle: {one.status}."
-        for name, one in zip(("Flexible", "Rigid"), f.boundaries, strict=True)
-        if one.status != "ok"
-    ]
-    return [Paragraph((" ".join(said),))] if said else []
+    names = ("the flexible vehicle", "the rigid vehicle")
+    each = zip(names, f.boundaries, strict=True)
+    return checks(f"{name}: {one.status}" for name, one in each if one.status != "ok")

@@ -7,65 +7,58 @@ from tvclin.base.lines import Line, degrees, number, significant
 from tvclin.plots import sizing_chart
 from tvclin.show.report.blocks import (
     Block,
-    Check,
-    Checks,
     Figure,
     Paragraph,
     Section,
     Table,
-    no_answer,
+    checks,
+    section_of,
 )
 from tvclin.show.report.figures import inline_svg
-
-_TITLE = "The whole flight"
 
 
 def over_flight(found: Findings) -> Section | None:
     """Return required deflections by flight time and wind, and the worst total."""
-    if "flight" in found.reasons:
-        return no_answer("flight", _TITLE, found.reasons["flight"])
-    if found.flight is None or found.plan.sizing is None:
-        return None
+    return section_of(found, "flight", "flight", "The whole flight", _blocks)
+
+
+def _blocks(found: Findings) -> list[Block]:
+    asked = found.plan.sizing
+    assert asked is not None
+    assert found.flight is not None
     sizing, total = found.flight
-    blocks: list[Block] = [Paragraph((_words(sizing, whose(found)),))]
-    if sizing.times.size > 1:
-        label = "Required deflection over flight time, in the worst wind of each"
-        blocks.append(
-            Figure(
-                label,
-                "Required deflection over the flight, parameters frozen at each time, in the worst"
-                " wind of each. Rings, where there are any: parameters vary while the wind blows.",
-                inline_svg(sizing_chart(sizing, total.limit), "flight", label),
-            )
-        )
     frozen = [name for name in sizing.required if not name.endswith(VARYING)]
     varying = [name for name in sizing.required if name.endswith(VARYING)]
+    of = f" of {asked.source}" if asked.source else ""
+    blocks: list[Block] = [Paragraph((_words(sizing, of),))]
+    if sizing.times.size > 1:
+        label = "Required deflection over flight time, in the worst wind of each"
+        caption = (
+            "Required deflection over the flight, in the worst wind of each time. Lines: the"
+            " vehicle is frozen at each time."
+        )
+        caption += " Circles: it varies while the wind blows." if varying else ""
+        drawn = inline_svg(sizing_chart(sizing, total.limit), "flight", label)
+        blocks.append(Figure(label, caption, drawn))
     for j, wind in enumerate(sizing.winds):
         blocks.append(_required(sizing, j, wind, frozen))
         if varying:
             blocks.append(_varying(sizing, j, wind, varying))
         if sizing.alone:
-            blocks.append(_by_planes(sizing, j, wind, found.plan.sizing.counted))
-    blocks += [_total(total, found.plan.sizing.counted), *_verdict(total)]
-    notes = [Check("doubt", (f"{note}.",)) for note in (*found.plan.sizing.warnings, *sizing.notes)]
-    notes += [Check("reader", (f"{note}.",)) for note in found.plan.sizing.notes]
-    return Section("flight", _TITLE, (*blocks, *([Checks(tuple(notes))] if notes else [])))
-
-
-def whose(found: Findings) -> str:
-    """Return of what the flight is; nothing where it has no name."""
-    asked = found.plan.sizing
-    return f" of {asked.source}" if asked is not None and asked.source else ""
+            blocks.append(_by_planes(sizing, j, wind, asked.counted))
+    notes = checks((*asked.warnings, *sizing.notes), asked.notes)
+    return [*blocks, _total(total, asked.counted), *_verdict(total), *notes]
 
 
 def _words(s: Sizing, of: str) -> str:
     planes = "both planes with one stop" if s.alone else f"the {s.plane} plane"
     return (
-        f"The flight{of}: the vehicle at each of its times, on the {s.model} model in"
-        f" {planes}. The peak of a pulse meets each flight time. No forecast:"
-        f" {s.law_words}; minimum: the wind known; K below 1 trusts a forecast. One pole says"
-        " whether the single-pole theory holds for the wind; change, by how much beta or"
-        f" B changes while it blows: above {100 * STEADY:g} % frozen parameters are doubtful."
+        f"The table takes the vehicle at each time of the flight{of}, on the {s.model} model in"
+        f" {planes}; the peak of a pulse comes at that time. No forecast: {s.law_words}. Minimum:"
+        " the wind is known. K below 1: a forecast is trusted. Change: by how much beta or B"
+        f" changes while the wind blows; above {100 * STEADY:g} % a frozen vehicle is doubtful. One"
+        " pole: whether the slow motion of the flight path may be neglected. Data: whether those of"
+        " the flight cover the whole wind."
     )
 
 
@@ -73,15 +66,14 @@ def _required(s: Sizing, j: int, wind: str, names: list[str]) -> Table:
     """What a wind asks for by flight time, parameters frozen, and where that is doubtful."""
     rows = []
     for i in range(s.times.size):
-        covered = "covers it" if s.covered[i, j] else "ends before"
         cells = [
             *_at(s, i, j, names),
             number(f"flight.{j}.{i}.change_percent", 100.0 * s.change[i, j], 1),
-            ("beyond",) if s.beyond_one_pole[i, j] else ("holds",),
-            (covered,),
+            ("no",) if s.beyond_one_pole[i, j] else ("yes",),
+            ("yes",) if s.covered[i, j] else ("no",),
         ]
         rows.append(tuple(cells))
-    head = ("time [s]", *names, "change [%]", "one pole", "schedule")
+    head = ("time [s]", *names, "change [%]", "one pole", "data")
     return Table(f"Required deflection [deg]: {wind}", head, tuple(rows))
 
 
@@ -122,12 +114,13 @@ def _total(total: DeflectionTotal, counted: str) -> Table:
             degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
         )
         for one in total.lines
+        if one.deflection
     ]
     rows.append((("total",), ("",), degrees("total.total", total.total)))
     if total.reserve:
         kept = ("limit that keeps ", *number("total.reserve_percent", 100 * total.reserve, 1, "%"))
         rows.append(((*kept, " in reserve"), ("",), degrees("total.required", total.required)))
-    at = f"All that the nozzle has to do at the {total.words[0]}"
+    at = f"All that takes deflection at the {total.words[0]}"
     return Table(at, ("what", "kind", "[deg]"), tuple(rows))
 
 
@@ -146,5 +139,5 @@ def _verdict(total: DeflectionTotal) -> list[Paragraph]:
         short = degrees("total.short", total.required - total.limit, unit="deg")
         line = (" is not enough: it is ", *short, f" short{of}")
     limit = degrees("total.limit", total.limit, unit="deg")
-    rest = f". Systematic lines add, random ones in squares.{unknown}"
+    rest = f". Systematic parts add, random ones by the root of the sum of squares.{unknown}"
     return [Paragraph(("Over the whole flight the limit of ", *limit, *line, rest))]

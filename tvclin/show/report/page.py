@@ -1,6 +1,7 @@
 """The page: sections into the template."""
 
 from collections.abc import Callable
+from dataclasses import asdict
 from importlib.resources import files
 from os import PathLike
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.errors import missing
-from tvclin.base.lines import Number
+from tvclin.base.lines import Formula, Number
 from tvclin.show.report import (
     availability,
     basis,
@@ -63,7 +64,7 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
     Raises
     ------
     InputError
-        Where jinja2 is missing, and as `load_study` and `StudyPlan.study`.
+        Where jinja2 or latex2mathml is missing, and as `load_study` and `StudyPlan.study`.
 
     Examples
     --------
@@ -88,13 +89,15 @@ def page_of(plan: StudyPlan, progress: Told | None = None) -> tuple[str, Finding
 
 def _render(found: Findings, template: "Template") -> str:
     made = [section for make in SECTIONS if (section := make(found)) is not None]
+    given = {} if found.plan.document is None else asdict(found.plan.document)
     return template.render(
+        document={name: value for name, value in given.items() if value},
         name=found.study.vehicle.name or "unnamed vehicle",
         state={True: "yes", False: "no", None: "open"}[sufficient(found)],
         verdict=verdict.sentence(found),
         basis=verdict.basis(found),
         facts=verdict.facts(found),
-        sections=made,
+        sections=[*made, basis.glossary(made)],
         seal=found.seal,
     )
 
@@ -102,8 +105,10 @@ def _render(found: Findings, template: "Template") -> str:
 def _template() -> "Template":
     try:
         from jinja2 import Environment, PackageLoader, StrictUndefined
-    except ImportError:
-        raise missing("the page needs jinja2", "report") from None
+        from latex2mathml.converter import convert
+    except ImportError as error:
+        name = (error.name or "jinja2").partition(".")[0]
+        raise missing(f"the page needs {name}", "report") from None
     environment = Environment(
         loader=PackageLoader("tvclin.show.report", "."),
         autoescape=True,
@@ -116,6 +121,8 @@ def _template() -> "Template":
         files("tvclin.show.report").joinpath("style.css").read_text("utf-8")
     )
     environment.tests["number"] = lambda value: isinstance(value, Number)
+    environment.tests["formula"] = lambda value: isinstance(value, Formula)
+    environment.filters["mathml"] = convert
     return environment.get_template("page.html")
 
 

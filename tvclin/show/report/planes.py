@@ -22,15 +22,16 @@ def both_planes(found: Findings) -> Section | None:
         rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", need)))
     missing = number("planes.missing_percent", 100.0 * planes.misses("pitch"), 1, "%")
     heading = float(np.degrees(study.slanting.heading)) % 360.0
-    stop = "the stop that was given" if study.in_both else "a round stop"
-    judged = "The verdict is on both." if study.in_both else "The verdict is on one plane."
+    stop = "the stop that the study names" if study.in_both else "taken as round"
+    judged = "both planes" if study.in_both else f"the {study.plane} plane alone"
     words: Line = (
         "The wind blows from ",
         *number("planes.heading_deg", heading, 1, "deg"),
-        f" clockwise off the direction of flight, so both planes turn the nozzle, which has one"
-        f" stop; here it is {stop}. The pitch plane alone asks for ",
+        ", clockwise from the direction of flight. It asks for deflection in pitch and in yaw, and"
+        f" the nozzle has one stop for both; here it is {stop}. A study of the pitch plane alone"
+        " asks for ",
         *missing,
-        f" too little. What is required is governed by {planes.governs}. {judged}",
+        f" too little. What both need is set by {planes.governs}. The verdict is on {judged}.",
     )
     table = Table(
         f"Required deflection of both planes, K = {study.dead_band:g}, {study.model}",
@@ -48,7 +49,8 @@ def _figure(found: Findings) -> list[Block]:
     except InputError:
         return []
     caption = (
-        "What the wind asks for in both planes over time, and the stop at the boundary (4b) of both"
-        " planes together. From where the dead band is left the mean of the trim to come is held."
+        "Trim deflection in pitch and yaw while the wind blows, and the stop at the boundary (4b)"
+        " of both planes together. Where the dead band is left, the engine holds the mean of the"
+        " trim still to come."
     )
     return [Figure(label, caption, inline_svg(drawn, "planes", label))]

@@ -1,7 +1,7 @@
 """The sections of the study itself: inputs, boundaries and the response."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,30 +23,37 @@ if TYPE_CHECKING:
 
 _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
+_SWITCHES = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 _ABOVE = 1.1
 """Without a limit in question, the response is that to so many times what is needed."""
+
+
+LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
+"""What stands below the boundaries of every control."""
 
 
 def inputs(found: Findings) -> Section:
     """Return what went in, each number with its unit."""
     s, plan = found.study, found.plan
     vehicle = [
-        (label, (number if unit == "deg" else significant)(f"vehicle.{key}", value, digits, unit))
+        (label, significant(f"vehicle.{key}", value, 6, unit))
         for key, label, value, unit in s.vehicle.quantities()
-        for digits in (4 if unit == "deg" else 6,)
     ]
     case: list[tuple[str, Line]] = [
-        ("plane", (plan.plane,)),
+        ("plane", ("pitch and yaw, one stop" if s.in_both else plan.plane,)),
         ("model of the verdict", (plan.model,)),
         ("wind shape", (plan.wind.shape,)),
-        ("peak wind angle", degrees("wind.peak", plan.wind.peak, unit="deg")),
+        ("peak wind angle", _typed("wind.peak_deg", plan.wind.peak)),
         ("wind duration", significant("wind.duration", plan.wind.duration, 6, "s")),
-        ("dead band K of the verdict", significant("question.dead_band", plan.dead_band)),
-        ("dead band is left by", ("the wind" if plan.switch == "report" else "the trim",)),
+        ("dead band of the verdict, K", significant("question.dead_band", plan.dead_band)),
+        ("left when K times the limit is", (_SWITCHES[plan.switch],)),
     ]
+    if plan.wind.heading is not None:
+        heading = _typed("wind.heading_deg", float(plan.wind.heading) % (2.0 * np.pi))
+        case.insert(4, ("it blows from, off the flight", heading))
     if s.gust is not None:
         case += [
-            ("gust on top: peak", degrees("gust.peak", s.gust.peak, unit="deg")),
+            ("gust on top: peak", _typed("gust.peak_deg", s.gust.peak)),
             ("it begins", significant("gust.begins", s.gust.onset, 6, "s")),
             ("it ends", significant("gust.ends", s.gust.end, 6, "s")),
         ]
@@ -62,6 +69,11 @@ def inputs(found: Findings) -> Section:
     return Section("inputs", "Inputs", blocks)
 
 
+def _typed(name: str, angle: Any) -> Line:
+    """An angle [rad] in degrees as it was typed."""
+    return significant(name, np.degrees(angle), unit="deg")
+
+
 def boundaries(found: Findings) -> Section:
     """Return the boundary at every dead band, and what stands above and below it."""
     s = found.study
@@ -74,28 +86,30 @@ def boundaries(found: Findings) -> Section:
             row.append(least(number(f"{key}.limit", one.limit[i])))
             row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
-    labels = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
-    rows += [((labels[key],), *_parts(found, key, needs)) for key, needs in s.needs.items()]
+    rows += [((LEAST[key],), *_parts(found, key, needs)) for key, needs in s.needs.items()]
     trim = dict.fromkeys(names, s.trim_deflection)
     rows.insert(0, (("ideal trim",), *_parts(found, "trim", trim)))
     head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
     peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
+    part = f", its part in the {s.plane} plane" if s.slanting is not None else ""
     caption = (
-        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg, {tau:g} s"
-        f"{s.gust_words}"
+        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg{part}, for"
+        f" {tau:g} s{s.gust_words}"
     )
     label = f"Required deflection over the duration of the wind, for {' and '.join(names)}"
     figure = Figure(
         label,
-        "Required deflection over the duration of the wind, by dead band K and model. The dot is"
-        " this study.",
+        "Required deflection over the duration of the wind, for each dead band K and model. The dot"
+        " is this study.",
         inline_svg(study_chart(s), "boundaries", label),
     )
     words = (
-        "K is the dead band: the vehicle is trimmed up to K times the limit, then the whole limit"
-        ' is used. K = 1 needs no forecast of the wind, K = 0 a certain one. "No forecast" is what'
-        " no law can do without that does not know when the wind will stop (with drift a lower"
-        ' bound), "minimum" what no control whatever can. The row of the verdict is marked.'
+        "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
+        " follows trim up to K times the limit and then uses the whole limit: K = 1 needs no"
+        " forecast of the wind, K = 0 a certain one. A law that does not know when the wind stops"
+        ' needs at least what stands beside "no forecast" (with drift a lower bound), and any'
+        ' control at all what stands beside "minimum". The marked row has the dead band of the'
+        " verdict."
     )
     return Section(
         "boundaries", "Boundaries", (Table(caption, head, tuple(rows)), figure, Paragraph((words,)))
@@ -115,13 +129,14 @@ def response(found: Findings) -> Section | None:
     end, ends = _end(found, plant, deflection)
     whose = "the limit in question" if s.limit is not None else f"{_ABOVE:g} times what is needed"
     label = f"Attitude, deflection and wind over time with {whose}"
+    alone = f" in the {s.plane} plane alone" if s.in_both else ""
     caption = (
-        f"Exact response with {whose}, {np.degrees(limit):.4f} deg: trim until the dead band is"
-        f" left, then the limit. {ends}"
+        f"Exact response of the linear model{alone} with {whose}, {np.degrees(limit):.3f} deg: the"
+        f" engine follows trim until the dead band is left, then it holds the limit. {ends}"
     )
     svg = inline_svg(_over_time(found, plant, deflection, end), "response", label)
-    head = ("exact response", "[deg]", "at [s]")
-    table = Table("What stands out", head, _outstanding(found, plant, deflection, end))
+    head = ("quantity", "[deg]", "time [s]")
+    table = Table("Largest and last values", head, _outstanding(found, plant, deflection, end))
     return Section("response", "Response", (Figure(label, caption, svg), table))
 
 
@@ -131,8 +146,9 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
     longest = _TO_SHOW * float(wind.end)
     shown = shown_until(plant, deflection, wind, longest)
     words = {
-        LET_GO: "It is shown until the attitude is back at zero, where an autopilot lets go.",
-        FALLEN: "It is shown until the attitude error exceeds 90 degrees.",
+        LET_GO: "It ends where the attitude is back at zero: there an autopilot lets go of the"
+        " limit.",
+        FALLEN: "It ends where the attitude error exceeds 90 degrees.",
         WHOLE: "The attitude does not come back to zero in this time.",
     }
     said = words[shown.why]
@@ -140,7 +156,7 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
         said += f" {TURNED_OVER}"
     stands = extremes(plant, deflection, wind, shown.time)
     if stands.with_wind is None and stands.against_wind is None:
-        said = "Trim is never limited, and the attitude stays at zero."
+        said = "Trim stays within the limit, and the attitude at zero."
     return shown.time, said
 
 
@@ -160,12 +176,16 @@ def _outstanding(
     wind = blown(found.study)
     stands, loads = extremes(plant, deflection, wind, end), wind_loads(plant, deflection, wind)
     points = (
-        ("largest attitude error, with the wind", "with_wind", stands.with_wind),
-        ("largest attitude error, against it", "against_wind", stands.against_wind),
-        ("attitude when the wind ends", "at_wind_end", stands.at_wind_end),
-        ("attitude at the end of the figure", "at_end", stands.at_end),
         (
-            "largest angle of attack in the wind",
+            "largest attitude error, to the side the wind turns it",
+            "with_wind",
+            stands.with_wind,
+        ),
+        ("largest attitude error, to the other side", "against_wind", stands.against_wind),
+        ("attitude error when the wind ends", "at_wind_end", stands.at_wind_end),
+        ("attitude error at the end of the figure", "at_end", stands.at_end),
+        (
+            "largest angle of attack while the wind blows",
             "angle_of_attack",
             Point(loads.peak_angle_of_attack, loads.peak_time) if end >= wind.end else None,
         ),
@@ -174,7 +194,7 @@ def _outstanding(
         (
             (label,),
             degrees(f"response.{key}", point.value),
-            number(f"response.{key}_s", point.time, 3),
+            number(f"response.{key}_s", point.time, 2),
         )
         for label, key, point in points
         if point is not None
@@ -185,17 +205,17 @@ def _coefficients(found: Findings) -> list[tuple[str, Line]]:
     c = found.study.coefficients
     rows: list[tuple[str, Line]] = []
     if c.mu_alpha > 0.0:
-        rows.append(("beta", significant("coefficients.beta", c.beta, 6, "1/s")))
+        rows.append(("beta", significant("coefficients.beta", c.beta, 4, "1/s")))
         if c.damping:
-            rows.append(("damping", significant("coefficients.damping", c.damping, 6, "1/s")))
-            rows.append(("pole p", significant("coefficients.pole", c.pole, 6, "1/s")))
-        rows.append(("K1", significant("coefficients.K1", c.K1, 6)))
+            rows.append(("damping", significant("coefficients.damping", c.damping, 4, "1/s")))
+            rows.append(("pole p", significant("coefficients.pole", c.pole, 4, "1/s")))
+        rows.append(("K1", significant("coefficients.K1", c.K1, 4)))
     rows += [
-        ("B", significant("coefficients.B", c.B, 6, "deg/deg")),
-        ("C1", significant("coefficients.C1", c.C1, 6, "1/s")),
-        ("C2", significant("coefficients.C2", c.C2, 6, "1/s³")),
-        ("b1", significant("coefficients.b1", c.b1, 6, "1/s")),
-        ("b2", significant("coefficients.b2", c.b2, 6, "1/s")),
+        ("B", significant("coefficients.B", c.B, 4, "deg/deg")),
+        ("C1", significant("coefficients.C1", c.C1, 4, "1/s")),
+        ("C2", significant("coefficients.C2", c.C2, 4, "1/s³")),
+        ("b1", significant("coefficients.b1", c.b1, 4, "1/s")),
+        ("b2", significant("coefficients.b2", c.b2, 4, "1/s")),
     ]
     return rows
 

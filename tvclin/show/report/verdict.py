@@ -3,61 +3,67 @@
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.questions import Question, questions, sufficient
-from tvclin.answers.sizing.total import DeflectionTotal
+from tvclin.answers.questions import Question, questions, sufficient, without_stop
 from tvclin.answers.study import TRUSTS, Study, outlasts_one_pole
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section, Table
-from tvclin.show.report.flight import whose
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
 _NONE = "Not enough: with this dead band no limit is, see Assumptions."
 _SENSIBLE = 1000.0
 """Above this many percent a percentage says nothing."""
+_LEAST_SHOWN = 0.001
+"""The last digit of an angle [deg] on the page."""
 
 
 def sentence(found: Findings) -> Line:
-    """Return the verdict, that of the worst question: enough or not, and by how much."""
-    study = found.study
-    failed = next((one for one in questions(found) if one.yes is not True), None)
-    if failed is not None and failed.name != "wind":
-        return _not_only_wind(found, failed)
-    if not study.required_deflection:
-        return (_NOTHING,)
-    if study.limit is None and np.isinf(study.required_deflection):
-        return (_NONE,)
+    """Return the verdict: enough or not, and by how much of what needs most."""
+    study, each = found.study, questions(found)
+    failed = [one for one in each if one.yes is False]
+    unknown = [one for one in each if one.yes is None and study.limit is not None]
+    asked = failed or unknown or each
+    sized = [one for one in asked if not np.isnan(one.needs)]
+    worst = max(sized, key=lambda one: one.needs, default=None)
+    if study.limit is None and not failed:
+        return _needed(study)
+    if study.limit is not None and worst is not None and (failed or not unknown):
+        return _beside(worst, study.limit, not failed)
+    word = "Not enough" if failed else "Not shown to be enough"
+    said = f"{word}: {asked[0].text.partition('; ')[0]}"
     if study.limit is None:
-        needed = degrees("verdict.required", study.required_deflection, unit="deg")
-        return ("This wind needs ", *needed, " of deflection.")
-    return _in_this_wind(study.required_deflection, study.limit, failed is None)
+        return (f"{said}.",)
+    have = degrees("verdict.limit", study.limit, unit="deg")
+    return (f"{said}; the limit is ", *have, ".")
 
 
-def _not_only_wind(found: Findings, failed: Question) -> Line:
-    """The answer to a question beyond the wind that is not yes."""
-    limit = found.study.limit
-    if limit is not None and failed.name == "whole flight" and found.flight is not None:
-        return _short_over_flight(found.flight[1], limit, whose(found))
-    word = "Not enough" if failed.yes is False else "Not shown to be enough"
-    if limit is None:
-        return (f"{word}: {failed.text}.",)
-    have = degrees("verdict.limit", limit, unit="deg")
-    return (f"{word}: {failed.text}; the limit is ", *have, ".")
-
-
-def _in_this_wind(need: float, limit: float, enough: bool) -> Line:
-    """By how much a limit is enough, or not."""
-    if need == float("inf"):
+def _needed(study: Study) -> Line:
+    """What the wind needs, where no limit is in question."""
+    need = study.required_deflection
+    if not need:
+        return (_NOTHING,)
+    if np.isinf(need):
         return (_NONE,)
-    needed = degrees("verdict.required", need, unit="deg")
+    return ("This wind needs ", *degrees("verdict.required", need, unit="deg"), " of deflection.")
+
+
+def _beside(worst: Question, limit: float, enough: bool) -> Line:
+    """By how much a limit is enough for a question, or not."""
+    if not worst.needs:
+        return (_NOTHING,)
+    if np.isinf(worst.needs):
+        return (_NONE,)
+    needed = degrees("verdict.required", worst.needs, unit="deg")
     have = degrees("verdict.limit", limit, unit="deg")
-    by = degrees("verdict.surplus", abs(limit - need), unit="deg")
-    percent = 100.0 * abs(limit - need) / need
-    part: Line = (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
-    if percent > _SENSIBLE:
-        part = ()
+    apart = abs(limit - worst.needs)
+    percent = 100.0 * apart / worst.needs
+    by: Line = degrees("verdict.surplus", apart, unit="deg")
+    if float(np.degrees(apart)) < _LEAST_SHOWN:
+        by = (f"less than {_LEAST_SHOWN:g} deg",)
+    elif percent <= _SENSIBLE:
+        by += (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
     word, side = ("Enough", "more than") if enough else ("Not enough", "short of")
-    tail = (*by, *part, f" {side} the ", *needed, " that this wind needs.")
+    tail = (*by, f" {side} the ", *needed, f" that {worst.whose}.")
     return (f"{word}: the limit of ", *have, " is ", *tail)
 
 
@@ -73,18 +79,6 @@ def asked(found: Findings) -> Section | None:
     return Section("asked", "What was asked", (table,))
 
 
-def _short_over_flight(total: DeflectionTotal, limit: float, of: str) -> Line:
-    if total.sufficient is None:
-        where = f"the whole flight{of} is not sized {', '.join(total.not_sized)}"
-        have = degrees("verdict.limit", limit, unit="deg")
-        return ("Not shown to be enough: the limit is ", *have, f", but {where}.")
-    needed = degrees("verdict.flight", total.required, unit="deg")
-    by = degrees("verdict.flight_short", total.required - limit, unit="deg")
-    have = degrees("verdict.limit", limit, unit="deg")
-    words = (f"Not enough: the whole flight{of} needs ", *needed, ", ", *by)
-    return (*words, " more than the limit of ", *have, ".")
-
-
 def basis(found: Findings) -> Line:
     """Return on what the verdict rests."""
     s = found.study
@@ -94,23 +88,24 @@ def basis(found: Findings) -> Line:
         alone = ("The wind of this study alone needs ", *needed, ", which the limit covers. ")
     line: Line = (
         *alone,
-        f"On the {s.model} model in {_planes(s)}, with a dead band of ",
+        f"The verdict rests on the {s.model} model in {_planes(s)} and on a dead band of K = ",
         *significant("basis.dead_band", s.dead_band),
         f", in a {s.shape} wind of ",
         *significant("basis.peak_deg", np.degrees(_peak(s)), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
         f"{s.gust_words}.",
+        *_meets_the_stop(found),
     )
     if s.required_deflection and s.governs != BOUNDARY:
-        line += (f" What is required is governed by {s.governs}.",)
+        line += (f" What this wind needs is set by {s.governs}.",)
     if outlasts_one_pole(s):
-        line += (" Beware: this wind lasts longer than one pole can speak for, see Assumptions.",)
+        line += (" Beware: in so long a wind the slow motion of the path counts, see Assumptions.",)
     if any(TRUSTS in note for note in s.notes):
         line += (f" Beware: this dead band {TRUSTS} of the wind, see Assumptions.",)
     if found.flight is not None and found.flight[1].sufficient is False:
         kept = ", and a reserve" if found.flight[1].reserve else ""
-        line += (f" The flight counts all else that the nozzle has to do{kept}.",)
+        line += (f" The whole flight counts all that the nozzle has to do{kept}.",)
     if found.flight is not None and found.plan.sizing is not None:
         line += tuple(f" Beware: {doubt}." for doubt in found.plan.sizing.warnings)
     if found.dispersed is None or found.dispersed.success is None:
@@ -122,6 +117,20 @@ def basis(found: Findings) -> Line:
         *percent,
         " of cases.",
     )
+
+
+def _meets_the_stop(found: Findings) -> Line:
+    """Where the autopilot turns the nozzle to its stop and survives nevertheless."""
+    survives = any(one.name == "autopilot" and one.yes for one in questions(found))
+    turns, limit = without_stop(found), found.study.limit
+    if limit is None or not survives or not turns > limit:
+        return ()
+    peak = degrees("basis.autopilot", turns, unit="deg")
+    met = (
+        ", more than the limit. Flown with the limit as its stop it meets the stop and survives"
+        " this wind. The stop leaves less of its margins, see Autopilot and margins."
+    )
+    return (" Beware: without a stop the autopilot would turn the nozzle by ", *peak, met)
 
 
 def _planes(s: Study) -> str:
@@ -139,19 +148,27 @@ def facts(found: Findings) -> tuple[tuple[str, Line], ...]:
     rows: list[tuple[str, Line]] = [
         ("this wind needs", least(degrees("facts.required", s.required_deflection, unit="deg")))
     ]
+    stop = 0.0 if found.stop is None else abs(float(found.stop.deflection)) * s.of_both
+    if found.stop is not None:
+        rows.append(("this autopilot needs", least(degrees("facts.stop", stop, unit="deg"))))
     if found.flight is not None:
         needed = degrees("facts.flight", found.flight[1].required, unit="deg")
         rows.append(("the whole flight needs", needed))
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.survivable_peak is not None:
-        survived = degrees("facts.survivable_peak", abs(s.survivable_peak), 3, "deg")
-        rows.append(("wind it survives", survived))
+        part = (
+            min(1.0, s.required_deflection / stop) if stop else 1.0
+        )  # flights scale with the wind
+        survived = degrees("facts.survivable_peak", part * abs(s.survivable_peak), unit="deg")
+        rows.append(("enough in winds up to", survived))
     if not s.in_both:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
         rows.append(("ideal trim takes", trim))
     if s.model in s.minima and not s.in_both:
-        rows.append(("least, wind known", degrees("facts.minimum", s.minima[s.model], unit="deg")))
+        rows.append(
+            ("minimum, wind known", degrees("facts.minimum", s.minima[s.model], unit="deg"))
+        )
     if found.dispersed is not None:
         required = found.dispersed.required
         covers = f"covers {100 * required.probability:g} % of cases"

@@ -1,0 +1,49 @@
+"""Whose page a study is: project, author, date and revision."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from datetime import date
+from typing import Any, Self
+
+from tvclin.base.errors import InputError, shown
+from tvclin.base.tables import Table
+
+DOCUMENT_TABLE = Table("[document]", words=("project", "author", "date", "revision"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """What stands at the head of a page that is handed on; no number depends on it.
+
+    Attributes
+    ----------
+    project, author, date, revision : str
+        As they are to be shown; empty where nothing is given.
+    """
+
+    project: str = ""
+    author: str = ""
+    date: str = ""
+    revision: str = ""
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if not isinstance(value, str):
+                raise InputError(f"{one.name} in [document] must be a text; got {shown(value)}")
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> Self:
+        """Return what a table [document] says; its date may be one of TOML.
+
+        Raises
+        ------
+        InputError
+            For an unknown key, and a value that is no text.
+        """
+        given = DOCUMENT_TABLE.read(table)
+        if isinstance(given.get("date"), date):
+            given["date"] = given["date"].isoformat()
+        return cls(**given)
