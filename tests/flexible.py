@@ -1,4 +1,7 @@
-"""A made-up booster with three bending modes, two tanks and a swinging engine, for the tests."""
+"""What bends and sloshes in the tests: a made-up booster, and configuration I with one of each.
+
+The booster has three bending modes, two tanks and a swinging engine.
+"""
 
 import numpy as np
 
@@ -62,6 +65,34 @@ ENGINE = tv.Engine(mass=7000.0, arm=1.4, moment_of_inertia=2.0e4)
 STRUCTURE = tv.Structure(
     bending=MODES, slosh=TANKS, engine=ENGINE, rate_gyro=tv.Filter.low_pass(120.0, 0.7)
 )
+
+MODE = tv.BendingMode(
+    frequency=24.0 * np.pi,
+    damping=0.005,
+    modal_mass=5e4,
+    gimbal_displacement=1.0,
+    gimbal_slope=-0.07,
+    attitude_slope=-0.4,
+    rate_slope=-0.4,
+)
+TANK = tv.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
+MODE_AND_TANK = """
+[[bending]]
+frequency_Hz = 12.0
+damping = 0.005
+modal_mass_kg = 5.0e4
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.07
+attitude_slope_per_m = -0.40
+rate_slope_per_m = -0.40
+
+[[slosh]]
+mass_kg = 2000
+station_m = 12.0
+damping = 0.01
+pendulum_length_m = 2.0
+"""
+"""What a vehicle file says of both."""
 
 
 def transfer(matrices, s):

@@ -6,21 +6,12 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.flexible import MODE, TANK
 from tvclin.answers.campaign.cases import draw_case, evaluate
 from tvclin.answers.campaign.file import document_of, parse_campaign
 from tvclin.answers.campaign.replay import replay_case
 
 VEHICLE = tv.load_vehicle("configuration-i")
-MODE = tv.BendingMode(
-    frequency=24.0 * np.pi,
-    damping=0.005,
-    modal_mass=5e4,
-    gimbal_displacement=1.0,
-    gimbal_slope=-0.07,
-    attitude_slope=-0.4,
-    rate_slope=-0.4,
-)
-TANK = tv.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
 STRUCTURE = tv.Structure(bending=(MODE,), slosh=(TANK,))
 NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)
 GAINS = tv.GainsAsked(natural_frequency=1.5, delay=0.01, filters=(NOTCH,))
@@ -129,6 +120,14 @@ def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
     rigid = campaign(structure=None, gains=None, dispersions=tv.Dispersions(()))
     kept = document_of(rigid)
     assert {"structure", "autopilot"}.isdisjoint({*kept["campaign"], *kept})
+
+
+@pytest.mark.parametrize("damaged", [3, None, [], {"bending": [{"frequency": 1.0}]}, {"spring": 1}])
+def test_a_manifest_with_another_structure_is_refused(damaged):
+    document = document_of(campaign())
+    document["campaign"]["structure"] = damaged
+    with pytest.raises(tv.InputError, match="a manifest must hold every number of a Structure"):
+        parse_campaign(document)
 
 
 def test_a_case_is_flown_again_as_the_flexible_vehicle():

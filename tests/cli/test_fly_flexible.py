@@ -10,27 +10,12 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.flexible import MODE_AND_TANK
 from tvclin.cli.app import app
 from tvclin.vehicle.file import vehicle_text
 
 mpl.use("Agg")
 
-STRUCTURE = """
-[[bending]]
-frequency_Hz = 12.0
-damping = 0.005
-modal_mass_kg = 5.0e4
-gimbal_displacement = 1.0
-gimbal_slope_per_m = -0.07
-attitude_slope_per_m = -0.40
-rate_slope_per_m = -0.40
-
-[[slosh]]
-mass_kg = 2000
-station_m = 12.0
-damping = 0.01
-pendulum_length_m = 2.0
-"""
 GAINS = ("--natural-frequency", "1.5", "--delay-ms", "10")
 NOTCH = ("--notch-hz", "12,0.05,0.5")
 WIND = tv.TriangularWind(peak=np.radians(5), duration=7.5)
@@ -41,7 +26,7 @@ NOZZLE = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}
 def mine(tmp_path: Path) -> str:
     """Return a file of configuration I with a mode and a tank."""
     path = tmp_path / "my.toml"
-    path.write_text(vehicle_text("configuration-i")[0] + STRUCTURE)
+    path.write_text(vehicle_text("configuration-i")[0] + MODE_AND_TANK)
     return str(path)
 
 

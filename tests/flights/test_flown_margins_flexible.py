@@ -6,18 +6,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.flexible import MODE, TANK
 
 VEHICLE = tv.load_vehicle("configuration-i")
-MODE = tv.BendingMode(
-    frequency=24.0 * np.pi,
-    damping=0.005,
-    modal_mass=5e4,
-    gimbal_displacement=1.0,
-    gimbal_slope=-0.07,
-    attitude_slope=-0.4,
-    rate_slope=-0.4,
-)
-TANK = tv.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
 ENGINE = tv.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
 WIND = tv.TriangularWind(peak=np.radians(5), duration=7.5)
 NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)

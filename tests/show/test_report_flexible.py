@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.flexible import MODE_AND_TANK
 from tvclin.answers.findings import Findings, find
+from tvclin.answers.least_gains import asked
 from tvclin.answers.questions import questions, sufficient
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.base.lines import Number
@@ -20,22 +22,6 @@ from tvclin.vehicle.file import vehicle_text
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
 
-STRUCTURE = """
-[[bending]]
-frequency_Hz = 12.0
-damping = 0.005
-modal_mass_kg = 5.0e4
-gimbal_displacement = 1.0
-gimbal_slope_per_m = -0.07
-attitude_slope_per_m = -0.40
-rate_slope_per_m = -0.40
-
-[[slosh]]
-mass_kg = 2000
-station_m = 12.0
-damping = 0.01
-pendulum_length_m = 2.0
-"""
 STUDY = """
 [study]
 vehicle = "my.toml"
@@ -64,7 +50,7 @@ mode_gain_margin_dB = 10
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a vehicle that bends and a study of it."""
     place = tmp_path_factory.mktemp("flexible")
-    (place / "my.toml").write_text(vehicle_text("configuration-i")[0] + STRUCTURE)
+    (place / "my.toml").write_text(vehicle_text("configuration-i")[0] + MODE_AND_TANK)
     (place / "all.toml").write_text(STUDY)
     return place
 
@@ -148,6 +134,14 @@ def test_the_whole_page_holds_the_section_and_what_went_in(plan):
     assert inputs["structure.slosh.0.station"] == 12.0
     assert "structure.slosh.0.frequency" not in inputs
     assert re.search("the autopilot alone", str(basis.assumptions(found)))
+
+
+def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
+    sought, seek = [], asked.autopilot_asked
+    monkeypatch.setattr(asked, "autopilot_asked", lambda *a: sought.append(a) or seek(*a))
+    found = find(replace(plan, limit=None))
+    assert len(sought) == 1
+    assert found.flexible.autopilot is found.comparison.autopilot
 
 
 def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):

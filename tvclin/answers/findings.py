@@ -9,9 +9,9 @@ import json
 import warnings
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import cache, partial
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -37,10 +37,12 @@ if TYPE_CHECKING:
     from tvclin.control.margins.record import Margins
     from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
     from tvclin.flights.closed_loop.flown_record import FlownMargins
-    from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+    from tvclin.linear.flexible import AnyPlant
 
 Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
+Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
+"""Of the plant that flies and its autopilot."""
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 
@@ -95,9 +97,7 @@ class Findings:
     @property
     def criteria(self) -> Criteria:
         """What the margins are held to."""
-        from tvclin.control.margins.criteria import CRITERIA
-
-        return self.plan.criteria or CRITERIA["classic"]
+        return _criteria(self.plan)
 
     @property
     def margins(self) -> Margins | BandMargins | None:
@@ -177,17 +177,19 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
             finally:
                 told(1, 1)
 
-        trials, comparison = part("trials", _trials) or (), part("comparison", _comparison)
-        flexible = part("flexible", _flexible)
-        loop = flexible or comparison
+        loop = cache(partial(_loop, plan, study))  # gains for the least nozzle take a search
+        trials = part("trials", _trials) or ()
+        comparison = part("comparison", partial(_comparison, loop))
+        flexible = part("flexible", partial(_flexible, loop))
+        flying = flexible or comparison
         return Findings(
             plan=plan,
             study=study,
             trials=trials,
             comparison=comparison,
             flexible=flexible,
-            stop=None if loop is None else part("stop", partial(_stop, loop)),
-            flown=None if loop is None else part("flown", partial(_flown, loop)),
+            stop=None if flying is None else part("stop", partial(_stop, flying)),
+            flown=None if flying is None else part("flown", partial(_flown, flying)),
             dispersed=part("dispersed", _dispersed),
             flight=part("flight", _flight),
             availability=part("availability", _availability),
@@ -228,20 +230,17 @@ def gains_of(plan: StudyPlan) -> GainsAsked:
     return plan.gains or GainsAsked()
 
 
-def _comparison(plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
+def _comparison(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
-    plant = Plant.from_vehicle(plan.vehicle, plan.loop_model, plan.plane)
-    flying = plant if plan.structure is None else _flexible_plant(plan)
-    return compare_with_trim(plant, _autopilot(plan, study, flying), blown(study))
+    plant, autopilot = loop()
+    return compare_with_trim(plant.rigid, autopilot, blown(study))
 
 
-def _flexible(plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
+def _flexible(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
-    from tvclin.control.margins.criteria import CRITERIA
 
-    plant, criteria = _flexible_plant(plan), plan.criteria or CRITERIA["classic"]
-    autopilot = _autopilot(plan, study, plant)
+    (plant, autopilot), criteria = loop(), _criteria(plan)
     # along a straight wind the stop leaves this plane its part
     limit = None if plan.limit is None else plan.limit / study.of_both
     return flexible_answer(plant, autopilot, criteria, blown(study), limit)
@@ -281,21 +280,24 @@ def _with_stop(loop: FlexibleAnswer | TrimComparison) -> tuple[SaturatedLaw, dic
     return law, nozzle_of(loop.autopilot)
 
 
-def _flexible_plant(plan: StudyPlan) -> FlexiblePlant:
+def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
+    """The plant and the autopilot that is asked for; gains that are sought meet the criteria."""
     from tvclin.answers.flexible import flexible_plant
-
-    assert plan.structure is not None
-    return flexible_plant(plan.vehicle, plan.structure, plan.plane, plan.loop_model)
-
-
-def _autopilot(plan: StudyPlan, study: Study, plant: AnyPlant) -> Autopilot:
-    """The autopilot that is asked for; gains that are sought meet the criteria."""
     from tvclin.answers.least_gains.asked import autopilot_asked
+
+    asked, structure = gains_of(plan), plan.structure
+    plant: AnyPlant = (
+        Plant.from_vehicle(plan.vehicle, plan.loop_model, plan.plane)
+        if structure is None
+        else flexible_plant(plan.vehicle, structure, plan.plane, plan.loop_model)
+    )
+    return plant, autopilot_asked(asked, plant, blown(study), _criteria(plan))
+
+
+def _criteria(plan: StudyPlan) -> Criteria:
     from tvclin.control.margins.criteria import CRITERIA
 
-    return autopilot_asked(
-        gains_of(plan), plant, blown(study), plan.criteria or CRITERIA["classic"]
-    )
+    return plan.criteria or CRITERIA["classic"]
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:

@@ -6,7 +6,8 @@ reader knows which argument to change.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from os import PathLike, fspath
 from pathlib import Path
@@ -28,6 +29,15 @@ _LONGEST_NAME = 255
 
 class InputError(ValueError):
     """An argument, a key or a file that cannot be used; the message says how to mend it."""
+
+
+@contextmanager
+def naming(what: str) -> Iterator[None]:
+    """Let an `InputError` within begin with the file, the table or the row that it is about."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{what}: {error}") from None
 
 
 def missing(needs: str, extra: str) -> InputError:

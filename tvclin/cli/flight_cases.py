@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tvclin.cli.fly_shown import Compared
     from tvclin.control.laws.law import Law
     from tvclin.flights.condition import FlightCondition
     from tvclin.flights.control import ReportControl
@@ -19,6 +20,12 @@ LAWS = {
     "recoverable": "recoverable attitude",
 }
 """What the laws of `tvclin laws` are called here."""
+ENGINES = {
+    "planar": "the report's nonlinear equations in one plane",
+    "sixdof": "JSBSim, six degrees of freedom, steps of 0.01 s",
+}
+_TOLERANCE, _HIGHEST = 5e-4, 4.0
+"""Of a boundary that is flown, over the largest trim deflection."""
 _WITH_BAND = ("report", "dead-band")
 _SPARE = 1.1
 _LONGEST = 1000.0
@@ -51,16 +58,10 @@ class FlightCase:
     @property
     def title(self) -> str:
         """The vehicle, and in a second line the wind and the control."""
-        import numpy as np
+        from tvclin.cli.fly_shown import wind_line
 
-        peak = float(np.degrees(self.wind.peak))
-        length = float(self.wind.end - self.wind.onset)
         band = self.dead_band
-        return (
-            f"{self.vehicle.name or 'Vehicle'}\n{self.shape} wind of {peak:.4g} deg and"
-            f" {length:.4g} s, {self.plane}, law {self.law}"
-            + ("" if band is None else f", K = {band:g}")
-        )
+        return wind_line(self) + ("" if band is None else f", K = {band:g}")
 
     @property
     def assumed(self) -> str:
@@ -177,3 +178,75 @@ def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
             f"a flight must be at most {longest:.4g} s long, {_LONGEST:g} times that of its fastest"
             f" mode; got {flown:.4g} s: give a shorter --duration, or a smaller --until"
         )
+
+
+def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) -> "Compared":
+    """Return a flight of a length [s] beside the linear theory, with its boundary if asked for."""
+    import numpy as np
+
+    from tvclin.cli.fly_shown import Compared
+    from tvclin.flights.beside import fly_beside
+    from tvclin.linear.plant import USUAL_MODEL
+
+    start = float(case.wind.onset)
+    flight = fly_beside(
+        case.vehicle,
+        case.control,
+        case.wind,
+        np.linspace(start, start + length, points),
+        deflection_limit=case.limit,
+        boundary=case.boundary,
+        **case.options,
+    )
+    words = {True: "SURVIVED", False: "NOT SURVIVED"}
+    ends = [f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."]
+    if case.limit < case.minimum and (flight.survived or flight.predicted):
+        ends.append(
+            f"Note: {np.degrees(case.minimum):.4f} deg is the least of all by linear theory; with"
+            "\nless a mode goes on growing, more slowly than this flight shows."
+        )
+    if np.isfinite(flight.let_go[0]):
+        ends.append(
+            f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
+            "\nzero or beyond; the flight, and what is largest in it, is shown until then."
+        )
+    linear = f"linear: model {USUAL_MODEL}, parameters frozen"
+    return Compared(
+        case=case,
+        flight=flight,
+        limit=case.limit,
+        beside="linear",
+        columns=("flown", "linear", "difference"),
+        boundary=(_flown_boundary(case) if boundary else None, case.boundary),
+        heads=[case.title, f"flown: {ENGINES[case.engine]}", case.assumed, linear],
+        ends=ends,
+        title=f"Limit {np.degrees(case.limit):.4f} deg, {case.limit / case.boundary:.4g} times the"
+        " linear boundary",
+        facts={
+            "along_trajectory": case.condition is not None,
+            "linear_model": USUAL_MODEL,
+            "predicted": flight.predicted,
+            "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
+            "minimum_deg": np.degrees(case.minimum),
+        },
+    )
+
+
+def _flown_boundary(case: FlightCase) -> float:
+    """The boundary of its control [rad], in size, by flights."""
+    from tvclin.flights.control import ReportControl
+    from tvclin.flights.flown_boundary import flown_boundary
+
+    chosen: dict[str, Any] = {"law": case.control}
+    if isinstance(case.control, ReportControl):
+        chosen = {"dead_band": case.control.dead_band}
+    found = flown_boundary(
+        case.vehicle,
+        case.wind,
+        frozen=case.condition is None,
+        tolerance=_TOLERANCE,
+        highest=_HIGHEST,
+        **chosen,
+        **case.options,
+    )
+    return abs(float(found.deflection))

@@ -1,13 +1,13 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from tvclin.cli.flight_cases import LAWS, FlightCase, flight_case, flight_wind
+from tvclin.cli.flight_cases import ENGINES, LAWS, flight_case, flight_wind, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
+from tvclin.cli.fly_shown import Shown
 from tvclin.cli.fly_winds import Window, Winds, sounding_wind
 from tvclin.cli.gains import GainOptions, takes_gains
 from tvclin.cli.inputs import load_plant, note_structure, peak_angle
@@ -27,17 +27,7 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.progress import waiting
 
-if TYPE_CHECKING:
-    from tvclin.flights.beside import FlightBeside
-    from tvclin.flights.flown_boundary import FlownBoundary
-
 _LONGEST = 20.0
-_TOLERANCE, _HIGHEST = 5e-4, 4.0
-"""Of --boundary, over the largest trim deflection."""
-_ENGINES = {
-    "planar": "the report's nonlinear equations in one plane",
-    "sixdof": "JSBSim, six degrees of freedom, steps of 0.01 s",
-}
 
 
 @takes_gains
@@ -102,12 +92,14 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
+    import numpy as np
+
     from tvclin.base.errors import InputError, one_of, positive, within
     from tvclin.flights.condition import load_flight_condition
     from tvclin.vehicle.linear_vehicle import load_any_vehicle, whole_vehicle
 
     if engine is not None:
-        one_of("--engine", engine, (*_ENGINES, "linear"))
+        one_of("--engine", engine, (*ENGINES, "linear"))
     one_of("--law", law or "report", ["report", *LAWS])
     positive("--duration", duration, "s")
     within("--until", until, 1e-3, _LONGEST)
@@ -133,7 +125,8 @@ def fly(
         case = LinearCase(
             loaded, plant, frame, plane, wind, gust, law or "saturated", dead_band, steps
         )
-        survived = _by_steps(case, limit_deg, boundary, span, shown)
+        with waiting("flying"):
+            found = fly_linear(case, limit_deg, boundary, np.linspace(0.0, *span))
     else:
         if Steps(gains, sample_rate, rate_limit_deg) != Steps():
             raise InputError(
@@ -143,193 +136,7 @@ def fly(
         condition = load_flight_condition(vehicle) if along_trajectory else None
         asked = (law or "report", dead_band, limit_deg)
         one = flight_case(loaded, wind, gust, engine or "planar", plane, *asked, condition, span[0])
-        survived = _beside_theory(one, boundary, span, shown)
-    if not survived:
+        with waiting("flying"):
+            found = fly_nonlinear(one, boundary, *span)
+    if not found.show(shown):
         raise typer.Exit(1)
-
-
-@dataclass(frozen=True)
-class Shown:
-    """Where a flight goes: files, and whether JSON is printed."""
-
-    csv: Path | None
-    plot: Path | None
-    as_json: bool
-
-
-def _by_steps(
-    case: LinearCase,
-    limit_deg: float | None,
-    boundary: bool,
-    span: tuple[float, int],
-    shown: Shown,
-) -> bool:
-    """Fly a law in steps, show it, and return whether it survived."""
-    import numpy as np
-
-    from tvclin.cli.output import print_json
-
-    with waiting("flying"):
-        found = fly_linear(case, limit_deg, boundary, np.linspace(0.0, *span))
-    _write(found.flight, case.title, found.limit, "linear", shown, "rigid")
-    if shown.as_json:
-        print_json(found.document())
-    else:
-        found.print()
-    return found.flight.survived
-
-
-def _beside_theory(case: FlightCase, boundary: bool, span: tuple[float, int], shown: Shown) -> bool:
-    """Fly beside the linear theory, show it, and return whether it survived."""
-    from tvclin.cli.output import print_json
-
-    with waiting("flying"):
-        flight = _flown(case, *span)
-        found = _flown_boundary(case) if boundary else None
-    _write(flight, case.title, case.limit, case.engine, shown)
-    if shown.as_json:
-        print_json(_document(flight, case, found))
-    else:
-        _print(flight, case, found)
-    return flight.survived
-
-
-def _flown(case: FlightCase, length: float, points: int) -> "FlightBeside":
-    import numpy as np
-
-    from tvclin.flights.beside import fly_beside
-
-    start = float(case.wind.onset)
-    return fly_beside(
-        case.vehicle,
-        case.control,
-        case.wind,
-        np.linspace(start, start + length, points),
-        deflection_limit=case.limit,
-        boundary=case.boundary,
-        **case.options,
-    )
-
-
-def _flown_boundary(case: FlightCase) -> "FlownBoundary":
-    from tvclin.flights.control import ReportControl
-    from tvclin.flights.flown_boundary import flown_boundary
-
-    chosen: dict[str, Any] = {"law": case.control}
-    if isinstance(case.control, ReportControl):
-        chosen = {"dead_band": case.control.dead_band}
-    return flown_boundary(
-        case.vehicle,
-        case.wind,
-        frozen=case.condition is None,
-        tolerance=_TOLERANCE,
-        highest=_HIGHEST,
-        **chosen,
-        **case.options,
-    )
-
-
-def _write(
-    flight: "FlightBeside",
-    title: str,
-    limit: float,
-    engine: str,
-    shown: Shown,
-    beside: str = "linear",
-) -> None:
-    import numpy as np
-
-    from tvclin.base.files import write_text
-    from tvclin.plots import flight_chart, flight_curves, save_figure
-
-    if shown.csv is None and shown.plot is None:
-        return
-    said = f"{title}, limit {np.degrees(limit):.4f} deg, {engine}"
-    numbers = flight_curves(flight, "fly", said.replace("\n", ", "), beside)
-    if shown.csv is not None:
-        write_text(shown.csv, numbers.csv())
-    if shown.plot is not None:
-        save_figure(flight_chart(numbers, said, float(flight.wind.end)), shown.plot)
-
-
-def _peaks(flight: "FlightBeside") -> dict[str, list[float]]:
-    """The largest of each over the wind, flown and linear [deg]."""
-    import numpy as np
-
-    names = ("attitude", "deflection", "angle_of_attack")
-    return {name: np.degrees(flight.peaks(name)).tolist() for name in names}
-
-
-def _print(flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | None") -> None:
-    import numpy as np
-
-    from tvclin.cli.output import print_table
-    from tvclin.linear.plant import USUAL_MODEL
-
-    limit, least = (float(np.degrees(angle)) for angle in (case.limit, case.boundary))
-    typer.echo(case.title)
-    typer.echo(f"flown: {_ENGINES[case.engine]}")
-    typer.echo(case.assumed)
-    typer.echo(f"linear: model {USUAL_MODEL}, parameters frozen")
-    rows = [
-        [f"largest {name.replace('_', ' ')}", *_compared(*both)]
-        for name, both in _peaks(flight).items()
-    ]
-    if found is not None:
-        rows.append(["boundary", *_compared(abs(float(np.degrees(found.deflection))), least)])
-    title = f"Limit {limit:.4f} deg, {limit / least:.4g} times the linear boundary"
-    print_table(title, ["over the wind, in deg", "flown", "linear", "difference"], rows)
-    words = {True: "SURVIVED", False: "NOT SURVIVED"}
-    typer.echo(f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}.")
-    if case.limit < case.minimum and (flight.survived or flight.predicted):
-        typer.echo(
-            f"Note: {np.degrees(case.minimum):.4f} deg is the least of all by linear theory; with"
-            "\nless a mode goes on growing, more slowly than this flight shows."
-        )
-    if np.isfinite(flight.let_go[0]):
-        typer.echo(
-            f"The limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at"
-            "\nzero or beyond; the flight, and what is largest in it, is shown until then."
-        )
-
-
-def _compared(flown: float, linear: float) -> list[str]:
-    return [f"{flown:.4f}", f"{linear:.4f}", f"{flown - linear:+.4f}"]
-
-
-def _document(
-    flight: "FlightBeside", case: FlightCase, found: "FlownBoundary | None"
-) -> dict[str, Any]:
-    import numpy as np
-
-    from tvclin.linear.plant import USUAL_MODEL
-
-    deg = np.degrees
-    return {
-        "vehicle": case.vehicle.name,
-        "engine": case.engine,
-        "plane": case.plane,
-        "law": case.law,
-        "dead_band": case.dead_band,
-        "along_trajectory": case.condition is not None,
-        "linear_model": USUAL_MODEL,
-        "wind": {
-            "shape": case.shape,
-            "peak_deg": deg(case.wind.peak),
-            "onset_s": case.wind.onset,
-            "end_s": case.wind.end,
-        },
-        "limit_deg": deg(case.limit),
-        "survived": flight.survived,
-        "predicted": flight.predicted,
-        "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
-        "peaks_over_the_wind_deg": {
-            name: {"flown": flown, "linear": linear}
-            for name, (flown, linear) in _peaks(flight).items()
-        },
-        "boundary_deg": {
-            "linear": deg(case.boundary),
-            "flown": None if found is None else deg(abs(found.deflection)),
-        },
-        "minimum_deg": deg(case.minimum),
-    }

@@ -4,11 +4,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from tvclin.cli.gains import GainOptions
 
 if TYPE_CHECKING:
+    from tvclin.cli.fly_shown import Compared
     from tvclin.control.laws.law import Law
     from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
     from tvclin.flights.flexible import SampledFlight
@@ -57,6 +56,8 @@ class LinearCase:
     law: str
     dead_band: float | None
     steps: "Steps"
+
+    engine = "linear"
 
     @property
     def structure(self) -> "Structure | None":
@@ -124,18 +125,14 @@ class LinearCase:
     @property
     def title(self) -> str:
         """The vehicle, the wind, and what flies, in lines."""
-        import numpy as np
-
         from tvclin.cli.bands import parts_line
+        from tvclin.cli.fly_shown import wind_line
         from tvclin.cli.margin_tables import lines
 
-        peak = float(np.degrees(self.wind.peak))
-        length = float(self.wind.end - self.wind.onset)
         servo, delay = self.nozzle["actuator"], 1000.0 * self.nozzle["delay"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
-            self.vehicle.name or "Vehicle",
-            f"{self.shape} wind of {peak:.4g} deg and {length:.4g} s, {self.plane}, law {self.law}",
+            wind_line(self),
             *([lines(parts_line(self.structure))] if self.structure else []),
             f"linear equations, {self.plant.model}; law at {self.steps.rate:g} Hz, delay"
             f" {delay:g} ms, actuator {with_servo}",
@@ -143,7 +140,7 @@ class LinearCase:
         return "\n".join(said)
 
 
-def fly_linear(case: LinearCase, limit_deg: float | None, boundary: bool, times: Any) -> "Flown":
+def fly_linear(case: LinearCase, limit_deg: float | None, boundary: bool, times: Any) -> "Compared":
     """Return the flight of a case; without a limit that has a tenth to spare."""
     import numpy as np
 
@@ -161,98 +158,53 @@ def fly_linear(case: LinearCase, limit_deg: float | None, boundary: bool, times:
         limit = _SPARE * abs(least[0].deflection)
         if not np.isfinite(limit):
             raise InputError(f"{least[0].status}: give --limit-deg, or another law")
-    nozzle = case.nozzle
     flight = fly_sampled(
-        case.plant, case.control, case.wind, times, deflection_limit=limit, **nozzle
+        case.plant, case.control, case.wind, times, deflection_limit=limit, **case.nozzle
     )
-    return Flown(case, limit, flight, least)
+    return _compared(case, limit, flight, least)
 
 
-@dataclass(frozen=True, eq=False)
-class Flown:
-    """A case that has flown with a limit [rad], and boundaries where they were asked for."""
+def _compared(
+    case: LinearCase,
+    limit: float,
+    flight: "SampledFlight",
+    least: "tuple[ClosedLoopBoundary, ...] | None",
+) -> "Compared":
+    """A flight and its boundaries, where they were asked for, beside those of the rigid vehicle."""
+    import numpy as np
 
-    case: LinearCase
-    limit: float
-    flight: "SampledFlight"
-    boundaries: "tuple[ClosedLoopBoundary, ...] | None"
+    from tvclin.cli.fly_shown import Compared
+    from tvclin.cli.margin_tables import lines
 
-    def rows(self) -> list[tuple[str, tuple[float, float]]]:
-        """What is largest over the wind, and the boundary, flown and of the rigid vehicle [deg]."""
-        import numpy as np
-
-        names = ("attitude", "deflection", "angle_of_attack")
-        rows = [(f"largest {n.replace('_', ' ')}", self.flight.peaks(n)) for n in names]
-        if self.boundaries is not None:
-            ends = [abs(one.deflection) for one in self.boundaries]
-            rows.append(("boundary of this law", (ends[0], ends[-1])))
-        return [(name, (np.degrees(a), np.degrees(b))) for name, (a, b) in rows]
-
-    def print(self) -> None:
-        """Print the flight, and beside it that of the rigid vehicle."""
-        import numpy as np
-
-        from tvclin.cli.margin_tables import lines
-        from tvclin.cli.output import print_table
-
-        typer.echo(self.case.title)
-        bends = self.case.bends
-        rates = (float(np.degrees(one)) for one in self.flight.peak_rates)
-        rows = [*self.rows(), ("largest rate, whole flight [deg/s]", tuple(rates))]
-        columns = ("flexible", "rigid", "differ by") if bends else ("flown",)
-        cells = [
-            [name, f"{a:.4f}", *([f"{b:.4f}", f"{a - b:+.4f}"] if bends else [])]
-            for name, (a, b) in rows
-        ]
-        headings = ["over the wind, in deg", *columns]
-        print_table(f"Limit {np.degrees(self.limit):.4f} deg", headings, cells)
-        flown, rigid = self.flight.status
-        typer.echo(f"Flown: {_word(flown)}." + (f" Rigid: {_word(rigid)}." if bends else ""))
-        if "rings" in (flown, rigid):
-            typer.echo(lines(RINGS_MEANS))
-        for name, one in zip(
-            ("flexible", "rigid")[not bends :], self.boundaries or (), strict=False
-        ):
-            if one.status != "ok":
-                typer.echo(lines(f"Note: boundary, {name}: {one.status}"))
-
-    def document(self) -> dict[str, Any]:
-        """Return the same for JSON."""
-        import numpy as np
-
-        case, flight, least, deg = self.case, self.flight, self.boundaries, np.degrees
-
-        def both(values: Any) -> dict[str, float]:
-            return dict(zip(("flown", "rigid"), values, strict=True))
-
-        return {
-            "vehicle": case.vehicle.name,
-            "engine": "linear",
-            "flexible": case.bends,
-            "plane": case.plane,
-            "law": case.law,
-            "dead_band": case.dead_band,
+    bends, (flown, rigid) = case.bends, flight.status
+    rates = [float(np.degrees(one)) for one in flight.peak_rates]
+    ends = [f"Flown: {_word(flown)}." + (f" Rigid: {_word(rigid)}." if bends else "")]
+    if "rings" in (flown, rigid):
+        ends.append(lines(RINGS_MEANS))
+    for name, one in zip(("flexible", "rigid")[not bends :], least or (), strict=False):
+        if one.status != "ok":
+            ends.append(lines(f"Note: boundary, {name}: {one.status}"))
+    return Compared(
+        case=case,
+        flight=flight,
+        limit=limit,
+        beside="rigid",
+        columns=("flexible", "rigid", "differ by") if bends else ("flown",),
+        boundary=(abs(least[0].deflection), abs(least[-1].deflection)) if least else None,
+        heads=[case.title],
+        ends=ends,
+        title=f"Limit {np.degrees(limit):.4f} deg",
+        boundary_name="boundary of this law",
+        rows=[("largest rate, whole flight [deg/s]", tuple(rates))],
+        facts={
+            "flexible": bends,
             "linear_model": case.plant.model,
             "sample_rate_Hz": case.steps.rate,
             "delay_s": case.nozzle["delay"],
-            "wind": {
-                "shape": case.shape,
-                "peak_deg": deg(case.wind.peak),
-                "onset_s": case.wind.onset,
-                "end_s": case.wind.end,
-            },
-            "limit_deg": deg(self.limit),
-            "survived": flight.survived,
-            "status": both(flight.status),
-            "peaks_over_the_wind_deg": {
-                name: both([deg(peak) for peak in flight.peaks(name)])
-                for name in ("attitude", "deflection", "angle_of_attack")
-            },
-            "peak_deflection_rate_deg_s": both([deg(rate) for rate in flight.peak_rates]),
-            "boundary_deg": both([deg(abs(one.deflection)) for one in (least[0], least[-1])])
-            if least
-            else None,
-        }
+            "status": dict(zip(("flown", "rigid"), flight.status, strict=True)),
+            "peak_deflection_rate_deg_s": dict(zip(("flown", "rigid"), rates, strict=True)),
+        },
+    )
 
 
 RINGS_MEANS = (

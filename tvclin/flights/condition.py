@@ -5,7 +5,7 @@ from os import PathLike
 
 import numpy as np
 
-from tvclin.base.errors import InputError, number, positive
+from tvclin.base.errors import InputError, naming, number, positive
 from tvclin.base.files import called
 from tvclin.base.tables import Table
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
@@ -102,7 +102,5 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
         raise InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"
         )
-    try:
+    with naming(name):
         return FlightCondition(**FLIGHT_TABLE.read(table))
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None

@@ -84,22 +84,26 @@ def answering(A: FloatArray, B: FloatArray, pieces: Pieces) -> NDArray[Any]:
 
 
 def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None) -> NDArray[Any]:
-    """Return M of d/dt [x, z] = M [x, z] for x' = A x + B z, shape ``(n + k, n + k)``.
+    """Return M of d/dt [x, z] = M [x, z] for x' = A x + B z, ``(..., n + k, n + k)``.
 
     Parameters
     ----------
     A, B : ndarray
-        ``(n, n)`` and ``(n, k)``.
+        ``(..., n, n)`` and ``(..., n, k)``; batches broadcast.
     inputs : ndarray, optional
-        Z of z' = Z z, ``(k, k)``; without it z is held.
+        Z of z' = Z z, ``(..., k, k)``; without it z is held.
 
     Notes
     -----
     e^(M t) says what states and inputs at the start make of the states at t.
     """
-    order, count = B.shape
+    order, count = B.shape[-2:]
     inputs = np.zeros((count, count)) if inputs is None else inputs
-    return np.block([[A, B], [np.zeros((count, order)), inputs]])
+    batch = np.broadcast_shapes(*(one.shape[:-2] for one in (A, B, inputs)))
+    whole = np.zeros((*batch, order + count, order + count), np.result_type(A, B, inputs))
+    whole[..., :order, :order], whole[..., :order, order:] = A, B
+    whole[..., order:, order:] = inputs
+    return whole
 
 
 def inputs_at(pieces: Pieces, times: FloatArray) -> NDArray[Any]:

@@ -6,7 +6,7 @@ from importlib.resources import files
 from os import PathLike, fspath
 from typing import Any
 
-from tvclin.base.errors import InputError, one_of, shown
+from tvclin.base.errors import InputError, naming, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
@@ -92,10 +92,8 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
     table = table_of(text, source, VEHICLE_TABLE)
-    try:
+    with naming(called(source)):
         return build_vehicle(table)
-    except InputError as error:
-        raise InputError(f"{called(source)}: {error}") from None
 
 
 def needs_whole(what: str) -> str:
@@ -115,10 +113,8 @@ def table_of(text: str, source: str, table: Table) -> dict[str, Any]:
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
     for key in document.keys() - set(HEADINGS):
         raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
-    try:
+    with naming(source):
         return table.one(document)
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
 
 
 def template() -> str:

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import Any, TypeAlias
 
 from tvclin.base.cards import Quantity, card
-from tvclin.base.errors import InputError, flag, instance, shown, single, text
+from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import Table
 from tvclin.vehicle.coefficients import Coefficients
@@ -117,15 +117,13 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     document = tables_of(words, name)
     if COEFFICIENTS not in document or "vehicle" in document:
         return parse_vehicle(words, name)
-    try:
+    with naming(called(name)):
         for other in document.keys() - {COEFFICIENTS}:
             raise InputError(
                 f"{shown(other)} cannot stand beside {COEFFICIENTS_TABLE.heading}, which is all"
                 " that is known of a vehicle"
             )
         return _of_table(COEFFICIENTS_TABLE.one(document))
-    except InputError as error:
-        raise InputError(f"{called(name)}: {error}") from None
 
 
 def coefficients_of(vehicle: AnyVehicle, plane: str = "pitch") -> Coefficients:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any
 
-from tvclin.base.errors import InputError, number
+from tvclin.base.errors import InputError, naming, number
 from tvclin.base.files import called, tables_of
 from tvclin.base.tables import Table
 from tvclin.base.units import UNITS
@@ -94,10 +94,8 @@ def parse_structure(text: str, place: str) -> Structure | None:
     InputError
         As `load_structure`, but for the file.
     """
-    try:
+    with naming(called(place)):
         found = build_structure(tables_of(text, place))
-    except InputError as error:
-        raise InputError(f"{called(place)}: {error}") from None
     return None if found.is_rigid else found
 
 
@@ -125,10 +123,8 @@ def _every(table: Table, document: Mapping[str, Any], make: Callable[..., Any]) 
     """What is made of each of several tables; messages say of which."""
     made = []
     for k, row in enumerate(table.each(document), start=1):
-        try:
+        with naming(f"{table.name} {k}"):
             made.append(make(**table.read(row)))
-        except InputError as error:
-            raise InputError(f"{table.name} {k}: {error}") from None
     return tuple(made)
 
 

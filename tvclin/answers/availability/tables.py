@@ -22,8 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.requirement import path_counts
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
+from tvclin.answers.trim_flown import path_counts
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.linear.plant import Plant

@@ -12,7 +12,7 @@ import numpy as np
 from tvclin.answers.campaign.dispersions import Dispersions
 from tvclin.answers.campaign.flights import FLIGHT_TABLE, Flight
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
-from tvclin.answers.campaign.structures import gains_record, record_of
+from tvclin.answers.campaign.structures import record_of
 from tvclin.answers.campaign.tables import (
     dispersions_of,
     gains_of,
@@ -21,7 +21,7 @@ from tvclin.answers.campaign.tables import (
     structure_of,
     subject_of,
 )
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
 from tvclin.vehicle.vehicle import Vehicle
@@ -49,10 +49,8 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     """
     file = a_path("path", path)
     document = read_tables(file, "write a campaign file with: tvclin campaign init")
-    try:
+    with naming(called(file)):
         return parse_campaign(document, file.parent)
-    except InputError as error:
-        raise InputError(f"{called(file)}: {error}") from None
 
 
 def template() -> str:
@@ -106,7 +104,7 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     if campaign.structure is not None:
         head["structure"] = record_of(campaign.structure)
     if campaign.gains is not None:
-        flown["autopilot"] = gains_record(campaign.gains)
+        flown["autopilot"] = record_of(campaign.gains)
     return flown | {
         "campaign": head | ({} if until is None else {"until_part": until}),
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}

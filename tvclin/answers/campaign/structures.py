@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,11 @@ from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 
 FloatArray = NDArray[np.float64]
 
-_LAGS = ("attitude_sensor", "rate_gyro")
+Recorded = TypeVar("Recorded", Structure, GainsAsked)
+_PARTS = {"bending": BendingMode, "slosh": SloshTank, "engine": Engine} | dict.fromkeys(
+    ("attitude_sensor", "rate_gyro", *CHAINS), Filter
+)
+"""What the parts of a structure and an autopilot are, by name; all else in them are numbers."""
 
 
 def modes_nominal(structure: Structure) -> dict[str, float]:
@@ -71,20 +75,17 @@ def _single(value: Any) -> Any:
     return float(value[0]) if isinstance(value, np.ndarray) else value
 
 
-def record_of(structure: Structure) -> dict[str, Any]:
-    """Return a structure as numbers in SI units, of which `structure_of_record` makes it again."""
-    lags = {name: getattr(structure, name) for name in _LAGS}
-    return {
-        "bending": [_numbers(mode) for mode in structure.bending],
-        "slosh": [_numbers(tank) for tank in structure.slosh],
-        "engine": None if structure.engine is None else _numbers(structure.engine),
-        **{name: None if lag is None else _filter(lag) for name, lag in lags.items()},
-        "thrust_follows": structure.thrust_follows,
-    }
+def record_of(value: Any) -> Any:
+    """Return a structure or an autopilot as numbers in SI units, of which `of_record` makes it."""
+    if is_dataclass(value):
+        return {f.name: record_of(getattr(value, f.name)) for f in fields(value)}
+    if isinstance(value, tuple):
+        return [record_of(one) for one in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
-def structure_of_record(record: Mapping[str, Any]) -> Structure:
-    """Return the structure of a record.
+def of_record(kind: type[Recorded], record: Any) -> Recorded:
+    """Return the structure or the autopilot of a record.
 
     Raises
     ------
@@ -92,52 +93,17 @@ def structure_of_record(record: Mapping[str, Any]) -> Structure:
         For a record that holds something else.
     """
     try:
-        engine, lags = record["engine"], {name: record[name] for name in _LAGS}
-        return Structure(
-            bending=tuple(BendingMode(**_made(one)) for one in record["bending"]),
-            slosh=tuple(SloshTank(**_made(one)) for one in record["slosh"]),
-            engine=None if engine is None else Engine(**engine),
-            thrust_follows=record["thrust_follows"],
-            **{name: None if one is None else _filter_of(one) for name, one in lags.items()},
-        )
-    except (KeyError, TypeError):
-        raise InputError("the structure of a manifest must hold every number of it") from None
+        made = _made(kind, record)
+    except TypeError:
+        made = None
+    if not isinstance(made, kind):
+        raise InputError(f"a manifest must hold every number of a {kind.__name__}")
+    return made
 
 
-def gains_record(asked: GainsAsked) -> dict[str, Any]:
-    """Return an autopilot as numbers in SI units, of which `gains_of_record` makes it again."""
-    plain = {f.name: getattr(asked, f.name) for f in fields(asked) if f.name not in CHAINS}
-    return plain | {name: [_filter(one) for one in getattr(asked, name)] for name in CHAINS}
-
-
-def gains_of_record(record: Mapping[str, Any]) -> GainsAsked:
-    """Return the autopilot of a record.
-
-    Raises
-    ------
-    InputError
-        For a record that holds something else.
-    """
-    try:
-        chains = {name: tuple(_filter_of(one) for one in record[name]) for name in CHAINS}
-        return GainsAsked(**{**record, **chains})
-    except (KeyError, TypeError):
-        raise InputError("the autopilot of a manifest must hold every number of it") from None
-
-
-def _numbers(value: Any) -> dict[str, Any]:
-    found = {f.name: getattr(value, f.name) for f in fields(value)}
-    lists = {name: list(one) for name, one in found.items() if isinstance(one, tuple)}
-    return {name: one for name, one in (found | lists).items() if one is not None}
-
-
-def _made(record: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: tuple(one) if isinstance(one, list) else one for name, one in record.items()}
-
-
-def _filter(one: Filter) -> dict[str, list[float]]:
-    return {"numerator": one.numerator.tolist(), "denominator": one.denominator.tolist()}
-
-
-def _filter_of(record: Mapping[str, Any]) -> Filter:
-    return Filter.from_coefficients(record["numerator"], record["denominator"])
+def _made(kind: Any, record: Any) -> Any:
+    if isinstance(record, list):
+        return tuple(_made(kind, one) for one in record)
+    if isinstance(record, dict):
+        return kind(**{name: _made(_PARTS.get(name), one) for name, one in record.items()})
+    return record

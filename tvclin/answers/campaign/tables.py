@@ -17,7 +17,7 @@ from tvclin.answers.campaign.dispersions import (
 )
 from tvclin.answers.campaign.flights import FLIGHT_TABLE
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION_TABLE
-from tvclin.answers.campaign.structures import gains_of_record, structure_of_record
+from tvclin.answers.campaign.structures import of_record
 from tvclin.answers.document import DOCUMENT_TABLE
 from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
@@ -137,7 +137,7 @@ def structure_of(document: Mapping[str, Any], folder: Path) -> Structure | None:
     if "structure" in campaign:
         if not _recorded(document):
             raise InputError("structure belongs into the vehicle file, beside [vehicle]")
-        return structure_of_record(campaign["structure"])
+        return of_record(Structure, campaign["structure"])
     source = (document.get("study", {}) | campaign).get("vehicle")
     if not isinstance(source, str):
         return None
@@ -147,7 +147,7 @@ def structure_of(document: Mapping[str, Any], folder: Path) -> Structure | None:
 
 def gains_of(table: Mapping[str, Any], document: Mapping[str, Any]) -> GainsAsked:
     """Return what the table [autopilot] asks for."""
-    return gains_of_record(table) if _recorded(document) else GainsAsked.from_table(table)
+    return of_record(GainsAsked, table) if _recorded(document) else GainsAsked.from_table(table)
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:

@@ -22,6 +22,7 @@ from tvclin.base.errors import (
     finite,
     flag,
     instance,
+    naming,
     nonnegative,
     number,
     one_of,
@@ -321,7 +322,7 @@ class SizingAsked:
         return met
 
     def _flown(self, name: str, sounding: SoundingAsked) -> WindOf:
-        try:
+        with naming(name):
             return fly_through(
                 sounding.profile,
                 self.schedule,
@@ -330,8 +331,6 @@ class SizingAsked:
                 window=self.window,
                 gust=self.gust,
             )
-        except InputError as error:
-            raise InputError(f"{name}: {error}") from None
 
     def _pulse_name(self, pulse: ShapedWind) -> str:
         strength = f"{np.degrees(pulse.peak):.6g} deg"

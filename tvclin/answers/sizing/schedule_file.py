@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import InputError, path, shown
+from tvclin.base.errors import InputError, naming, path, shown
 from tvclin.base.files import called, exists, tables_of
 from tvclin.base.tables import Table
 from tvclin.flights.condition import load_flight_condition
@@ -88,13 +88,11 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
     for place, row in _with_inertia_rates(rows):
-        try:
+        with naming(f"{source}, {place}"):
             others.append(_taken(row))
             vehicles.append(build_vehicle(row))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
-        except InputError as error:
-            raise InputError(f"{source}, {place}: {error}") from None
     times = [float(np.asarray(v.time)) for v in vehicles]
     for (place, _), before, now in zip(rows[1:], times, times[1:], strict=False):
         if now <= before:

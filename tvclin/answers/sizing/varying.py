@@ -30,9 +30,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.answers.requirement import path_counts
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import ATOL, RTOL, GrowingMode
+from tvclin.answers.trim_flown import path_counts
 from tvclin.boundary.limit import leading_pole
 from tvclin.flights.closed_loop.continuous import smooth_piece
 from tvclin.linear.plant import Plant

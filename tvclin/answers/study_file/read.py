@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tvclin.answers.study_file.plan import DEFAULT_WIND, StudyPlan
-from tvclin.base.errors import InputError, instance, path
+from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.files import called, tables_of
 from tvclin.vehicle.file import COEFFICIENTS, parse_vehicle, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
@@ -53,10 +53,8 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
         return StudyPlan(vehicle=parse_vehicle(text, name), structure=parse_structure(text, name))
     from tvclin.answers.study_file.parse import parse_study
 
-    try:
+    with naming(called(name)):
         return parse_study(document, Path(name).parent)
-    except InputError as error:
-        raise InputError(f"{called(name)}: {error}") from None
 
 
 def load_sizing(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from tvclin.base.errors import InputError, number, one_of, shown
+from tvclin.base.errors import InputError, naming, number, one_of, shown
 from tvclin.base.tables import Table
 from tvclin.vehicle.filters import Filter
 
@@ -53,10 +53,8 @@ def filter_chains(rows: Sequence[Mapping[str, Any]]) -> dict[str, tuple[Filter, 
     for k, row in enumerate(rows, start=1):
         if not isinstance(row, Mapping):
             raise InputError(f"filter must be given as {FILTER_TABLE.heading}; got {shown(row)}")
-        try:
+        with naming(f"filter {k} of the autopilot"):
             place, made = _filter(row)
-        except InputError as error:
-            raise InputError(f"filter {k} of the autopilot: {error}") from None
         chains[PLACES[place]].append(made)
     return {chain: tuple(filters) for chain, filters in chains.items()}
 

@@ -25,6 +25,7 @@ from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.autopilot.wiring import sensed_places
 from tvclin.control.margins.sampled_loop import SampledLoop
 from tvclin.kernels import state_space
+from tvclin.kernels.propagation import driven
 from tvclin.kernels.state_loop import StateLoop
 from tvclin.kernels.state_space import Matrices
 from tvclin.linear.flexible import AnyPlant
@@ -130,10 +131,8 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
             f"delay must be at most {_MOST_PERIODS} sample periods; got {np.max(periods):.6g}"
             " (lower sample_rate, or leave it out: so fast a law is continuous)"
         )
-    whole = np.floor(periods + _WHOLE)
-    rest = np.where(periods - whole < _WHOLE, 0.0, (periods - whole) * period)
-    held = np.zeros((*A.shape[:-2], n + 1, n + 1))
-    held[..., :n, :n], held[..., :n, n:] = A, B
+    whole, rest = delay_parts(np.asarray(autopilot.delay), period)
+    held = driven(A, B)
     full = expm(held * period[..., np.newaxis, np.newaxis])
     part = expm(held * (period - rest)[..., np.newaxis, np.newaxis])
     batch = np.broadcast_shapes(full.shape[:-2], part.shape[:-2])
@@ -143,8 +142,16 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
         np.broadcast_to(rest, batch)[..., np.newaxis, np.newaxis] > 0.0, full[..., :n, n:] - G0, 0.0
     )
     C = np.broadcast_to(C[..., list(sensed_places(plant)), :], (*batch, 3, n))
-    whole = np.broadcast_to(whole.astype(int), batch)
+    whole = np.broadcast_to(whole, batch)
     return Steps(full[..., :n, :n], G0, G1, C, whole, np.broadcast_to(period, batch), names)
+
+
+def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+    """Return the whole periods of a delay, and the rest [s] of it."""
+    periods = delay / period
+    whole = np.floor(periods + _WHOLE)
+    rest = np.where(periods - whole > _WHOLE, periods - whole, 0.0) * period
+    return whole.astype(np.intp), rest
 
 
 def law_steps(autopilot: Feedback, period: FloatArray) -> Matrices:

@@ -21,14 +21,19 @@ from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.gusts import polynomial_pieces
 from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch
 from tvclin.flights.closed_loop.outcomes import judging
+from tvclin.flights.closed_loop.step_matrices import (
+    even_steps,
+    joint_steps,
+    parts_of,
+    quickness,
+    sensed_rows,
+)
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flights import MEASURED, NEVER, PEAKS, Flights
-from tvclin.kernels.propagation import exponentials
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import INPUTS
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -36,8 +41,6 @@ IntArray = NDArray[np.int64]
 
 _LONGEST = 1_000_000
 """Samples after its wind in which a flight may be decided; then it stays undecided."""
-_WHOLE = 1e-9
-"""A delay is a whole number of samples within this."""
 _AT_ONCE = 1e100
 """Bandwidth [1/s] of no nozzle at all."""
 _PLAIN, _COMPILED = 3e-5, 5e-8
@@ -114,12 +117,12 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     knots, pieces = polynomial_pieces(batch.wind)
     wind = _places(batch.wind.batch, shape)
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
-    late, lengths = _parts(length, delay)
+    late, lengths = parts_of(length, delay)
     whole = actuated(batch.plant, batch.actuator)
     moving, driven = (_spread(a, own, 2) for a in (whole.A, whole.B))
-    pace = np.minimum(_spread(_quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
-    joint = _joint(moving, driven, n, lengths[:, 1:], pieces.shape[2])
-    ramp = _ramps(A, inputs, lengths[:, 1:])
+    pace = np.minimum(_spread(quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
+    joint = joint_steps(moving, driven, n, lengths[:, 1:], pieces.shape[2])
+    ramp = even_steps(A, inputs, lengths[:, 1:])
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
     start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
@@ -144,7 +147,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         lengths=lengths,
         quick=np.where(lengths[:, 1:] > 0.0, pace * lengths[:, 1:], 0.0),
         late=late,
-        shown=_shown(batch.plant, C, D),
+        shown=sensed_rows(batch.plant, C, D),
         A=A,
         gust=np.ascontiguousarray(inputs[..., 1]),
         judges=_widened(judges.rows[place], N),
@@ -309,93 +312,6 @@ def _samples(span: FloatArray, length: FloatArray) -> IntArray:
     known = np.isfinite(span)
     counted = np.ceil(np.where(known, span, 0.0) / length - 1e-9)
     return np.where(known, np.maximum(counted, 1), NEVER).astype(np.int64)
-
-
-def _parts(length: FloatArray, delay: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Whole samples of delay, and the lengths [s] of a step and its parts, the later first."""
-    samples = delay / length
-    late = np.floor(samples + _WHOLE)
-    rest = np.where(samples - late > _WHOLE, samples - late, 0.0) * length
-    parts = [length - rest, rest] if np.any(rest) else [length]
-    return late.astype(np.int64), np.stack([length, *parts], axis=-1)
-
-
-def _quickness(actuator: Actuator | None) -> FloatArray:
-    """The bandwidth of a nozzle of first order [1/s], infinite without one, else zero."""
-    if actuator is None:
-        return np.asarray(np.inf)
-    bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
-    return bandwidth if actuator.damping is None else np.zeros(actuator.batch)
-
-
-def _joint(A: FloatArray, B: FloatArray, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
-    """J of `Flights`, of a vehicle and its nozzle, which `actuated` has put together.
-
-    d/dt [x, s, c, w0, w1, ...] is linear in these, the wind being w0' = w1, w1' = 2 w2, ..., and J
-    the upper rows of the exponential of its matrix.
-    """
-    p, order = A.shape[:2]
-    wind = order + 1
-    whole = np.zeros((p, wind + terms, wind + terms))
-    command, _, gust = range(B.shape[2])
-    whole[:, :order, :order] = A
-    whole[:, :order, order], whole[:, :order, wind] = B[..., command], B[..., gust]
-    for k in range(1, terms):
-        whole[:, wind + k - 1, wind + k] = k
-    steps = np.stack([exponentials(whole, part)[:, :order] for part in parts.T], axis=1)
-    if order > vehicle:
-        return steps
-    # Without a nozzle the deflection is a state all the same: at its command at once.
-    at_once = np.zeros((p, parts.shape[1], order + 1, wind + terms + 1))
-    at_once[..., :order, :order], at_once[..., :order, order + 1 :] = (
-        steps[..., :order],
-        steps[..., order:],
-    )
-    at_once[..., order, order + 1] = 1.0
-    return at_once
-
-
-def _ramps(A: FloatArray, inputs: FloatArray, parts: FloatArray) -> FloatArray:
-    """The ramp of `Flights`: x' = A x + b d with a deflection d that goes evenly from a to b in h.
-
-    d' = (b - a)/h: what d = 1 does, less what a rise by one does, is the factor of a, and the
-    latter that of b.
-    """
-    p, n = A.shape[:2]
-    even = np.zeros((p, n + 2, n + 2))
-    even[:, :n, :n], even[:, :n, n] = A, inputs[..., 0]
-    ramps = []
-    for part in parts.T:
-        gone = exponentials(even + _slope(n, part), part)
-        rise, kick = gone[:, :n, n + 1], []
-        if inputs.shape[2] > len(INPUTS):
-            # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of the part
-            b3 = inputs[..., 2]
-            later = np.einsum("pij,pj->pi", gone[:, :n, :n], b3)
-            rise = rise + (later - b3) / np.where(part > 0.0, part, 1.0)[:, np.newaxis]
-            kick = [-later, b3]
-        ramps.append(np.stack([gone[:, :n, n] - rise, rise, *kick], axis=-1))
-    return np.stack(ramps, axis=1)
-
-
-def _slope(n: int, part: FloatArray) -> FloatArray:
-    """The entry that makes a deflection go by one in a part."""
-    slope = np.zeros((part.size, n + 2, n + 2))
-    slope[:, n, n + 1] = 1.0 / np.where(part > 0.0, part, 1.0)
-    return slope
-
-
-def _shown(plant: AnyPlant, C: FloatArray, D: FloatArray) -> FloatArray:
-    """Attitude, rate, path and angle of attack as sensors give them, of states and wind."""
-    n, rows = C.shape[-1], np.zeros((len(C), 4, C.shape[-1] + 1))
-    places = {name: k for k, name in enumerate(plant.outputs)}
-    for row, name in enumerate(
-        ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
-    ):
-        k = places.get(f"sensed_{name}", places.get(name))
-        if k is not None:
-            rows[:, row, :n], rows[:, row, n] = C[:, k], D[:, k, 1]
-    return rows
 
 
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:

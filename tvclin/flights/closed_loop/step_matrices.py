@@ -1,0 +1,92 @@
+"""What a sample does to vehicle and nozzle, and what sensors see: the matrices of the kernel."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.control.autopilot.actuator import Actuator
+from tvclin.control.autopilot.sampled import delay_parts
+from tvclin.kernels.propagation import driven, exponentials
+from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.plant import INPUTS
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def parts_of(length: FloatArray, delay: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return samples of delay, and the lengths [s] of a step and its parts, the later first."""
+    late, rest = delay_parts(delay, length)
+    parts = [length - rest, rest] if np.any(rest) else [length]
+    return late.astype(np.int64), np.stack([length, *parts], axis=-1)
+
+
+def quickness(actuator: Actuator | None) -> FloatArray:
+    """Return the bandwidth of a nozzle of first order [1/s], infinite without one, else zero."""
+    if actuator is None:
+        return np.asarray(np.inf)
+    bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
+    return bandwidth if actuator.damping is None else np.zeros(actuator.batch)
+
+
+def joint_steps(
+    A: FloatArray, B: FloatArray, vehicle: int, parts: FloatArray, terms: int
+) -> FloatArray:
+    """Return J of `Flights`, of a vehicle and its nozzle, which `actuated` has put together.
+
+    d/dt [x, s, c, w0, w1, ...] is linear in these, the wind being w0' = w1, w1' = 2 w2, ..., and J
+    the upper rows of the exponential of its matrix.
+    """
+    p, order = A.shape[:2]
+    command, _, gust = range(B.shape[2])
+    given = np.zeros((p, order, 1 + terms))
+    given[..., 0], given[..., 1] = B[..., command], B[..., gust]
+    whole = driven(A, given, np.diag(np.arange(float(terms)), k=1))
+    steps = np.stack([exponentials(whole, part)[:, :order] for part in parts.T], axis=1)
+    if order > vehicle:
+        return steps
+    # Without a nozzle the deflection is a state all the same: at its command at once.
+    at_once = np.zeros((p, parts.shape[1], order + 1, whole.shape[-1] + 1))
+    at_once[..., :order, :order], at_once[..., :order, order + 1 :] = (
+        steps[..., :order],
+        steps[..., order:],
+    )
+    at_once[..., order, order + 1] = 1.0
+    return at_once
+
+
+def even_steps(A: FloatArray, inputs: FloatArray, parts: FloatArray) -> FloatArray:
+    """Return the ramp of `Flights`: x' = A x + b d, d going evenly from a to b in h.
+
+    d' = (b - a)/h: what d = 1 does, less what a rise by one does, is the factor of a, and the
+    latter that of b.
+    """
+    n, turned = A.shape[-1], inputs[..., 0]
+    given, ramps = np.stack([turned, np.zeros_like(turned)], axis=-1), []
+    for part in parts.T:
+        slope = np.zeros((part.size, 2, 2))
+        slope[:, 0, 1] = 1.0 / np.where(part > 0.0, part, 1.0)
+        gone = exponentials(driven(A, given, slope), part)
+        rise, kick = gone[:, :n, n + 1], []
+        if inputs.shape[2] > len(INPUTS):
+            # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of the part
+            b3 = inputs[..., 2]
+            later = np.einsum("pij,pj->pi", gone[:, :n, :n], b3)
+            rise = rise + (later - b3) / np.where(part > 0.0, part, 1.0)[:, np.newaxis]
+            kick = [-later, b3]
+        ramps.append(np.stack([gone[:, :n, n] - rise, rise, *kick], axis=-1))
+    return np.stack(ramps, axis=1)
+
+
+def sensed_rows(plant: AnyPlant, C: FloatArray, D: FloatArray) -> FloatArray:
+    """Return attitude, rate, path and angle of attack as sensors give them, of states and wind."""
+    n, rows = C.shape[-1], np.zeros((len(C), 4, C.shape[-1] + 1))
+    places = {name: k for k, name in enumerate(plant.outputs)}
+    for row, name in enumerate(
+        ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
+    ):
+        k = places.get(f"sensed_{name}", places.get(name))
+        if k is not None:
+            rows[:, row, :n], rows[:, row, n] = C[:, k], D[:, k, 1]
+    return rows
