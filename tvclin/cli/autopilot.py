@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions, gains_document, takes_gains
+from tvclin.cli.gains import GainOptions, takes_gains
 from tvclin.cli.inputs import load_linear, peak_angle, plant_of
 from tvclin.cli.least import (
     Crossover,
@@ -15,7 +15,6 @@ from tvclin.cli.least import (
     ThreeGains,
     draw_front,
     found_least,
-    least_document,
     print_least,
 )
 from tvclin.cli.margin_tables import poles, print_bounds
@@ -98,7 +97,7 @@ def autopilot(
         draw_front(sought, plot)
     document = _document(loaded, found, worst, limit, asked)
     if sought is not None:
-        document["least"] = least_document(sought)
+        document["least"] = sought
     if as_json:
         print_json({"vehicle": loaded.name, "model": plant.model, "plane": plane, **document})
     else:
@@ -140,43 +139,34 @@ def _document(
 ) -> dict[str, Any]:
     import numpy as np
 
+    from tvclin.base.documents import picked
     from tvclin.vehicle.vehicle import Vehicle
 
-    deg = np.degrees
-    within = limit_deg is None or deg(found.peak_deflection) <= limit_deg
+    within = limit_deg is None or np.degrees(found.peak_deflection) <= limit_deg
     criteria = bool(asked.are_met(found.margins))
     slope = speed = float("nan")  # of a vehicle that is known by its coefficients
     if isinstance(vehicle, Vehicle):
         slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
     return {
-        "autopilot": gains_document(found.autopilot),
+        "autopilot": found.autopilot,
         "closed_loop_poles": found.autopilot.closed_loop_poles(found.plant).tolist(),
-        "wind_peak_deg": deg(float(found.wind.peak)),
-        "stable": found.margins.stable,
-        "peak_deflection_deg": deg(found.peak_deflection),
-        "part_of_trim": found.relative,
-        "peak_deflection_rate_deg_s": deg(found.peak_deflection_rate),
-        "peak_angle_of_attack_deg": deg(found.peak_angle_of_attack),
+        **picked(
+            found,
+            "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
+            " part_of_trim=relative peak_deflection_rate_deg_s peak_angle_of_attack_deg",
+        ),
         "peak_normal_force_N": slope * found.peak_angle_of_attack,
-        "peak_attitude_deg": deg(found.peak_attitude),
-        "peak_flight_path_angle_deg": deg(found.peak_flight_path_angle),
+        **picked(found, "peak_attitude_deg peak_flight_path_angle_deg"),
         "peak_lateral_speed_m_s": found.peak_flight_path_angle * speed,
-        "trim_deg": deg(found.trim_deflection),
-        "boundaries_deg": {f"{K:g}": deg(limit) for K, limit in found.boundaries.items()},
-        "minimum_deg": deg(found.minimum),
-        "wind_gain": found.wind_gain,
-        "worst_duration": None
-        if worst is None
-        else {
-            "duration_s": worst.duration,
-            "peak_deflection_deg": deg(worst.peak_deflection),
-            "at_the_end": worst.at_the_end,
-        },
+        **picked(found, "trim_deg=trim_deflection"),
+        "boundaries_deg": {f"{K:g}": np.degrees(one) for K, one in found.boundaries.items()},
+        **picked(found, "minimum_deg wind_gain"),
+        "worst_duration": worst,
         "criteria": {"name": asked.name, "met": criteria},
         "limit_deg": limit_deg,
         "within_limit": None if limit_deg is None else bool(within),
         "met": bool(found.margins.stable and criteria and within),
-        "notes": list(found.notes),
+        "notes": found.notes,
     }
 
 

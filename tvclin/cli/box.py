@@ -127,15 +127,3 @@ def print_worst(found: "WorstCase", asked: "Criteria") -> None:
 
 def _place(corner: bool) -> str:
     return "a corner" if corner else "inside"
-
-
-def worst_document(found: "WorstCase", asked: "Criteria") -> dict[str, Any]:
-    """Return the same for JSON."""
-    return {
-        "box": {name: list(pair) for name, pair in found.box.items()},
-        "margins": {name: vars(one) for name, one in found.margins.items()},
-        "stable": found.stable,
-        "required_deflection_rad": None if found.deflection is None else vars(found.deflection),
-        "tried": found.tried,
-        "met": met_in_box(found, asked),
-    }

@@ -1,7 +1,7 @@
 """What `tvclin margins --flown` adds: how much may change in this wind, with this stop."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -102,21 +102,3 @@ def _row(name: str, one: "FlownMargin") -> list[str]:
 
     cause = {"lost": "is lost"}.get(one.cause, one.cause)
     return [name.replace("_", " "), shown(one.value), cause, shown(one.near_rest)]
-
-
-def flown_document(found: "FlownMargins") -> dict[str, Any]:
-    """Return flown margins for JSON; what does not exist becomes null."""
-    from tvclin.flights.closed_loop.flown_record import CHANGES
-
-    fields = ("value", "cause", "again", "lost", "near_rest")
-    return {
-        "limit_of_full_trim": found.limit,
-        "boundary_of_full_trim": found.boundary,
-        "spare": found.spare,
-        "status": found.status,
-        **{
-            name: {field: getattr(getattr(found, name), field) for field in fields}
-            for name in CHANGES
-        },
-        "notes": list(found.notes),
-    }

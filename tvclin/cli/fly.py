@@ -302,34 +302,24 @@ def _document(
 ) -> dict[str, Any]:
     import numpy as np
 
+    from tvclin.base.documents import picked
     from tvclin.flights.beside import MODEL as LINEAR_MODEL
 
-    deg = np.degrees
     return {
-        "vehicle": case.vehicle.name,
-        "engine": case.engine,
-        "plane": case.plane,
-        "law": case.law,
-        "dead_band": case.dead_band,
+        **picked(case, "vehicle=vehicle.name engine plane law dead_band"),
         "along_trajectory": case.condition is not None,
         "linear_model": LINEAR_MODEL,
-        "wind": {
-            "shape": case.shape,
-            "peak_deg": deg(case.wind.peak),
-            "onset_s": case.wind.onset,
-            "end_s": case.wind.end,
-        },
-        "limit_deg": deg(case.limit),
-        "survived": flight.survived,
-        "predicted": flight.predicted,
+        "wind": {"shape": case.shape, **picked(case.wind, "peak_deg onset_s end_s")},
+        **picked(case, "limit_deg"),
+        **picked(flight, "survived predicted"),
         "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
         "peaks_over_the_wind_deg": {
-            name: {"flown": flown, "linear": linear}
-            for name, (flown, linear) in _peaks(flight).items()
+            name: dict(zip(("flown", "linear"), both, strict=True))
+            for name, both in _peaks(flight).items()
         },
         "boundary_deg": {
-            "linear": deg(case.boundary),
-            "flown": None if found is None else deg(abs(found.deflection)),
+            "linear": np.degrees(case.boundary),
+            "flown": None if found is None else np.degrees(abs(found.deflection)),
         },
-        "minimum_deg": deg(case.minimum),
+        **picked(case, "minimum_deg"),
     }

@@ -220,29 +220,21 @@ class Flown:
         """Return the same for JSON."""
         import numpy as np
 
+        from tvclin.base.documents import picked
+
         case, flight, least, deg = self.case, self.flight, self.boundaries, np.degrees
 
         def both(values: Any) -> dict[str, float]:
             return dict(zip(("flown", "rigid"), values, strict=True))
 
         return {
-            "vehicle": case.vehicle.name,
+            **picked(case, "vehicle=vehicle.name"),
             "engine": "linear",
-            "flexible": case.bends,
-            "plane": case.plane,
-            "law": case.law,
-            "dead_band": case.dead_band,
-            "linear_model": case.plant.model,
+            **picked(case, "flexible=bends plane law dead_band linear_model=plant.model"),
             "sample_rate_Hz": case.steps.rate,
             "delay_s": case.nozzle["delay"],
-            "wind": {
-                "shape": case.shape,
-                "peak_deg": deg(case.wind.peak),
-                "onset_s": case.wind.onset,
-                "end_s": case.wind.end,
-            },
-            "limit_deg": deg(self.limit),
-            "survived": flight.survived,
+            "wind": {"shape": case.shape, **picked(case.wind, "peak_deg onset_s end_s")},
+            **picked(self, "limit_deg survived=flight.survived"),
             "status": both(flight.status),
             "peaks_over_the_wind_deg": {
                 name: both([deg(peak) for peak in flight.peaks(name)])

@@ -145,28 +145,3 @@ def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
     return run
-
-
-def gains_document(autopilot: "Autopilot") -> dict[str, Any]:
-    """Return the numbers of an autopilot for JSON."""
-    from tvclin.control.autopilot.feedback import CHAINS
-
-    actuator = autopilot.actuator
-    return {
-        "attitude_gain": autopilot.attitude_gain,
-        "rate_gain_s": autopilot.rate_gain,
-        "alpha_gain": autopilot.alpha_gain,
-        "integral_gain_per_s": autopilot.integral_gain,
-        "delay_s": autopilot.delay,
-        "actuator": None
-        if actuator is None
-        else {"natural_frequency_rad_s": actuator.natural_frequency, "damping": actuator.damping},
-        **{
-            name: [
-                {"numerator": one.numerator, "denominator": one.denominator}
-                for one in getattr(autopilot, name)
-            ]
-            for name in CHAINS
-        },
-        "sample_rate_Hz": autopilot.sample_rate,
-    }

@@ -5,16 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.box import Box, met_in_box, print_worst, worst_document, worst_in_box
-from tvclin.cli.detuned import IsDetuned, detuned_document, detuned_of, print_detuned
-from tvclin.cli.flown import (
-    Flown,
-    FlownCase,
-    FlownLimitDeg,
-    SampleRate,
-    flown_document,
-    print_flown,
-)
+from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
+from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
+from tvclin.cli.flown import Flown, FlownCase, FlownLimitDeg, SampleRate, print_flown
 from tvclin.cli.gains import GainOptions, takes_gains
 from tvclin.cli.inputs import load_plant, note_structure
 from tvclin.cli.options import (
@@ -126,10 +119,11 @@ def margins(
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
         head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
-        beside = {} if moved is None else {"detuned": detuned_document(moved)}
-        beside |= {} if in_wind is None else {"flown": flown_document(in_wind)}
-        beside |= {} if in_box is None else {"box": worst_document(in_box, in_all)}
-        print_json({**head, **margins_document(found), **beside})
+        if in_box is not None:
+            box_document = in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
+        beside = {"detuned": moved, "flown": in_wind, "box": in_box and box_document}
+        given = {name: one for name, one in beside.items() if one is not None}
+        print_json(head | margins_document(found) | given)
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
         if moved is not None:

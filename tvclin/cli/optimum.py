@@ -114,34 +114,21 @@ def _write(
 def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[str, Any]:
     import numpy as np
 
+    from tvclin.base.documents import picked
     from tvclin.boundary.limit import boundary_limit
 
     trim = abs(float(plant.coefficients.B * wind.peak))
     held = abs(float(boundary_limit(plant, wind, 0.0).deflection))
-    document = {
-        "peak_deg": np.degrees(best.peak),
+    return {
+        **picked(best, "peak_deg"),
         "part_of_trim": best.peak / trim if trim else None,
         "trim_deg": np.degrees(trim),
         "held_deg": np.degrees(held),
         "first_segment": _first_segment(plant, wind, best.deflection),
-        "switch_times_s": best.switch_times,
-        "status": best.status,
-        "certificate": {
-            "dual_deg": np.degrees(best.certificate.dual),
-            "gap": best.certificate.gap,
-            "residual": best.certificate.residual,
-            "tail": best.certificate.tail,
-        },
+        **picked(best, "switch_times_s status"),
+        "certificate": best.certificate.as_dict(),
+        **({} if limited is None else {"with_rate_limit": limited.as_dict()}),
     }
-    if limited is not None:
-        document["with_rate_limit"] = {
-            "rate_deg_per_s": np.degrees(limited.rate),
-            "peak_deg": np.degrees(limited.peak),
-            "residual": limited.residual,
-            "last_refinement": limited.change,
-            "status": limited.status,
-        }
-    return document
 
 
 def _first_segment(plant: "Plant", wind: "History", deflection: "History") -> str:

@@ -177,41 +177,20 @@ def _shown(entry: Any) -> list[str]:
 def _document(
     case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
 ) -> dict[str, Any]:
-    import numpy as np
+    from tvclin.base.documents import picked
 
-    deg = np.degrees
-    points = {
-        name: None if point is None else {"deg": deg(point.value), "time_s": point.time}
-        for name, point in vars(found).items()
-    }
-    left = verdict.left_over
+    left, whole = verdict.left_over, _covers_the_wind(case, shown)
+    angle = picked(loads, "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative")
     return {
-        "vehicle": case.vehicle,
-        "model": case.plant.model,
-        "wind": {
-            "shape": case.shape,
-            "peak_deg": deg(case.wind.peak),
-            "duration_s": case.wind.duration,
-        },
-        "dead_band": case.dead_band,
-        "required_deg": deg(case.required),
-        "governed_by": case.governs,
-        "limit_deg": deg(case.limit),
-        "sufficient": case.sufficient,
-        "shown_until": {"time_s": shown.time, "why": shown.why},
-        "attitude": points,
-        "peak_angle_of_attack": None
-        if not _covers_the_wind(case, shown)
-        else {
-            "deg": deg(loads.peak_angle_of_attack),
-            "time_s": loads.peak_time,
-            "relative_to_wind": loads.relative,
-        },
+        **picked(case, "vehicle model=plant.model"),
+        "wind": {"shape": case.shape, **picked(case.wind, "peak_deg duration_s")},
+        **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient"),
+        "shown_until": picked(shown, "time_s why"),
+        "attitude": found,
+        "peak_angle_of_attack": angle if whole else None,
         "verdict": {
-            "stable": verdict.stable,
-            "residues_rad": verdict.residues.tolist(),
+            **picked(verdict, "stable residues_rad"),
             "left_over": str(left),
-            "offset_deg": deg(left.offset),
-            "rate_deg_per_s": deg(left.rate),
+            **picked(left, "offset_deg rate_deg_per_s"),
         },
     }

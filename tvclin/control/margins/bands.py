@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Row, card
+from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
@@ -117,6 +118,11 @@ class ModeBand:
     distance: Any
     alias: Any
 
+    as_dict = keyed(
+        "frequency closed_pole stabilised peak_dB peak_frequency gain_margin_dB phase_margin_deg"
+        " lag_margin lead_margin gain_reduction gain_increase distance alias"
+    )
+
     def _repr_html_(self) -> str:
         return card(self.name, self._rows(""))
 
@@ -178,6 +184,10 @@ class BandMargins:
         """Return the band of one mode by its name."""
         names = [one.name for one in self.modes]
         return self.modes[names.index(one_of("name", name, names))]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        return {"rigid_body": self.rigid, "modes": {one.name: one for one in self.modes}}
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [("whole loop", self.whole.status, "")]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import card
+from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.loop_margins import LoopFindings, classical_margins
@@ -136,6 +137,13 @@ float or ndarray
             MarginRow(name, label, factor_to(unit) * getattr(self, name), unit, getattr(self, at))
             for name, (label, unit, at) in MARGINS.items()
         ]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        numbers = " ".join(one.name for one in fields(self)[1:-1])
+        return picked(
+            self, f"{numbers} aero_margin_dB gain_increase_dB phase_margin_deg disk_margin_dB"
+        )
 
     def _repr_html_(self) -> str:
         rows = [

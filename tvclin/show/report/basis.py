@@ -6,7 +6,8 @@ from importlib.metadata import version
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.study import OUTLASTS, outlasts_one_pole
+from tvclin.answers.study import outlasts_one_pole
+from tvclin.answers.study_notes import OUTLASTS
 from tvclin.base.lines import Line, significant
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import Check, Checks, Paragraph, Section, Table
