@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions, takes_gains
-from tvclin.cli.inputs import load_linear, peak_angle, plant_of
+from tvclin.cli.gains import GainOptions
+from tvclin.cli.inputs import load_linear, plant_of
 from tvclin.cli.least import (
     Crossover,
     Least,
@@ -23,14 +23,12 @@ from tvclin.cli.options import (
     FIXED_HELP,
     MODELS_HELP,
     AsJson,
-    Duration,
     LinearVehicle,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.control.comparison.duration import WorstDuration
@@ -45,13 +43,10 @@ USUAL = "drift"
 """The model without --model, where all of it is known."""
 
 
-@takes_gains
+@grouped
 def autopilot(
     vehicle: LinearVehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
     ] = None,
@@ -75,22 +70,19 @@ def autopilot(
     loop nothing is drawn. With --least the gains are sought that need the least nozzle of all that
     meet the criteria, and the figure is what a disk margin costs.
     """
-    from tvclin.base.errors import one_of, positive
+    from tvclin.base.errors import positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
-    from tvclin.winds.shaped import PULSES
 
     loaded = load_linear(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    shape = PULSES[one_of("--wind", wind, PULSES)]
+    wind = blows.blowing(loaded, plane)
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria)
     plant = plant_of(loaded, model, USUAL, plane)
-    blows = shape(peak=peak, duration=duration)
-    sought = found_least(gains, plant, blows, asked, least, three_gains, crossover, limits, stops)
+    sought = found_least(gains, plant, wind, asked, least, three_gains, crossover, limits, stops)
     autopilot = gains.autopilot(plant) if sought is None else sought.autopilot
-    found = compare_with_trim(plant, autopilot, blows)
-    worst = _worst(found, peak, duration, shape)
+    found = compare_with_trim(plant, autopilot, wind)
+    worst = _worst(found)
     if plot is not None and sought is None:
         _draw(found, plot)
     elif plot is not None:
@@ -101,22 +93,22 @@ def autopilot(
     if as_json:
         print_json({"vehicle": loaded.name, "model": plant.model, "plane": plane, **document})
     else:
-        _print(loaded, found, worst, document, f"{wind} wind of {duration:g} s", limit)
+        _print(loaded, found, worst, document, f"{blows.wind} wind of {blows.duration:g} s", limit)
         if sought is not None:
             print_least(sought)
     if not document["met"]:
         raise typer.Exit(1)
 
 
-def _worst(
-    found: "TrimComparison", peak: float, duration: float, shape: Any
-) -> "WorstDuration | None":
+def _worst(found: "TrimComparison") -> "WorstDuration | None":
     from tvclin.control.comparison.duration import worst_duration
 
-    if not found.margins.stable or not peak:
+    wind: Any = found.wind
+    if not found.margins.stable or not wind.peak:
         return None
-    ends = {"shortest": _SHORTEST * duration, "longest": _LONGEST * duration}
-    return worst_duration(found.plant, found.autopilot, peak=peak, shape=shape, **ends)
+    ends = {"shortest": _SHORTEST * wind.duration, "longest": _LONGEST * wind.duration}
+    asked = {"peak": float(wind.peak), "shape": type(wind), **ends}
+    return worst_duration(found.plant, found.autopilot, **asked)
 
 
 def _draw(found: "TrimComparison", plot: Path) -> None:

@@ -5,19 +5,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, peak_angle, plant_of
+from tvclin.cli.inputs import load_linear, plant_of
 from tvclin.cli.options import (
     FIXED_HELP,
     MODELS_HELP,
     AsJson,
-    Duration,
+    Csv,
     LinearVehicle,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
@@ -27,12 +26,10 @@ USUAL = "drift-exact"
 """The model without --model, where all of it is known."""
 
 
+@grouped
 def optimum(
     vehicle: LinearVehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     start: Annotated[
         float, typer.Option(help="Start of the control, in s; negative: before the wind.")
     ] = 0.0,
@@ -46,9 +43,7 @@ def optimum(
         str | None, typer.Option(help=f"Model: {MODELS_HELP} {USUAL}; {FIXED_HELP}.")
     ] = None,
     plane: Plane = "pitch",
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write the deflection and the response as CSV.")
-    ] = None,
+    csv: Csv = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -62,11 +57,9 @@ def optimum(
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
-    from tvclin.winds.shaped import pulse
 
     loaded = load_linear(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    history = pulse("--wind", wind, peak, duration)
+    history = blows.blowing(loaded, plane)
     plant = plant_of(loaded, model, USUAL, plane)
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
@@ -74,14 +67,15 @@ def optimum(
         rate = float(np.radians(positive("--rate-limit-deg", rate_limit_deg, "deg/s")))
         limited = optimum_with_rate_limit(plant, history, rate, start, horizon)
     shown = best.deflection if limited is None else limited.deflection
-    title = f"{loaded.name or vehicle}, {plant.model}: {wind} wind of {np.degrees(peak):.4g} deg"
+    peak = float(np.degrees(history.peak))
+    title = f"{loaded.name or vehicle}, {plant.model}: {blows.wind} wind of {peak:.4g} deg"
     if csv is not None or plot is not None:
         _write(plant, shown, history, title, csv, plot)
     document = _document(plant, history, best, limited)
     if as_json:
-        print_json({"vehicle": loaded.name, "model": plant.model, "wind": wind, **document})
+        print_json({"vehicle": loaded.name, "model": plant.model, "wind": blows.wind, **document})
     else:
-        _print(f"{title} and {duration:g} s", document)
+        _print(f"{title} and {blows.duration:g} s", document)
     if best.status == NOT_CONVERGED:
         typer.echo("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)

@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.cases import Case, make_case
-from tvclin.cli.inputs import load_linear, peak_angle
+from tvclin.cli.inputs import load_linear
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
-    Duration,
+    Csv,
     LinearVehicle,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
     Points,
     Until,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.linear.extremes import Extremes, Shown
@@ -31,12 +30,10 @@ _LONGEST = 1000.0
 """Of --until: nothing in a flight lasts that long."""
 
 
+@grouped
 def respond(
     vehicle: LinearVehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     dead_band: Annotated[
         float, typer.Option(help="Dead band K, from 0 to 1: trim up to K times the limit.")
     ] = 1.0,
@@ -54,9 +51,7 @@ def respond(
     plane: Plane = "pitch",
     until: Until = 3.0,
     points: Points = 301,
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write the response into this CSV file.")
-    ] = None,
+    csv: Csv = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -71,12 +66,11 @@ def respond(
     from tvclin.linear.verdict import judge
 
     loaded = load_linear(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     within("--until", until, 1e-3, _LONGEST)
-    length = until * float(positive("--duration", duration, "s"))
+    length = until * float(positive("--duration", blows.duration, "s"))
     within("--points", points, 2, 1_000_000)
     asked = (dead_band, capability, limit_deg)
-    case = make_case(loaded, wind, duration, peak, *asked, model, plane, max(length, duration))
+    case = make_case(loaded, blows, *asked, model, plane, max(length, blows.duration))
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
     shown = shown_until(case.plant, case.deflection, case.wind, length, lets_go=lets_go)

@@ -17,7 +17,7 @@ from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import Margins, decibels, margins_of
+from tvclin.control.margins.record import InDecibels, Margins, decibels, margins_of
 from tvclin.kernels.loop_margins import LoopFindings
 from tvclin.kernels.state_loop import StateLoop
 
@@ -28,7 +28,7 @@ GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBand:
+class RigidBand(InDecibels):
     """Margins of a stable loop at the crossings that the rigid body owns; ``(...)``.
 
     NaN for a loop that is not stable; infinite, and the frequency NaN, where there is none.
@@ -57,21 +57,6 @@ class RigidBand:
             (f"{whose}gain increase", self.gain_increase_dB, "dB"),
             (f"{whose}phase margin", self.phase_margin_deg, "deg"),
         ]
-
-    @property
-    def aero_margin_dB(self) -> Any:
-        """The aero margin in dB, positive."""
-        return decibels(self.aero_margin)
-
-    @property
-    def gain_increase_dB(self) -> Any:
-        """The gain-increase margin in dB, positive."""
-        return decibels(self.gain_increase)
-
-    @property
-    def phase_margin_deg(self) -> Any:
-        """The phase margin in degrees."""
-        return plain(np.degrees(self.phase_margin))
 
 
 @dataclass(frozen=True, eq=False)

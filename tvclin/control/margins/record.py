@@ -79,8 +79,31 @@ class Crossings:
     gain_factors: FloatArray
 
 
+class InDecibels:
+    """Gain and phase margins of a record in the units of tables."""
+
+    aero_margin: Any
+    gain_increase: Any
+    phase_margin: Any
+
+    @property
+    def aero_margin_dB(self) -> Any:
+        """The aero margin in dB, positive: how far the gain may fall."""
+        return decibels(self.aero_margin)
+
+    @property
+    def gain_increase_dB(self) -> Any:
+        """The gain-increase margin in dB, positive: how far the gain may rise."""
+        return decibels(self.gain_increase)
+
+    @property
+    def phase_margin_deg(self) -> Any:
+        """The phase margin in degrees."""
+        return plain(np.degrees(self.phase_margin))
+
+
 @dataclass(frozen=True, eq=False)
-class Margins:
+class Margins(InDecibels):
     """How far a loop is from instability; every number has the shape ``(...)`` of the batch.
 
     For a loop whose closed loop is not stable every margin is NaN: it has none. A margin that
@@ -165,21 +188,6 @@ float or ndarray
     def stable(self) -> Any:
         """Whether the closed loop is stable."""
         return self.status == OK
-
-    @property
-    def aero_margin_dB(self) -> Any:
-        """The aero margin in dB, positive: how far the gain may fall."""
-        return decibels(self.aero_margin)
-
-    @property
-    def gain_increase_dB(self) -> Any:
-        """The gain-increase margin in dB, positive: how far the gain may rise."""
-        return decibels(self.gain_increase)
-
-    @property
-    def phase_margin_deg(self) -> Any:
-        """The phase margin in degrees."""
-        return plain(np.degrees(self.phase_margin))
 
     @property
     def disk_margin_dB(self) -> Any:
