@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 import tvclin as tv
+from tests.studies import FLIGHT
 from tvclin.answers.campaign.file import parse_campaign
 from tvclin.answers.campaign.tables import TABLES
 from tvclin.answers.sizing.asked import SoundingAsked
@@ -81,44 +82,6 @@ def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
 
     for name in ("vehicle", "model", "plane", "wind", "limit", "dispersions", "cases", "seed"):
         assert getattr(study, name) == getattr(campaign, name), name
-
-
-FLIGHT = """
-[study]
-vehicle = "configuration-i"
-model = "drift"
-
-[[wind]]
-peak_deg = 4.0
-duration_s = 7.5
-
-[[wind]]
-sounding = "wyoming.txt"
-azimuth_deg = 90
-time = "2024-02-15 12"
-
-[gust]
-peak_deg = 1.0
-duration_s = 2.0
-
-[question]
-limit_deg = 0.6
-
-[schedule]
-source = "configuration-ii"
-
-[size]
-start_s = 70
-stop_s = 90
-every_s = 20
-window_s = 16
-dead_bands = [1.0]
-varying = true
-dispersion_percent = 20
-thrust_offset_deg = 0.1
-gravity_offset_m = 0.02
-reserve_percent = 10
-"""
 
 
 def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.clock import THERE, within
+from tests.studies import FLIGHT as FLIGHT_STUDY
 from tvclin.answers.campaign.file import template as campaign_template
 from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app, function_of
@@ -54,34 +55,7 @@ CSV = "\n".join(
     )
 )
 STUDY = study_example()
-FLIGHT = f"""[study]
-vehicle = "configuration-i"
-[[wind]]
-peak_deg = 4.0
-duration_s = 7.5
-[[wind]]
-sounding = "{SOUNDINGS / "wyoming.txt"}"
-azimuth_deg = 90
-time = "2024-02-15 12"
-[gust]
-peak_deg = 1.0
-duration_s = 2.0
-[question]
-limit_deg = 0.6
-[schedule]
-source = "configuration-ii"
-[size]
-start_s = 80
-stop_s = 90
-every_s = 10
-window_s = 16
-dead_bands = [1.0]
-varying = true
-dispersion_percent = 20
-thrust_offset_deg = 0.1
-gravity_offset_m = 0.02
-reserve_percent = 10
-"""
+FLIGHT = FLIGHT_STUDY.replace("wyoming.txt", str(SOUNDINGS / "wyoming.txt"))
 CAMPAIGN = campaign_template()
 
 NUMBERS = (

@@ -8,6 +8,7 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
+from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, degrees, number, significant, text
 
 FLOWN = {
@@ -44,6 +45,8 @@ class Question:
     line: Line
     needs: float = float("nan")
     whose: str = ""
+
+    as_dict = keyed("name yes why=text")
 
     @property
     def answer(self) -> str:

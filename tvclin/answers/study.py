@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from math import radians
 from typing import Any, Self
 
 import numpy as np
@@ -13,11 +12,20 @@ from numpy.typing import NDArray
 
 from tvclin.answers.planes import PlanesNeeded, of_heading, words_of
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
+from tvclin.answers.study_notes import (
+    doubts,
+    forecast_trusted,
+    head_wind,
+    left_out,
+    slow_or_paired,
+    undamped,
+)
 from tvclin.base.cards import Row, card
+from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, between, instance, number, one_of, positive, single
 from tvclin.base.tables import Table
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
-from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING, BoundaryLimit, boundary_limit
+from tvclin.boundary.limit import BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
@@ -25,32 +33,10 @@ from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant, models_of, usual_model
 from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.linear_vehicle import (
-    AnyVehicle,
-    LinearVehicle,
-    coefficients_of,
-    whole_vehicle,
-)
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind, pulse
-
-_FEEBLE = 0.5
-"""A booster's thrust over its weight is rather a slip of the pen below this."""
-_HEAVY = 10.0
-"""Above this a mass was rather typed as a weight: then it is g times too large."""
-_STRONG = radians(1.5)
-"""Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
-
-_SLOWER = 0.04
-"""By about so much air and jet slow the pole of a booster."""
-_LONG = 2.5
-"""Duration over the time of the pole, from which a slower one may ask for more."""
-
-_ONE_POLE = ("fixed-path", "drift")
-"""Models that leave the slow mode of the flight path out."""
-OUTLASTS = "outlasts what one pole can say"
-TRUSTS = "trusts a forecast"
-"""Of a wind and of a dead band, in the notes of a study."""
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 STUDY_TABLE = Table(
@@ -235,12 +221,12 @@ class Study:
         needed = _needed(shown, history, dead_bands, switch)
         free = needed["forecast_free"].get(plant.model)
         notes = (
-            *_notes(plant, history, required, dead_band),
-            *_left_out(plant, modes),
-            *_forecast_trusted(required, dead_band, free),
-            *_undamped(plant, history, required, dead_band),
-            *_doubts(vehicle),
-            *_head_wind(plane, alone, wind),
+            *slow_or_paired(plant, history, required, dead_band),
+            *left_out(plant, modes),
+            *forecast_trusted(required, dead_band, free),
+            *undamped(plant, history, required, dead_band),
+            *doubts(vehicle),
+            *head_wind(plane, alone, wind),
             *words_of(planes, plane, shape is not None),
         )
         if planes is not None and shape is not None:
@@ -303,6 +289,42 @@ class Study:
             return ""
         return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        v, slanting, planes = self.vehicle, self.slanting, {}
+        if self.planes is not None and slanting is not None:
+            planes["planes"] = {
+                **picked(slanting, "heading_deg"),
+                **picked(self.planes, "peak_deg"),
+                "stop": repr(self.planes.stop),
+                **picked(self.planes, "required_deflection_deg=deflection alone_deg"),
+                "pitch_alone_misses": self.planes.misses("pitch"),
+                "judged": self.in_both,
+            }
+        gust = (
+            None if self.gust is None else picked(self.gust, "peak_deg begins_s=onset ends_s=end")
+        )
+        return {
+            "vehicle": v if isinstance(v, Vehicle) else {"name": v.name},
+            **picked(self, "plane coefficients"),
+            "wind": {"shape": self.shape, **picked(self.wind, "peak_deg duration_s")},
+            "gust": gust,
+            **planes,
+            "unstable_poles_per_s": {name: modes.poles for name, modes in self.modes.items()},
+            **picked(self, "trim_deflection_deg"),
+            "boundaries": {
+                name: {"dead_band": self.dead_bands, **found.as_dict()}
+                for name, found in self.boundaries.items()
+            },
+            **picked(self, "forecast_free minimum_deg=minima notes"),
+            "verdict": picked(
+                self,
+                "model dead_band required_deflection_deg governed_by=governs"
+                " requirements_deg=requirement.needs limit_deg sufficient"
+                " survivable_peak_deg=|survivable_peak|",
+            ),
+        }
+
     def _repr_html_(self) -> str:
         deg, wind = np.degrees, self.wind
         rows: list[Row] = [
@@ -363,100 +385,3 @@ def _where_defined(
 def outlasts_one_pole(study: Study) -> bool:
     """Return whether the wind lasts longer than `single_pole_validity` allows."""
     return bool(study.wind.duration > single_pole_validity(study.coefficients))
-
-
-def _doubts(vehicle: AnyVehicle) -> Iterator[str]:
-    if isinstance(vehicle, LinearVehicle):
-        if not vehicle.path_known:
-            yield (
-                "the flight path is held fixed: how the vehicle drifts with the wind is not known"
-                " from mu_alpha and mu_delta, and a long wind may then need more"
-            )
-    elif vehicle.thrust < _FEEBLE * vehicle.weight:
-        ratio = float(vehicle.thrust / vehicle.weight)
-        yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
-    elif vehicle.thrust > _HEAVY * vehicle.weight:
-        ratio = float(vehicle.thrust / vehicle.weight)
-        yield (
-            f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
-            " mass_kg, mass_lb or mass_slug"
-        )
-
-
-def _head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:
-    """Where the wind is strong along the path; with the flight that says how much it matters."""
-    peak = abs(float(wind.peak))
-    if plane == "pitch" and peak > _STRONG:
-        yield (
-            "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
-            " time leaves out: a head wind of 5 deg needs up to a fifth more; this one, as a head"
-            " wind, is flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind"
-            f" {shape} --duration {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
-        )
-
-
-def _notes(
-    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
-) -> Iterator[str]:
-    if required.status == PAIR:
-        yield (
-            "two unstable modes grow together here, whose two conditions one limit cannot meet:"
-            " required is the largest trim deflection over K, with which the dead band is never"
-            " left (tvclin optimum shows the least of all)"
-        )
-        return
-    edge = float(single_pole_validity(plant.coefficients))
-    flown = dead_band == 1.0 and plant.model not in _ONE_POLE
-    if wind.end - wind.onset > edge and required.governs == BOUNDARY and not flown:
-        yield (
-            f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
-            " then need more (tvclin optimum)"
-        )
-
-
-def _left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
-    """Where the exact model has more unstable modes, and no duration up to which one is enough."""
-    name = USUAL_MODEL
-    if plant.model not in _ONE_POLE or name not in modes:
-        return
-    more = modes[name].poles.size > modes[plant.model].poles.size
-    if more and np.isnan(single_pole_validity(plant.coefficients)):
-        yield (
-            f"the exact model has unstable modes that {plant.model} leaves out, and may need more"
-            f" (--model {name})"
-        )
-
-
-def _forecast_trusted(
-    required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
-) -> Iterator[str]:
-    """Where the limit required is one that only a control with a forecast can live with."""
-    if free is None or dead_band == 1.0:
-        return
-    bound = abs(float(free.deflection))
-    if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
-        yield (
-            f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
-            f" stop needs at least {np.degrees(bound):.4f} deg"
-        )
-
-
-def _undamped(
-    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
-) -> Iterator[str]:
-    """Where a vehicle without damping is promised too little, because its pole is too fast."""
-    c = plant.coefficients
-    if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
-        return
-    if float(wind.end - wind.onset) * float(c.pole) <= _LONG:
-        return
-    slower = (1.0 - _SLOWER) * float(c.pole)
-    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
-    needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
-    with_it, without = (abs(float(one.deflection)) for one in (needed, required))
-    if with_it > without * (1.0 + ROUNDING):
-        yield (
-            f"no pitch_damping is given, and leaving it out is not on the safe side here: a pole"
-            f" {100 * _SLOWER:.0f} percent slower would need"
-            f" {100 * (with_it / without - 1.0):.1f} percent more"
-        )

@@ -14,6 +14,7 @@ from tvclin.answers.campaign.dispersions import PARAMETERS, UNITS_OF, WIND
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.search import least
 from tvclin.base.cards import card
+from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -97,6 +98,8 @@ class WorstCase:
     stable: bool
     deflection: Worst | None
     tried: int
+
+    as_dict = keyed("box margins stable required_deflection_rad=deflection tried")
 
     def _repr_html_(self) -> str:
         rows = [

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import card
+from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -76,6 +77,8 @@ class ForecastFreeLimit:
     kind: str
     foresight: Any
     worst_stop: Any
+
+    as_dict = keyed("limit deflection_deg=|deflection| kind")
 
     def _repr_html_(self) -> str:
         rows = [

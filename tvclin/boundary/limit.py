@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import card
+from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
 from tvclin.boundary.closed_forms import (
     TriangularLimit,
@@ -97,6 +98,8 @@ class BoundaryLimit:
     deflection: Any
     switch_time: Any
     status: Any
+
+    as_dict = keyed("limit deflection_deg=|deflection| switch_time_s status")
 
     def _repr_html_(self) -> str:
         rows = [

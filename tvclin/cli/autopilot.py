@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions, gains_document, takes_gains
-from tvclin.cli.inputs import load_linear, peak_angle
+from tvclin.cli.gains import GainOptions
+from tvclin.cli.inputs import load_linear
 from tvclin.cli.least import (
     Crossover,
     Least,
@@ -15,22 +15,19 @@ from tvclin.cli.least import (
     ThreeGains,
     draw_front,
     found_least,
-    least_document,
     print_least,
 )
 from tvclin.cli.margin_tables import poles, print_bounds
 from tvclin.cli.margins import CriteriaName, wanted_criteria
 from tvclin.cli.options import (
     AsJson,
-    Duration,
     LinearVehicle,
     Model,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.control.comparison.duration import WorstDuration
@@ -42,13 +39,10 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 """Of the durations among which the worst is sought, in units of the one that was given."""
 
 
-@takes_gains
+@grouped
 def autopilot(
     vehicle: LinearVehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
     ] = None,
@@ -70,49 +64,46 @@ def autopilot(
     loop nothing is drawn. With --least the gains are sought that need the least nozzle of all that
     meet the criteria, and the figure is what a disk margin costs.
     """
-    from tvclin.base.errors import one_of, positive
+    from tvclin.base.errors import positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
     from tvclin.linear.plant import Plant
-    from tvclin.winds.shaped import PULSES
 
     loaded = load_linear(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    shape = PULSES[one_of("--wind", wind, PULSES)]
+    wind = blows.blowing(loaded, plane)
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = wanted_criteria(criteria)
     plant = Plant.from_vehicle(loaded, model, plane)
-    blows = shape(peak=peak, duration=duration)
-    sought = found_least(gains, plant, blows, asked, least, three_gains, crossover, limits, stops)
+    sought = found_least(gains, plant, wind, asked, least, three_gains, crossover, limits, stops)
     autopilot = gains.autopilot(plant) if sought is None else sought.autopilot
-    found = compare_with_trim(plant, autopilot, blows)
-    worst = _worst(found, peak, duration, shape)
+    found = compare_with_trim(plant, autopilot, wind)
+    worst = _worst(found)
     if plot is not None and sought is None:
         _draw(found, plot)
     elif plot is not None:
         draw_front(sought, plot)
     document = _document(loaded, found, worst, limit, asked)
     if sought is not None:
-        document["least"] = least_document(sought)
+        document["least"] = sought
     if as_json:
         print_json({"vehicle": loaded.name, "model": plant.model, "plane": plane, **document})
     else:
-        _print(loaded, found, worst, document, f"{wind} wind of {duration:g} s", limit)
+        _print(loaded, found, worst, document, f"{blows.wind} wind of {blows.duration:g} s", limit)
         if sought is not None:
             print_least(sought)
     if not document["met"]:
         raise typer.Exit(1)
 
 
-def _worst(
-    found: "TrimComparison", peak: float, duration: float, shape: Any
-) -> "WorstDuration | None":
+def _worst(found: "TrimComparison") -> "WorstDuration | None":
     from tvclin.control.comparison.duration import worst_duration
 
-    if not found.margins.stable or not peak:
+    wind: Any = found.wind
+    if not found.margins.stable or not wind.peak:
         return None
-    ends = {"shortest": _SHORTEST * duration, "longest": _LONGEST * duration}
-    return worst_duration(found.plant, found.autopilot, peak=peak, shape=shape, **ends)
+    ends = {"shortest": _SHORTEST * wind.duration, "longest": _LONGEST * wind.duration}
+    asked = {"peak": float(wind.peak), "shape": type(wind), **ends}
+    return worst_duration(found.plant, found.autopilot, **asked)
 
 
 def _draw(found: "TrimComparison", plot: Path) -> None:
@@ -135,43 +126,34 @@ def _document(
 ) -> dict[str, Any]:
     import numpy as np
 
+    from tvclin.base.documents import picked
     from tvclin.vehicle.vehicle import Vehicle
 
-    deg = np.degrees
-    within = limit_deg is None or deg(found.peak_deflection) <= limit_deg
+    within = limit_deg is None or np.degrees(found.peak_deflection) <= limit_deg
     criteria = bool(asked.are_met(found.margins))
     slope = speed = float("nan")  # of a vehicle that is known by its coefficients
     if isinstance(vehicle, Vehicle):
         slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
     return {
-        "autopilot": gains_document(found.autopilot),
+        "autopilot": found.autopilot,
         "closed_loop_poles": found.autopilot.closed_loop_poles(found.plant).tolist(),
-        "wind_peak_deg": deg(float(found.wind.peak)),
-        "stable": found.margins.stable,
-        "peak_deflection_deg": deg(found.peak_deflection),
-        "part_of_trim": found.relative,
-        "peak_deflection_rate_deg_s": deg(found.peak_deflection_rate),
-        "peak_angle_of_attack_deg": deg(found.peak_angle_of_attack),
+        **picked(
+            found,
+            "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
+            " part_of_trim=relative peak_deflection_rate_deg_s peak_angle_of_attack_deg",
+        ),
         "peak_normal_force_N": slope * found.peak_angle_of_attack,
-        "peak_attitude_deg": deg(found.peak_attitude),
-        "peak_flight_path_angle_deg": deg(found.peak_flight_path_angle),
+        **picked(found, "peak_attitude_deg peak_flight_path_angle_deg"),
         "peak_lateral_speed_m_s": found.peak_flight_path_angle * speed,
-        "trim_deg": deg(found.trim_deflection),
-        "boundaries_deg": {f"{K:g}": deg(limit) for K, limit in found.boundaries.items()},
-        "minimum_deg": deg(found.minimum),
-        "wind_gain": found.wind_gain,
-        "worst_duration": None
-        if worst is None
-        else {
-            "duration_s": worst.duration,
-            "peak_deflection_deg": deg(worst.peak_deflection),
-            "at_the_end": worst.at_the_end,
-        },
+        **picked(found, "trim_deg=trim_deflection"),
+        "boundaries_deg": {f"{K:g}": np.degrees(one) for K, one in found.boundaries.items()},
+        **picked(found, "minimum_deg wind_gain"),
+        "worst_duration": worst,
         "criteria": {"name": asked.name, "met": criteria},
         "limit_deg": limit_deg,
         "within_limit": None if limit_deg is None else bool(within),
         "met": bool(found.margins.stable and criteria and within),
-        "notes": list(found.notes),
+        "notes": found.notes,
     }
 
 

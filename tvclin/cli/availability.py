@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from tvclin.answers.availability.parts import Part
     from tvclin.answers.availability.record import Availability, Today
 
-_PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
 _MONTHS = "January February March April May June July August September October November December"
 
 
@@ -136,7 +135,10 @@ def availability(
 
         save_figure(availability_chart(found), plot)
     if as_json:
-        print_json(_document(found, launch))
+        document = found.as_dict()
+        for towards, one in zip(document["towards"], launch, strict=False):
+            towards["today"] = one
+        print_json(document)
     else:
         _print(found, launch, source)
     judged_any = any(part.judged for part in found.part())
@@ -164,6 +166,7 @@ def _persistence(degrees: float | None, hours: float | None) -> Any:
 def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> None:
     import numpy as np
 
+    from tvclin.answers.availability.record import PLACARD
     from tvclin.cli.output import print_table
 
     name = found.judge.flight.vehicle.name or source
@@ -182,9 +185,9 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     print_table("\nBy month", heads, rows)
     parts = [
         [azimuth, *(f"{one:.4f}" if np.isfinite(one) else "-" for one in np.degrees(row).tolist())]
-        for azimuth, row in zip(azimuths, found.placard(_PLACARD), strict=True)
+        for azimuth, row in zip(azimuths, found.placard(), strict=True)
     ]
-    heads = ["towards [deg]", *(f"{100 * part:g} %" for part in _PLACARD)]
+    heads = ["towards [deg]", *(f"{100 * part:g} %" for part in PLACARD)]
     print_table("The limit that is enough for so many [deg]", heads, parts)
     for azimuth, one in zip(azimuths, launch, strict=False):
         typer.echo(f"Today towards {azimuth} deg: {_said(one)}")
@@ -208,60 +211,3 @@ def _said(one: "Today") -> str:
     need = np.degrees(one.most if one.go else one.least)
     beside = "" if np.isnan(one.part) else f", more than {100 * one.part:.0f} % of the archive"
     return f"{'GO' if one.go else 'NO GO'}, it asks for {need:.4f} deg{beside}"
-
-
-def _document(found: "Availability", launch: "tuple[Today, ...]") -> dict[str, Any]:
-    """All of it as JSON can hold it."""
-    import numpy as np
-
-    def said(part: "Part") -> dict[str, Any]:
-        return {
-            "flown": part.flown,
-            "judged": part.judged,
-            "unknown": part.unknown,
-            "part": part.part,
-            "lower": part.lower,
-            "upper": part.upper,
-            "effective_number": part.effective,
-            "whatever_unknown": list(part.bounds),
-        }
-
-    azimuths = np.degrees(np.atleast_1d(found.azimuth)).round(12).tolist()
-    months = found.by_month()
-    placards = found.placard(_PLACARD)
-    return {
-        "vehicle": found.judge.flight.vehicle.name,
-        "station": found.soundings.station,
-        "model": found.model,
-        "plane": found.plane,
-        "limit_deg": np.degrees(found.limit),
-        "confidence": found.confidence,
-        "soundings": len(found.soundings),
-        "towards": [
-            {
-                "azimuth_deg": azimuth,
-                **said(part),
-                "months": {str(month): said(parts[a]) for month, parts in months.items()},
-                "placard_deg": {
-                    f"{100 * p:g} %": value
-                    for p, value in zip(_PLACARD, np.degrees(placards[a]).tolist(), strict=True)
-                },
-                "persistence_deg": np.degrees(found.persistence[a]),
-                **({"today": _today(launch[a])} if launch else {}),
-            }
-            for a, (azimuth, part) in enumerate(zip(azimuths, found.part(), strict=True))
-        ],
-        "notes": list(found.notes),
-    }
-
-
-def _today(one: "Today") -> dict[str, Any]:
-    import numpy as np
-
-    return {
-        "go": one.go,
-        "least_deg": np.degrees(one.least),
-        "most_deg": np.degrees(one.most),
-        "part_of_archive_below": one.part,
-        "why": one.why,
-    }

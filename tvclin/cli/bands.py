@@ -1,7 +1,7 @@
 """What `tvclin margins` says of the bands of a flexible vehicle: rigid body, bending, slosh."""
 
 from math import isnan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -12,12 +12,6 @@ if TYPE_CHECKING:
 
 _HEADINGS = ["band", "held by", "at [rad/s]", "margin", "asked", "by"]
 _WORDS = {"with the rigid body": "rigid"}
-_NUMBERS = (
-    *("frequency", "closed_pole", "stabilised", "peak_dB", "peak_frequency", "gain_margin_dB"),
-    *("phase_margin_deg", "lag_margin", "lead_margin", "gain_reduction", "gain_increase"),
-    *("distance", "alias"),
-)
-"""Of a mode, in JSON."""
 _OPTIONS = {"gain": "--mode-gain-db", "phase": "--mode-phase-deg"}
 
 
@@ -90,9 +84,3 @@ def _mode(mode: "ModeBand") -> list[str]:
 
 def _shown(value: float, digits: str, unit: str = "") -> str:
     return "-" if isnan(value) else f"{value:{digits}} {unit}".rstrip()
-
-
-def bands_document(found: "BandMargins") -> dict[str, Any]:
-    """Return the margins by band for JSON."""
-    modes = {mode.name: {name: getattr(mode, name) for name in _NUMBERS} for mode in found.modes}
-    return {"rigid_body": dict(vars(found.rigid)), "modes": modes}

@@ -6,7 +6,7 @@ import typer
 
 if TYPE_CHECKING:
     from tvclin.answers.worst_case import WorstCase
-    from tvclin.cli.flown import FlownCase
+    from tvclin.cli.pulse import PulseOptions
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria
     from tvclin.vehicle.linear_vehicle import AnyVehicle
@@ -31,20 +31,19 @@ def worst_in_box(
     autopilot: "Autopilot",
     model: str,
     plane: str,
-    case: "FlownCase",
+    blows: "PulseOptions",
 ) -> "WorstCase | None":
     """Return the worst case in the box of the options; None without one."""
     if not given:
         return None
     from tvclin.answers.worst_case import worst_case
     from tvclin.base.errors import InputError, one_of
-    from tvclin.cli.inputs import peak_angle
     from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.shaped import PULSES, ShapedWind
 
     vehicle = whole_vehicle(loaded, "--box")
-    peak = peak_angle(vehicle, plane, case.peak_deg, case.peak_speed)
-    wind = ShapedWind(one_of("--wind", case.wind, PULSES), peak, case.duration)
+    shape = one_of("--wind", blows.wind, PULSES)
+    wind = ShapedWind(shape, blows.peak(vehicle, plane), blows.duration)
     box = {}
     for one in given:
         name, found, ends = one.partition("=")
@@ -127,15 +126,3 @@ def print_worst(found: "WorstCase", asked: "Criteria") -> None:
 
 def _place(corner: bool) -> str:
     return "a corner" if corner else "inside"
-
-
-def worst_document(found: "WorstCase", asked: "Criteria") -> dict[str, Any]:
-    """Return the same for JSON."""
-    return {
-        "box": {name: list(pair) for name, pair in found.box.items()},
-        "margins": {name: vars(one) for name, one in found.margins.items()},
-        "stable": found.stable,
-        "required_deflection_rad": None if found.deflection is None else vars(found.deflection),
-        "tried": found.tried,
-        "met": met_in_box(found, asked),
-    }

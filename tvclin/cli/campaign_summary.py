@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tvclin.answers.campaign.results import CampaignResults
+    from tvclin.answers.campaign.statistics import Success
 
 
 def summary(
@@ -17,6 +18,7 @@ def summary(
     import numpy as np
 
     from tvclin.answers.campaign.outputs import required_name
+    from tvclin.base.documents import picked
 
     plan = found.campaign
     bands = {required_name(K): K for K in plan.dead_bands}
@@ -24,42 +26,32 @@ def summary(
     success = found.success(limit, output, confidence)
     counts, loss = found.flights, found.loss(confidence)
     name, asked = output or found.angles[0], plan.limit if limit is None else limit
-    survival = found.survival(confidence)
     worst = found.worst(5, output)
     answers = np.sort(found.answers(output))[::-1][: worst.size]
     return {
-        "vehicle": plan.vehicle.name,
-        "model": plan.model,
+        **picked(plan, "vehicle=vehicle.name model"),
         "output": name,
         "trusts_a_forecast": bands.get(name, 1.0) < 1.0,
         "cases": found.cases,
         "cases_planned": plan.cases,
         "complete": found.complete,
         "statuses": found.statuses(),
-        "probability": required.probability,
-        "confidence": required.confidence,
+        **picked(required, "probability confidence"),
         "nominal_deg": np.degrees(found.nominal[name]) if found.nominal else None,
         "median_deg": np.degrees(np.median(found.answers(output))),
-        "estimate_deg": np.degrees(required.estimate),
-        "lower_deg": np.degrees(required.lower),
-        "upper_deg": np.degrees(required.upper),
+        **picked(required, "estimate_deg lower_deg upper_deg"),
         "limit_deg": None if asked is None else np.degrees(asked),
-        "success": None if success is None else vars(success),
-        "survival": None if survival is None else vars(survival),
+        "success": success,
+        "survival": found.survival(confidence),
         "flights": None if counts is None else dict(zip(("survived", "lost"), counts, strict=True)),
-        "loss": None if loss is None else vars(loss),
-        "loss_drivers": {name: vars(one) for name, one in found.loss_drivers().items()},
+        "loss": loss,
+        "loss_drivers": found.loss_drivers(),
         "drivers": found.drivers(output),
         "worst": [
             {"case": int(k), "deg": np.degrees(v)} for k, v in zip(worst, answers, strict=True)
         ],
         "convergence": [
-            {
-                "cases": one.cases,
-                "lower_deg": np.degrees(one.lower),
-                "estimate_deg": np.degrees(one.estimate),
-                "upper_deg": np.degrees(one.upper),
-            }
+            picked(one, "cases lower_deg estimate_deg upper_deg")
             for one in found.convergence(output)
         ],
     }
@@ -112,8 +104,8 @@ def print_summary(d: dict[str, Any]) -> None:
     )
 
 
-def _share(s: dict[str, float]) -> str:
-    return f"{100 * s['estimate']:.2f} % ({100 * s['lower']:.2f} to {100 * s['upper']:.2f} %)"
+def _share(s: "Success") -> str:
+    return f"{100 * s.estimate:.2f} % ({100 * s.lower:.2f} to {100 * s.upper:.2f} %)"
 
 
 def _loss_drivers(d: dict[str, Any]) -> str:
@@ -121,8 +113,8 @@ def _loss_drivers(d: dict[str, Any]) -> str:
     survived, lost = d["flights"]["survived"], d["flights"]["lost"]
     if not lost or not survived:
         return "nothing: every flight is lost" if lost else "nothing: no flight is lost"
-    known = {k: v for k, v in d["loss_drivers"].items() if v["sure"] >= d["confidence"]}
-    shown = [f"{k} ({v['rank']:+.2f}, {_sure(v['sure'])} sure)" for k, v in known.items()]
+    known = {k: v for k, v in d["loss_drivers"].items() if v.sure >= d["confidence"]}
+    shown = [f"{k} ({v.rank:+.2f}, {_sure(v.sure)} sure)" for k, v in known.items()]
     return ", ".join(shown[:5]) or "nothing that stands out from chance"
 
 

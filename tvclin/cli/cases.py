@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tvclin.cli.pulse import PulseOptions
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
@@ -53,9 +54,7 @@ class Case:
 
 def make_case(
     vehicle: Any,
-    shape: str,
-    duration: float,
-    peak: float,
+    blows: "PulseOptions",
     dead_band: float,
     capability: float | None,
     limit_deg: float | None,
@@ -63,21 +62,17 @@ def make_case(
     plane: str,
     length: float,
 ) -> Case:
-    """Return the case that the options ask for, to be followed for a length [s].
-
-    The vehicle is a `Vehicle`, the peak in radians.
-    """
+    """Return the case that the options ask for, to be followed for a length [s]."""
     import numpy as np
 
     from tvclin.answers.requirement import required_deflection
     from tvclin.base.errors import InputError, within
     from tvclin.linear.deflections import trim_then_hold
     from tvclin.linear.plant import Plant
-    from tvclin.winds.shaped import pulse
 
     if capability is not None and limit_deg is not None:
         raise InputError("give --capability or --limit-deg, not both")
-    history = pulse("--wind", shape, peak, duration)
+    history = blows.blowing(vehicle, plane)
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
     plant = Plant.from_vehicle(vehicle, model, plane)
     _check_length(plant, length)
@@ -93,10 +88,18 @@ def make_case(
             raise InputError(f"no limit is enough with K = {K:g} here; give --limit-deg")
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
-    opposing = -float(np.sign(plant.coefficients.B * peak)) or 1.0
+    opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
     return Case(
-        vehicle.name, shape, plant, history, deflection, K, required, limit, str(needed.governs)
+        vehicle.name,
+        blows.wind,
+        plant,
+        history,
+        deflection,
+        K,
+        required,
+        limit,
+        str(needed.governs),
     )
 
 

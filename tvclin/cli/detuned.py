@@ -1,7 +1,7 @@
 """What `tvclin margins --detuned` adds: margins with the modes off their places."""
 
 from math import isnan
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,7 +16,7 @@ IsDetuned = Annotated[
         help="Also move each mode by up to 20 percent, halve its damping and turn its slopes.",
     ),
 ]
-_NUMBERS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "delay_margin")
+_NUMBERS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg")
 
 _SIDES = {"aero_margin_dB": "down", "gain_increase_dB": "up"}
 """In the words of the headings."""
@@ -58,7 +58,7 @@ def print_detuned(found: "Detuned") -> None:
     for k, (change, first) in enumerate(zip(found.changes, found.first, strict=True)):
         judged = "met" if found.met[k] else "NOT MET"
         short = change.replace(" at the sensors", "").replace("half its", "half")
-        rows.append([short, *(cell(name, k) for name in _NUMBERS[:3]), fails_first(first), judged])
+        rows.append([short, *(cell(name, k) for name in _NUMBERS), fails_first(first), judged])
     headings = ["change", "down", "up", "phase", "fails first", "asked"]
     print_table("Modes off their places, in dB and deg", headings, rows)
     for edge in found.edges:
@@ -67,18 +67,3 @@ def print_detuned(found: "Detuned") -> None:
             typer.echo(f"{edge.name}: unstable at {' and '.join(sides)} of its frequency")
     if all(isnan(side) for edge in found.edges for side in (edge.lower, edge.upper)):
         typer.echo("Between these frequencies the loop becomes unstable nowhere.")
-
-
-def detuned_document(found: "Detuned") -> dict[str, Any]:
-    """Return the same for JSON; what does not exist becomes null."""
-    rows = [
-        {
-            "change": change,
-            "status": str(found.margins.status[k]),
-            **{name: float(getattr(found.margins, name)[k]) for name in _NUMBERS},
-            "first": found.first[k],
-            "met": bool(found.met[k]),
-        }
-        for k, change in enumerate(found.changes)
-    ]
-    return {"rows": rows, "edges": [vars(edge) for edge in found.edges]}

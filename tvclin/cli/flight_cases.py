@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tvclin.cli.fly_shown import Compared
+    from tvclin.cli.pulse import PulseOptions
     from tvclin.control.laws.law import Law
     from tvclin.flights.condition import FlightCondition
     from tvclin.flights.control import ReportControl
@@ -80,13 +81,11 @@ class FlightCase:
         return {"engine": self.engine, "plane": self.plane, "condition": self.condition}
 
 
-def flight_wind(vehicle: Any, shape: str, duration: float, peak: float, along: bool) -> "History":
+def flight_wind(vehicle: Any, blows: "PulseOptions", plane: str, along: bool) -> "History":
     """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    from tvclin.winds.shaped import pulse
-
-    wind = pulse("--wind", shape, peak, duration)
+    wind = blows.blowing(vehicle, plane)
     middle = 0.0 if vehicle.time is None else float(vehicle.time)
-    return wind.shift(middle - duration / 2) if along else wind
+    return wind.shift(middle - blows.duration / 2) if along else wind
 
 
 def _control(

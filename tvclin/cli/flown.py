@@ -1,13 +1,12 @@
 """What `tvclin margins --flown` adds: how much may change in this wind, with this stop."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import peak_angle
-
 if TYPE_CHECKING:
+    from tvclin.cli.pulse import PulseOptions
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
     from tvclin.linear.flexible import AnyPlant
@@ -33,10 +32,7 @@ class FlownCase:
     """What is flown: the options of the wind and of the limit."""
 
     limit_deg: float | None
-    wind: str
-    duration: float
-    peak_deg: float | None
-    peak_speed: float | None
+    blows: "PulseOptions"
     sample_rate: float | None
 
     def margins(
@@ -45,20 +41,17 @@ class FlownCase:
         """Return the flown margins of an autopilot, in place of its delay a computing delay."""
         import numpy as np
 
-        from tvclin.base.errors import InputError, one_of, positive
+        from tvclin.base.errors import InputError, positive
         from tvclin.control.laws.attitude import SaturatedLaw
         from tvclin.flights.closed_loop.flown_margins import flown_margins
-        from tvclin.winds.shaped import PULSES
 
         if self.limit_deg is None:
             raise InputError("--flown needs --limit-deg, the deflection limit in deg")
         limit = float(np.radians(positive("--limit-deg", self.limit_deg, "deg")))
-        peak = peak_angle(vehicle, plane, self.peak_deg, self.peak_speed)
-        shape = PULSES[one_of("--wind", self.wind, PULSES)]
         return flown_margins(
             plant,
             SaturatedLaw(replace(autopilot, actuator=None, delay=0.0, sample_rate=None)),
-            shape(peak=peak, duration=self.duration),
+            self.blows.blowing(vehicle, plane),
             limit=limit,
             actuator=autopilot.actuator,
             sample_rate=self.rate,
@@ -74,8 +67,8 @@ class FlownCase:
     def title(self) -> str:
         """The case in one line."""
         return (
-            f"In this {self.wind} wind of {self.duration:g} s, with a stop at {self.limit_deg:g}"
-            f" deg, {self.rate:g} Hz"
+            f"In this {self.blows.wind} wind of {self.blows.duration:g} s, with a stop at"
+            f" {self.limit_deg:g} deg, {self.rate:g} Hz"
         )
 
 
@@ -102,21 +95,3 @@ def _row(name: str, one: "FlownMargin") -> list[str]:
 
     cause = {"lost": "is lost"}.get(one.cause, one.cause)
     return [name.replace("_", " "), shown(one.value), cause, shown(one.near_rest)]
-
-
-def flown_document(found: "FlownMargins") -> dict[str, Any]:
-    """Return flown margins for JSON; what does not exist becomes null."""
-    from tvclin.flights.closed_loop.flown_record import CHANGES
-
-    fields = ("value", "cause", "again", "lost", "near_rest")
-    return {
-        "limit_of_full_trim": found.limit,
-        "boundary_of_full_trim": found.boundary,
-        "spare": found.spare,
-        "status": found.status,
-        **{
-            name: {field: getattr(getattr(found, name), field) for field in fields}
-            for name in CHANGES
-        },
-        "notes": list(found.notes),
-    }

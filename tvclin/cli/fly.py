@@ -1,6 +1,5 @@
 """`tvclin fly`: one flight in one wind, with what the linear theory says of it beside it."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -9,34 +8,30 @@ from tvclin.cli.flight_cases import ENGINES, LAWS, flight_case, flight_wind, fly
 from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
 from tvclin.cli.fly_shown import Shown
 from tvclin.cli.fly_winds import Window, Winds, sounding_wind
-from tvclin.cli.gains import GainOptions, takes_gains
-from tvclin.cli.inputs import load_plant, note_structure, peak_angle
+from tvclin.cli.gains import GainOptions
+from tvclin.cli.inputs import load_plant, note_structure
 from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
-    Duration,
-    PeakDeg,
-    PeakSpeed,
+    Csv,
     Plane,
     Plot,
     Points,
     Rigid,
     Until,
     Vehicle,
-    Wind,
+    grouped,
 )
 from tvclin.cli.progress import waiting
+from tvclin.cli.pulse import PulseOptions
 
 _LONGEST = 20.0
 
 
-@takes_gains
+@grouped
 def fly(
     vehicle: Vehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     winds: Winds = None,
     azimuth_deg: AzimuthDeg = None,
     window: Window = None,
@@ -79,9 +74,7 @@ def fly(
     plane: Plane = "pitch",
     until: Until = 2.0,
     points: Points = 401,
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write the flight into this CSV file.")
-    ] = None,
+    csv: Csv = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -101,7 +94,7 @@ def fly(
     if engine is not None:
         one_of("--engine", engine, (*ENGINES, "linear"))
     one_of("--law", law or "report", ["report", *LAWS])
-    positive("--duration", duration, "s")
+    wind, duration = blows.wind, float(positive("--duration", blows.duration, "s"))
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
     loaded = whole_vehicle(load_any_vehicle(vehicle), "a flight")
@@ -109,10 +102,9 @@ def fly(
     if winds is None:
         if (azimuth_deg, window) != (None, None):
             raise InputError("--azimuth-deg and --window are for soundings; name one with --winds")
-        peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-        gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
+        gust = flight_wind(loaded, blows, plane, along_trajectory)
     else:
-        if (peak_deg, peak_speed) != (None, None):
+        if (blows.peak_deg, blows.peak_speed) != (None, None):
             raise InputError("a sounding has its own peak: leave --peak-deg and --peak-speed out")
         asked_of = winds, azimuth_deg, window, plane, along_trajectory
         gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name

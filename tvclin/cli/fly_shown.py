@@ -110,23 +110,13 @@ class Compared:
             typer.echo(line)
 
     def _document(self) -> dict[str, Any]:
-        import numpy as np
+        from tvclin.base.documents import picked
 
-        case, ends, deg = self.case, self._ends(), np.degrees
+        case, ends = self.case, self._ends()
         return {
-            "vehicle": case.vehicle.name,
-            "engine": case.engine,
-            "plane": case.plane,
-            "law": case.law,
-            "dead_band": case.dead_band,
-            "wind": {
-                "shape": case.shape,
-                "peak_deg": deg(case.wind.peak),
-                "onset_s": case.wind.onset,
-                "end_s": case.wind.end,
-            },
-            "limit_deg": deg(self.limit),
-            "survived": self.flight.survived,
+            **picked(case, "vehicle=vehicle.name engine plane law dead_band"),
+            "wind": {"shape": case.shape, **picked(case.wind, "peak_deg onset_s end_s")},
+            **picked(self, "limit_deg survived=flight.survived"),
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
             "boundary_deg": None if ends is None else self.both(ends),
             **self.facts,

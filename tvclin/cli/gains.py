@@ -1,9 +1,7 @@
 """The options that describe an autopilot, and the autopilot that they ask for."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import wraps
-from inspect import Parameter, Signature, signature
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -36,7 +34,7 @@ LowPassHz = Annotated[
 
 @dataclass(frozen=True)
 class GainOptions:
-    """The options in one place; `takes_gains` gives them to a command."""
+    """The options in one place; `grouped` gives them to a command."""
 
     design: Annotated[
         str | None,
@@ -128,45 +126,3 @@ def _numbers(option: str, given: str, least: int, most: int) -> list[float]:
         count = f"{least}" if least == most else f"{least} or {most}"
         raise InputError(f"{option} must be {count} numbers with commas between; got {given!r}")
     return [2.0 * pi * number(option, found[0], positive, "Hz"), *found[1:]]
-
-
-def takes_gains(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command, which has a parameter `gains`, each of the options in its place."""
-    fields = signature(GainOptions).parameters
-    shown: list[Parameter] = []
-    for parameter in signature(command).parameters.values():
-        shown += fields.values() if parameter.name == "gains" else [parameter]
-
-    @wraps(command)
-    def run(**given: Any) -> None:
-        own = {name: given.pop(name) for name in fields}
-        command(gains=GainOptions(**own), **given)
-
-    run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
-    run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
-    return run
-
-
-def gains_document(autopilot: "Autopilot") -> dict[str, Any]:
-    """Return the numbers of an autopilot for JSON."""
-    from tvclin.control.autopilot.feedback import CHAINS
-
-    actuator = autopilot.actuator
-    return {
-        "attitude_gain": autopilot.attitude_gain,
-        "rate_gain_s": autopilot.rate_gain,
-        "alpha_gain": autopilot.alpha_gain,
-        "integral_gain_per_s": autopilot.integral_gain,
-        "delay_s": autopilot.delay,
-        "actuator": None
-        if actuator is None
-        else {"natural_frequency_rad_s": actuator.natural_frequency, "damping": actuator.damping},
-        **{
-            name: [
-                {"numerator": one.numerator, "denominator": one.denominator}
-                for one in getattr(autopilot, name)
-            ]
-            for name in CHAINS
-        },
-        "sample_rate_Hz": autopilot.sample_rate,
-    }

@@ -116,6 +116,8 @@ def peak_angle(
 
 def heading_given(wind_direction_deg: float | None, azimuth_deg: float | None) -> float | None:
     """Return the heading of the wind [rad] that options give; None without --wind-direction-deg."""
+    if wind_direction_deg is azimuth_deg is None:
+        return None
     import numpy as np
 
     from tvclin.base.errors import number

@@ -115,7 +115,7 @@ def laws(
             "cuts": cuts,
             "sample_rate_Hz": sample_rate,
         }
-        print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
+        print_json({**head, "trials": found, "no_forecast": limits})
     else:
         if isinstance(flying, FlexiblePlant):
             typer.echo(lines(parts_line(flying.structure)))

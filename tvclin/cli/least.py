@@ -95,19 +95,3 @@ def print_least(found: "LeastGains") -> None:
     typer.echo(f"Held by: {', '.join(found.active) or 'nothing, a valley'}")
     for note in found.notes:
         typer.echo(f"Note: {note}")
-
-
-def least_document(found: "LeastGains") -> dict[str, Any]:
-    """Return the same for JSON."""
-    import numpy as np
-
-    return {
-        "meaning": found.meaning,
-        "deflection_deg": float(np.degrees(found.deflection)),
-        "part_of_trim": found.relative,
-        "worst_wind": found.worst_wind,
-        "each_deg": np.degrees(found.each).tolist(),
-        "active": list(found.active),
-        "unseen_stops_deg": None if found.unseen is None else float(np.degrees(found.unseen)),
-        "notes": list(found.notes),
-    }

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from tvclin.cli.gains import gains_document
-
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.bounds import MarginBounds
@@ -147,42 +145,19 @@ def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
 
 def margins_document(found: MarginsFound) -> dict[str, Any]:
     """Return gains, poles, margins and criteria for JSON; what does not exist becomes null."""
-    from tvclin.cli.bands import bands_document
-
     whole, autopilot = found.whole, found.autopilot
-    numbers = {
-        name: value for name, value in vars(whole).items() if name not in {"crossings", "status"}
-    }
-    properties = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin_dB")
-    bounds = _bounds(autopilot, found.plant)
-    bands = {} if found.bands is None else {"bands": bands_document(found.bands)}
     return {
         "flexible": found.bands is not None,
-        "autopilot": gains_document(autopilot),
+        "autopilot": autopilot,
         **_poles_document(autopilot, found.plant),
         "stable": whole.stable,
         "status": whole.status,
         "reason": whole.reason or None,
-        "margins": numbers | {name: getattr(whole, name) for name in properties},
-        "bounds": None if bounds is None else vars(bounds),
-        **bands,
-        "criteria": {
-            "name": found.asked.name,
-            "met": found.met,
-            "requirements": [
-                {
-                    "margin": one.requirement.margin,
-                    "band": one.band or None,
-                    "limit": one.requirement.limit,
-                    "value": one.value,
-                    "surplus": one.surplus,
-                    "met": one.met,
-                    "source": one.requirement.source,
-                }
-                for one in found.judged
-            ],
-        },
-        "notes": list(whole.notes),
+        "margins": whole,
+        "bounds": _bounds(autopilot, found.plant),
+        **({} if found.bands is None else {"bands": found.bands}),
+        "criteria": {"name": found.asked.name, "met": found.met, "requirements": found.judged},
+        "notes": whole.notes,
     }
 
 

@@ -5,30 +5,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.box import Box, met_in_box, print_worst, worst_document, worst_in_box
-from tvclin.cli.detuned import IsDetuned, detuned_document, detuned_of, print_detuned
-from tvclin.cli.flown import (
-    Flown,
-    FlownCase,
-    FlownLimitDeg,
-    SampleRate,
-    flown_document,
-    print_flown,
-)
-from tvclin.cli.gains import GainOptions, takes_gains
+from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
+from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
+from tvclin.cli.flown import Flown, FlownCase, FlownLimitDeg, SampleRate, print_flown
+from tvclin.cli.gains import GainOptions
 from tvclin.cli.inputs import load_plant, note_structure
 from tvclin.cli.options import (
     AsJson,
-    Duration,
     LinearVehicle,
     Model,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
     Rigid,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -53,7 +44,7 @@ ModePhaseDeg = Annotated[
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
-@takes_gains
+@grouped
 def margins(
     vehicle: LinearVehicle = "configuration-i",
     gains: GainOptions = GainOptions(),
@@ -73,10 +64,7 @@ def margins(
     ] = "nichols",
     flown: Flown = False,
     limit_deg: FlownLimitDeg = None,
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     sample_rate: SampleRate = None,
     as_json: AsJson = False,
     plot: Plot = None,
@@ -110,10 +98,10 @@ def margins(
     autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None
-    case = FlownCase(limit_deg, wind, duration, peak_deg, peak_speed, sample_rate)
+    case = FlownCase(limit_deg, blows, sample_rate)
     fine = flown and found.whole.stable
     in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
-    in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, case)
+    in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, blows)
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
     if in_box is not None:
         note_structure(loaded, getattr(plant, "structure", None), plane, "the margins in the box")
@@ -121,10 +109,11 @@ def margins(
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
         head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
-        beside = {} if moved is None else {"detuned": detuned_document(moved)}
-        beside |= {} if in_wind is None else {"flown": flown_document(in_wind)}
-        beside |= {} if in_box is None else {"box": worst_document(in_box, in_all)}
-        print_json({**head, **margins_document(found), **beside})
+        if in_box is not None:
+            box_document = in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
+        beside = {"detuned": moved, "flown": in_wind, "box": in_box and box_document}
+        given = {name: one for name, one in beside.items() if one is not None}
+        print_json(head | margins_document(found) | given)
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
         if moved is not None:

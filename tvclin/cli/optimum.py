@@ -5,30 +5,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, peak_angle
+from tvclin.cli.inputs import load_linear
 from tvclin.cli.options import (
     AsJson,
-    Duration,
+    Csv,
     LinearVehicle,
     Model,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
 
+@grouped
 def optimum(
     vehicle: LinearVehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     start: Annotated[
         float, typer.Option(help="Start of the control, in s; negative: before the wind.")
     ] = 0.0,
@@ -40,9 +37,7 @@ def optimum(
     ] = None,
     model: Model = None,
     plane: Plane = "pitch",
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write the deflection and the response as CSV.")
-    ] = None,
+    csv: Csv = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -57,11 +52,9 @@ def optimum(
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
     from tvclin.linear.plant import Plant
-    from tvclin.winds.shaped import pulse
 
     loaded = load_linear(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    history = pulse("--wind", wind, peak, duration)
+    history = blows.blowing(loaded, plane)
     plant = Plant.from_vehicle(loaded, model, plane)
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
@@ -69,14 +62,15 @@ def optimum(
         rate = float(np.radians(positive("--rate-limit-deg", rate_limit_deg, "deg/s")))
         limited = optimum_with_rate_limit(plant, history, rate, start, horizon)
     shown = best.deflection if limited is None else limited.deflection
-    title = f"{loaded.name or vehicle}, {plant.model}: {wind} wind of {np.degrees(peak):.4g} deg"
+    peak = float(np.degrees(history.peak))
+    title = f"{loaded.name or vehicle}, {plant.model}: {blows.wind} wind of {peak:.4g} deg"
     if csv is not None or plot is not None:
         _write(plant, shown, history, title, csv, plot)
     document = _document(plant, history, best, limited)
     if as_json:
-        print_json({"vehicle": loaded.name, "model": plant.model, "wind": wind, **document})
+        print_json({"vehicle": loaded.name, "model": plant.model, "wind": blows.wind, **document})
     else:
-        _print(f"{title} and {duration:g} s", document)
+        _print(f"{title} and {blows.duration:g} s", document)
     if best.status == NOT_CONVERGED:
         typer.echo("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
@@ -109,34 +103,21 @@ def _write(
 def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[str, Any]:
     import numpy as np
 
+    from tvclin.base.documents import picked
     from tvclin.boundary.limit import boundary_limit
 
     trim = abs(float(plant.coefficients.B * wind.peak))
     held = abs(float(boundary_limit(plant, wind, 0.0).deflection))
-    document = {
-        "peak_deg": np.degrees(best.peak),
+    return {
+        **picked(best, "peak_deg"),
         "part_of_trim": best.peak / trim if trim else None,
         "trim_deg": np.degrees(trim),
         "held_deg": np.degrees(held),
         "first_segment": _first_segment(plant, wind, best.deflection),
-        "switch_times_s": best.switch_times,
-        "status": best.status,
-        "certificate": {
-            "dual_deg": np.degrees(best.certificate.dual),
-            "gap": best.certificate.gap,
-            "residual": best.certificate.residual,
-            "tail": best.certificate.tail,
-        },
+        **picked(best, "switch_times_s status"),
+        "certificate": best.certificate.as_dict(),
+        **({} if limited is None else {"with_rate_limit": limited.as_dict()}),
     }
-    if limited is not None:
-        document["with_rate_limit"] = {
-            "rate_deg_per_s": np.degrees(limited.rate),
-            "peak_deg": np.degrees(limited.peak),
-            "residual": limited.residual,
-            "last_refinement": limited.change,
-            "status": limited.status,
-        }
-    return document
 
 
 def _first_segment(plant: "Plant", wind: "History", deflection: "History") -> str:

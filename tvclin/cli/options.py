@@ -1,7 +1,11 @@
 """The options that several commands share, with their meaning said once."""
 
+from collections.abc import Callable
+from dataclasses import is_dataclass
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -55,6 +59,7 @@ Model = Annotated[str | None, typer.Option(help=f"Model: {MODELS_HELP}")]
 Until = Annotated[float, typer.Option(help="Length in units of the wind's duration.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+Csv = Annotated[Path | None, typer.Option(help="Also write what --plot draws into this CSV file.")]
 Plot = Annotated[
     Path | None, typer.Option(help="Also draw a figure into this file (png, pdf, svg).")
 ]
@@ -67,3 +72,29 @@ Gust = Annotated[
         metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
     ),
 ]
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the fields of each parameter that is a group of options, in its place.
+
+    A group is a dataclass of options, and the default of its parameter one without any.
+    """
+    shown: list[Parameter] = []
+    groups: dict[str, tuple[Any, list[Parameter]]] = {}
+    for name, parameter in signature(command).parameters.items():
+        options = [parameter]
+        if is_dataclass(parameter.default):
+            kind = type(parameter.default)
+            options = list(signature(kind).parameters.values())
+            groups[name] = (kind, options)
+        shown += options
+
+    @wraps(command)
+    def run(**given: Any) -> None:
+        for name, (kind, options) in groups.items():
+            given[name] = kind(**{one.name: given.pop(one.name) for one in options})
+        command(**given)
+
+    run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in shown}
+    return run

@@ -75,22 +75,8 @@ def limit_cell(number: float, digits: int = 4, unit: str = "") -> str:
     return "none is enough" if isinf(number) else f"{number:.{digits}f} {unit}".rstrip()
 
 
-def print_json(document: dict[str, Any]) -> None:
-    """Print a document as JSON; numbers that do not exist become null."""
-    typer.echo(json.dumps(_cleaned(document), indent=2, allow_nan=False))
+def print_json(document: Any) -> None:
+    """Print a document, with records in it, as JSON; numbers that do not exist become null."""
+    from tvclin.base.documents import plain
 
-
-def _cleaned(value: Any) -> Any:
-    import numpy as np
-
-    if isinstance(value, dict):
-        return {key: _cleaned(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [_cleaned(item) for item in value]
-    if isinstance(value, complex):
-        return {"real": value.real, "imag": value.imag}
-    if isinstance(value, np.bool_ | bool):
-        return bool(value)
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    return value
+    typer.echo(json.dumps(plain(document), indent=2, allow_nan=False))

@@ -7,20 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.cases import Case, make_case
-from tvclin.cli.inputs import load_linear, peak_angle
+from tvclin.cli.inputs import load_linear
 from tvclin.cli.options import (
     AsJson,
-    Duration,
+    Csv,
     LinearVehicle,
     Model,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
     Points,
     Until,
-    Wind,
+    grouped,
 )
+from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
     from tvclin.linear.extremes import Extremes, Shown
@@ -31,12 +30,10 @@ _LONGEST = 1000.0
 """Of --until: nothing in a flight lasts that long."""
 
 
+@grouped
 def respond(
     vehicle: LinearVehicle = "configuration-i",
-    wind: Wind = "triangular",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: PulseOptions = PulseOptions(),
     dead_band: Annotated[
         float, typer.Option(help="Dead band K, from 0 to 1: trim up to K times the limit.")
     ] = 1.0,
@@ -54,9 +51,7 @@ def respond(
     plane: Plane = "pitch",
     until: Until = 3.0,
     points: Points = 301,
-    csv: Annotated[
-        Path | None, typer.Option(help="Also write the response into this CSV file.")
-    ] = None,
+    csv: Csv = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -71,12 +66,11 @@ def respond(
     from tvclin.linear.verdict import judge
 
     loaded = load_linear(vehicle, plane)
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     within("--until", until, 1e-3, _LONGEST)
-    length = until * float(positive("--duration", duration, "s"))
+    length = until * float(positive("--duration", blows.duration, "s"))
     within("--points", points, 2, 1_000_000)
     asked = (dead_band, capability, limit_deg)
-    case = make_case(loaded, wind, duration, peak, *asked, model, plane, max(length, duration))
+    case = make_case(loaded, blows, *asked, model, plane, max(length, blows.duration))
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
     shown = shown_until(case.plant, case.deflection, case.wind, length, lets_go=lets_go)
@@ -179,41 +173,20 @@ def _shown(entry: Any) -> list[str]:
 def _document(
     case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
 ) -> dict[str, Any]:
-    import numpy as np
+    from tvclin.base.documents import picked
 
-    deg = np.degrees
-    points = {
-        name: None if point is None else {"deg": deg(point.value), "time_s": point.time}
-        for name, point in vars(found).items()
-    }
-    left = verdict.left_over
+    left, whole = verdict.left_over, _covers_the_wind(case, shown)
+    angle = picked(loads, "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative")
     return {
-        "vehicle": case.vehicle,
-        "model": case.plant.model,
-        "wind": {
-            "shape": case.shape,
-            "peak_deg": deg(case.wind.peak),
-            "duration_s": case.wind.duration,
-        },
-        "dead_band": case.dead_band,
-        "required_deg": deg(case.required),
-        "governed_by": case.governs,
-        "limit_deg": deg(case.limit),
-        "sufficient": case.sufficient,
-        "shown_until": {"time_s": shown.time, "why": shown.why},
-        "attitude": points,
-        "peak_angle_of_attack": None
-        if not _covers_the_wind(case, shown)
-        else {
-            "deg": deg(loads.peak_angle_of_attack),
-            "time_s": loads.peak_time,
-            "relative_to_wind": loads.relative,
-        },
+        **picked(case, "vehicle model=plant.model"),
+        "wind": {"shape": case.shape, **picked(case.wind, "peak_deg duration_s")},
+        **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient"),
+        "shown_until": picked(shown, "time_s why"),
+        "attitude": found,
+        "peak_angle_of_attack": angle if whole else None,
         "verdict": {
-            "stable": verdict.stable,
-            "residues_rad": verdict.residues.tolist(),
+            **picked(verdict, "stable residues_rad"),
             "left_over": str(left),
-            "offset_deg": deg(left.offset),
-            "rate_deg_per_s": deg(left.rate),
+            **picked(left, "offset_deg rate_deg_per_s"),
         },
     }

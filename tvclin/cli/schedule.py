@@ -1,9 +1,12 @@
 """`tvclin schedule`: flight schedules from what other tools write."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from tvclin.cli.options import grouped
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.schedule import FlightSchedule
@@ -29,12 +32,21 @@ SlopeTable = Annotated[
 Ground = Annotated[
     float | None, typer.Option(help="Elevation of the launch site above the sea, in m.")
 ]
-Start = Annotated[float | None, typer.Option(help="Earliest time, in s.")]
-Stop = Annotated[float | None, typer.Option(help="Latest time, in s.")]
-MostRows = Annotated[int, typer.Option(help="More rows than that are thinned by straight lines.")]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The options of which rows are taken."""
+
+    start: Annotated[float | None, typer.Option(help="Earliest time, in s.")] = None
+    stop: Annotated[float | None, typer.Option(help="Latest time, in s.")] = None
+    most_rows: Annotated[
+        int, typer.Option(help="More rows than that are thinned by straight lines.")
+    ] = 200
 
 
 @source.command()
+@grouped
 def openrocket(
     file: File,
     gimbal_station_m: Gimbal,
@@ -45,9 +57,7 @@ def openrocket(
     reference_area_m2: Annotated[
         float | None, typer.Option(help="Area of a given slope, in m^2; that of the file without.")
     ] = None,
-    start: Start = None,
-    stop: Stop = None,
-    most_rows: MostRows = 200,
+    rows: Rows = Rows(),
 ) -> None:
     """Read the data that OpenRocket exports of a simulation without wind.
 
@@ -61,14 +71,13 @@ def openrocket(
         normal_force_coefficient_slope=_slope(cn_alpha_per_rad, cn_alpha),
         ground=ground_m,
         reference_area=reference_area_m2,
-        start=start,
-        stop=stop,
-        most_rows=most_rows,
+        **vars(rows),
     )
     _write(found, file, output)
 
 
 @source.command()
+@grouped
 def rasaero(
     file: File,
     gimbal_station_m: Gimbal,
@@ -82,9 +91,7 @@ def rasaero(
     cn_alpha_per_rad: SlopeNumber = None,
     cn_alpha: SlopeTable = None,
     ground_m: Ground = None,
-    start: Start = None,
-    stop: Stop = None,
-    most_rows: MostRows = 200,
+    rows: Rows = Rows(),
 ) -> None:
     """Read the flight that RASAero II exports, of a simulation without wind.
 
@@ -102,14 +109,13 @@ def rasaero(
         moment_of_inertia=_inertias(inertia),
         normal_force_coefficient_slope=slope,
         ground=ground_m,
-        start=start,
-        stop=stop,
-        most_rows=most_rows,
+        **vars(rows),
     )
     _write(found, file, output)
 
 
 @source.command()
+@grouped
 def table(
     file: File,
     output: Output,
@@ -117,9 +123,7 @@ def table(
         Path,
         typer.Option(help='TOML file with a table named columns: weight = "Gross weight (lbf)".'),
     ],
-    start: Start = None,
-    stop: Stop = None,
-    most_rows: MostRows = 200,
+    rows: Rows = Rows(),
 ) -> None:
     """Read any table with a line of column names, by a map from our names to them.
 
@@ -133,7 +137,7 @@ def table(
     found = document.get("columns")
     if not isinstance(found, dict) or len(document) > 1:
         raise InputError(f"{called(columns)} must hold one table [columns] and nothing beside it")
-    made = read_table(file, found, start=start, stop=stop, most_rows=most_rows)
+    made = read_table(file, found, **vars(rows))
     _write(made, file, output)
 
 

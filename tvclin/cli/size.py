@@ -126,9 +126,10 @@ def size(
     from dataclasses import replace
 
     from tvclin.answers.study_file.read import load_sizing
+    from tvclin.base.documents import picked
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
-    from tvclin.cli.size_tables import print_sizing, sizing_document
+    from tvclin.cli.size_tables import print_sizing
 
     if azimuth_deg is not None and not winds and wind_direction_deg is None:
         raise InputError(
@@ -174,7 +175,9 @@ def size(
 
         save_figure(sizing_chart(found, asked.limit), plot)
     if as_json:
-        print_json(sizing_document(found, total, said))
+        verdict = picked(total, "limit_deg sufficient left_deg not_sized")
+        beside = {"total": total, "notes": [*found.notes, *said], "verdict": verdict}
+        print_json(found.as_dict() | beside)
     else:
         print_sizing(found, total, source, asked.counted, said)
     if asked.limit is not None and not total.sufficient:

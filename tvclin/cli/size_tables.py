@@ -1,11 +1,11 @@
-"""What `tvclin size` prints: tables and JSON of a sizing and its total."""
+"""What `tvclin size` prints: tables of a sizing and its total."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.answers.sizing.record import Sizing, Worst
+    from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.sizing.total import DeflectionTotal
 
 
@@ -146,66 +146,3 @@ def _doubts(found: "Sizing", i: int) -> str:
         "?": not found.known[i].all(),
     }
     return "".join(mark for mark, there in marks.items() if there)
-
-
-def sizing_document(found: "Sizing", total: "DeflectionTotal", said: list[str]) -> dict[str, Any]:
-    """Return all of a sizing and its total as JSON can hold it; some notes come from elsewhere."""
-    import numpy as np
-
-    deg = np.degrees
-    return {
-        "vehicle": found.schedule.vehicle.name,
-        **{name: getattr(found, name) for name in ("model", "plane", "law")},
-        "winds": found.winds,
-        "times_s": found.times,
-        "required_deg": {name: deg(values) for name, values in found.required.items()},
-        **(
-            {}
-            if not found.alone
-            else {
-                "stop": repr(found.stop),
-                "alone_deg": {
-                    plane: {name: deg(values) for name, values in one.required.items()}
-                    for plane, one in found.alone.items()
-                },
-                "pitch_alone_misses": found.pitch_misses,
-            }
-        ),
-        "begins_s": found.begins,
-        "ends_s": found.ends,
-        "change": found.change,
-        "covered": found.covered,
-        "known": found.known,
-        "known_times_s": found.known_times,
-        "beyond_one_pole": found.beyond_one_pole,
-        "single_pole_edge_s": found.edge,
-        "worst": {name: _worst(one) for name, one in found.worst.items()},
-        "worst_by_wind": {
-            wind: {name: _worst(one) for name, one in found.worst_in(wind).items()}
-            for wind in found.winds
-        },
-        "total": {
-            "time_s": total.time,
-            "lines": [
-                {"name": one.name, "deflection_deg": deg(one.deflection), "kind": one.kind}
-                for one in total.lines
-            ],
-            "total_deg": deg(total.total),
-            "reserve": total.reserve,
-            "required_deg": deg(total.required),
-        },
-        "notes": [*found.notes, *said],
-        "verdict": {
-            "limit_deg": None if total.limit is None else deg(total.limit),
-            "sufficient": total.sufficient,
-            "left_deg": None if total.left is None else deg(total.left),
-            "not_sized": total.not_sized,
-        },
-    }
-
-
-def _worst(one: "Worst") -> dict[str, Any]:
-    import numpy as np
-
-    degrees = np.degrees(one.deflection)
-    return {"deflection_deg": degrees, "time_s": one.time, "wind": one.wind}

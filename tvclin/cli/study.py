@@ -80,18 +80,11 @@ def study(
     from dataclasses import replace
 
     from tvclin.answers.findings import find
-    from tvclin.answers.questions import all_yes, questioned
+    from tvclin.answers.questions import all_yes, questioned, questions, sufficient
     from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
-    from tvclin.cli.study_tables import (
-        dispersed_document,
-        print_dispersed,
-        print_questions,
-        print_study,
-        questions_document,
-        study_document,
-    )
+    from tvclin.cli.study_tables import print_dispersed, print_questions, print_study
 
     given = {
         "dead_band": dead_band,
@@ -127,8 +120,9 @@ def study(
         chart = study_planes_chart if result.in_both else study_chart
         save_figure(chart(result), plot)
     if as_json:
-        extra = {} if dispersed is None else {"dispersed": dispersed_document(dispersed)}
-        print_json(study_document(result) | extra | questions_document(found))
+        extra = {} if dispersed is None else {"dispersed": dispersed}
+        answers = {"questions": questions(found), "sufficient": sufficient(found)}
+        print_json(result.as_dict() | extra | answers)
     else:
         print_study(result, source, explain)
         if dispersed is not None:

@@ -1,4 +1,4 @@
-"""What `tvclin study` prints: tables and JSON of a study, and of a dispersed one."""
+"""What `tvclin study` prints: tables of a study, and of a dispersed one."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -75,87 +75,6 @@ def _in_units(one: "Quantity", own: dict[str, tuple[float, str]]) -> str:
     return f"{number:.5g} {unit} ({shown})"
 
 
-def study_document(result: "Study") -> dict[str, Any]:
-    """Return a study as a document for JSON."""
-    import numpy as np
-
-    from tvclin.vehicle.coefficients import NUMBERS
-    from tvclin.vehicle.vehicle import Vehicle
-
-    v, c, deg = result.vehicle, result.coefficients, np.degrees
-    return {
-        "vehicle": vars(v) if isinstance(v, Vehicle) else {"name": v.name},
-        "plane": result.plane,
-        "coefficients": {
-            "beta_per_s": np.sqrt(c.mu_alpha) if c.mu_alpha > 0.0 else None,
-            "pole_per_s": c.pole if c.mu_alpha > 0.0 else None,
-            "B": c.B,
-            **{name: getattr(c, name) for name in NUMBERS},
-        },
-        "wind": {
-            "shape": result.shape,
-            "peak_deg": deg(result.wind.peak),
-            "duration_s": result.wind.duration,
-        },
-        "gust": None
-        if result.gust is None
-        else {
-            "peak_deg": deg(result.gust.peak),
-            "begins_s": result.gust.onset,
-            "ends_s": result.gust.end,
-        },
-        **({} if result.planes is None else {"planes": _planes_document(result)}),
-        "unstable_poles_per_s": {name: m.poles.tolist() for name, m in result.modes.items()},
-        "trim_deflection_deg": deg(result.trim_deflection),
-        "boundaries": {
-            name: {
-                "dead_band": result.dead_bands,
-                "limit": found.limit,
-                "deflection_deg": np.abs(deg(found.deflection)),
-                "switch_time_s": found.switch_time,
-                "status": found.status.tolist(),
-            }
-            for name, found in result.boundaries.items()
-        },
-        "forecast_free": {
-            name: {"limit": one.limit, "deflection_deg": abs(deg(one.deflection)), "kind": one.kind}
-            for name, one in result.forecast_free.items()
-        },
-        "minimum_deg": {name: deg(peak) for name, peak in result.minima.items()},
-        "notes": result.notes,
-        "verdict": {
-            "model": result.model,
-            "dead_band": result.dead_band,
-            "required_deflection_deg": deg(result.required_deflection),
-            "governed_by": result.governs,
-            "requirements_deg": {k: deg(v) for k, v in result.requirement.needs.items()},
-            "limit_deg": None if result.limit is None else deg(result.limit),
-            "sufficient": result.sufficient,
-            "survivable_peak_deg": None
-            if result.survivable_peak is None
-            else abs(deg(result.survivable_peak)),
-        },
-    }
-
-
-def _planes_document(result: "Study") -> dict[str, Any]:
-    """What both planes need in a wind with a direction."""
-    import numpy as np
-
-    planes, wind = result.planes, result.slanting
-    assert planes is not None
-    assert wind is not None
-    return {
-        "heading_deg": None if wind.heading is None else np.degrees(wind.heading),
-        "peak_deg": np.degrees(planes.peak),
-        "stop": repr(planes.stop),
-        "required_deflection_deg": np.degrees(planes.deflection),
-        "alone_deg": {plane: np.degrees(one) for plane, one in planes.alone.items()},
-        "pitch_alone_misses": planes.misses("pitch"),
-        "judged": result.in_both,
-    }
-
-
 def print_dispersed(found: "DispersedStudy") -> None:
     """Print the deflection that covers the dispersed cases, and what drives it."""
     import numpy as np
@@ -170,7 +89,7 @@ def print_dispersed(found: "DispersedStudy") -> None:
         covers = "too few cases to say: give more --cases"
     pairs = [
         ("dispersions", "assumed: " + ", ".join(found.dispersions.parameters)),
-        ("median", f"{np.degrees(np.nanmedian(found.deflection)):.4f} deg"),
+        ("median", f"{np.degrees(found.median):.4f} deg"),
         (of_cases, f"{np.degrees(required.estimate):.4f} deg"),
         (of_flights, covers),
         ("driven by", ", ".join(f"{name} ({rank:+.2f})" for name, rank in drivers)),
@@ -180,26 +99,6 @@ def print_dispersed(found: "DispersedStudy") -> None:
         enough = f"in {100 * s.estimate:.2f} % ({100 * s.lower:.2f} to {100 * s.upper:.2f} %)"
         pairs.append(("the limit is enough", enough))
     print_pairs(f"\nDispersed, {required.cases} cases, seed {found.seed}", pairs, columns=1)
-
-
-def dispersed_document(found: "DispersedStudy") -> dict[str, Any]:
-    """Return the same as a document for JSON."""
-    import numpy as np
-
-    required = found.required
-    return {
-        "cases": required.cases,
-        "seed": found.seed,
-        "probability": required.probability,
-        "confidence": required.confidence,
-        "median_deg": np.degrees(np.nanmedian(found.deflection)),
-        "estimate_deg": np.degrees(required.estimate),
-        "upper_deg": np.degrees(required.upper),
-        "lower_deg": np.degrees(required.lower),
-        "drivers": found.drivers,
-        "success": None if found.success is None else vars(found.success),
-        "dispersions": [vars(one) for one in found.dispersions.each],
-    }
 
 
 def print_questions(found: "Findings") -> None:
@@ -221,18 +120,6 @@ def print_questions(found: "Findings") -> None:
     typer.echo(f"Verdict: {said[sufficient(found)]}")
     for note in () if found.availability is None else found.availability.notes:
         typer.echo(f"Note: {note}.")
-
-
-def questions_document(found: "Findings") -> dict[str, Any]:
-    """Return the same as a document for JSON."""
-    from tvclin.answers.questions import questions, sufficient
-
-    return {
-        "questions": [
-            {"name": one.name, "yes": one.yes, "why": one.text} for one in questions(found)
-        ],
-        "sufficient": sufficient(found),
-    }
 
 
 def _print_boundaries(result: "Study") -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.documents import keyed
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
@@ -42,6 +43,8 @@ class Point:
 
     value: float
     time: float
+
+    as_dict = keyed("deg=value time_s")
 
 
 @dataclass(frozen=True)

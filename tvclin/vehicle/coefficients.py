@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Row, card
+from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -96,6 +97,13 @@ class Coefficients:
         for name, array in checked.items():
             object.__setattr__(self, name, plain(array))
         instance("name", self.name, str, "the vehicle's")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the numbers by key; a stable vehicle has no beta and no pole."""
+        found = dict.fromkeys(("beta_per_s", "pole_per_s"))
+        if np.all(np.asarray(self.mu_alpha) > 0.0):
+            found = picked(self, "beta_per_s pole_per_s")
+        return found | picked(self, f"B {' '.join(NUMBERS)}")
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [(name, getattr(self, name), unit) for name, _, unit in _CHECKS]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
+from tvclin.base.documents import keyed
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -51,6 +52,10 @@ class Part:
         "lower [-]",
         "upper [-]",
         "confidence [-]",
+    )
+
+    as_dict = keyed(
+        "flown judged unknown part lower upper effective_number=effective whatever_unknown=bounds"
     )
 
     @property

@@ -15,6 +15,7 @@ from tvclin.answers.availability.judge import Judge
 from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
 from tvclin.base.cards import card, shows
+from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import (
     between,
     finite,
@@ -38,6 +39,8 @@ FloatArray = NDArray[np.float64]
 _BETWEEN = "it meets the limit more than once, and trim was not flown: ask for this limit"
 _LESS = 1.0 - 1e-9
 """Needs that differ by less than this part are the same."""
+PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
+"""Parts of the soundings whose limits are named."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,7 @@ class Today:
     _repr_html_ = shows(
         "Today", "least [deg]", "most [deg]", "limit [deg]", "go", "part [-]", "why"
     )
+    as_dict = keyed("go least_deg most_deg part_of_archive_below=part why")
 
     @property
     def go(self) -> bool | None:
@@ -176,7 +180,7 @@ class Availability:
         row = nonnegative("limits", one_row_or_one("limits", limits), "rad")
         return tuple(self._for_each(limit, every) for limit in row.tolist())
 
-    def placard(self, parts: ArrayLike = (0.5, 0.8, 0.9, 0.95, 0.99)) -> FloatArray:
+    def placard(self, parts: ArrayLike = PLACARD) -> FloatArray:
         """Return the least limits [rad] that are enough for so many of those then judged.
 
         Infinite where no limit is enough. Shape ``(p,)``, or ``(a, p)`` for several azimuths.
@@ -273,6 +277,30 @@ class Availability:
     def with_limit(self, limit: float) -> Self:
         """Return the same for another limit [rad]; `InputError` for one below zero."""
         return replace(self, limit=number("limit", limit, nonnegative, "rad"))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        names = [f"{100 * part:g} %" for part in PLACARD]
+        months = {str(month): self._rows(each) for month, each in self.by_month().items()}
+        azimuths = np.degrees(np.atleast_1d(self.azimuth)).round(12)
+        placards = np.degrees(np.atleast_2d(self.placard()))
+        towards = [
+            {
+                "azimuth_deg": azimuths[a],
+                **part.as_dict(),
+                "months": {month: each[a] for month, each in months.items()},
+                "placard_deg": dict(zip(names, placards[a], strict=True)),
+                "persistence_deg": np.degrees(self.persistence[a]),
+            }
+            for a, part in enumerate(self._rows(self.part()))
+        ]
+        head = "vehicle=judge.flight.vehicle.name station=soundings.station model plane limit_deg"
+        return {
+            **picked(self, f"{head} confidence"),
+            "soundings": len(self.soundings),
+            "towards": towards,
+            "notes": self.notes,
+        }
 
     def _repr_html_(self) -> str:
         parts = self._rows(self.part())

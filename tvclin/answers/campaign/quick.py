@@ -20,6 +20,7 @@ from tvclin.answers.campaign.statistics import (
 from tvclin.answers.requirement import covers
 from tvclin.answers.study import Study
 from tvclin.base.cards import shows
+from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     fraction,
@@ -85,6 +86,17 @@ class DispersedStudy:
         "required.cases",
         "part [-]",
     )
+
+    as_dict = keyed(
+        "cases=required.cases seed probability=required.probability confidence=required.confidence"
+        " median_deg estimate_deg=required.estimate upper_deg=required.upper"
+        " lower_deg=required.lower drivers success dispersions=dispersions.each"
+    )
+
+    @property
+    def median(self) -> float:
+        """The median [rad] of the deflections that are known."""
+        return float(np.nanmedian(self.deflection))
 
     @property
     def part(self) -> float:

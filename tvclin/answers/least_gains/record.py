@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.least_gains.question import Question
 from tvclin.base.cards import card
+from tvclin.base.documents import keyed
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins
 
@@ -63,6 +64,11 @@ class LeastGains:
     active: tuple[str, ...]
     unseen: float | None
     notes: tuple[str, ...]
+
+    as_dict = keyed(
+        "meaning deflection_deg part_of_trim=relative worst_wind each_deg active"
+        " unseen_stops_deg=unseen notes"
+    )
 
     def _repr_html_(self) -> str:
         a = self.autopilot

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.cards import table
+from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import missing, one_of
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import write_text
@@ -54,6 +55,8 @@ class Worst:
     deflection: float
     time: float
     wind: str
+
+    as_dict = keyed("deflection_deg time_s wind")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +139,23 @@ class Sizing:
             return {}
         pitch = self.alone["pitch"].required
         return {name: missing_part(pitch[name], both) for name, both in self.required.items()}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        planes: dict[str, Any] = {}
+        if self.alone:
+            alone = {plane: picked(one, "deg=required") for plane, one in self.alone.items()}
+            planes = {"stop": repr(self.stop)}
+            planes["alone_deg"] = {plane: each["deg"] for plane, each in alone.items()}
+            planes |= picked(self, "pitch_alone_misses=pitch_misses")
+        return {
+            **picked(self, "vehicle=schedule.vehicle.name model plane law winds times_s"),
+            **picked(self, "required_deg"),
+            **planes,
+            **picked(self, "begins_s ends_s change covered known known_times_s beyond_one_pole"),
+            **picked(self, "single_pole_edge_s=edge worst"),
+            "worst_by_wind": {wind: self.worst_in(wind) for wind in self.winds},
+        }
 
     def _repr_html_(self) -> str:
         rows = [

@@ -12,6 +12,7 @@ import numpy as np
 
 from tvclin.answers.sizing.record import Sizing
 from tvclin.base.cards import table
+from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -50,6 +51,8 @@ class Line:
     name: str
     deflection: float
     kind: str = "systematic"
+
+    as_dict = keyed("name deflection_deg kind")
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, KINDS)
@@ -95,6 +98,8 @@ class DeflectionTotal:
             number("limit", self.limit, positive, "rad")
         if self.time is not None:
             number("time", self.time, unit="s")
+
+    as_dict = keyed("time_s lines total_deg reserve required_deg")
 
     def _repr_html_(self) -> str:
         rows = [(line.name, line.kind, np.degrees(line.deflection)) for line in self.lines]

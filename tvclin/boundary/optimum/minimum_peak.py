@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import card
+from tvclin.base.documents import keyed
 from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.dual import best_multipliers
@@ -53,6 +54,8 @@ class Certificate:
     gap: float
     residual: float
     tail: float
+
+    as_dict = keyed("dual_deg gap residual tail")
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
+from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     between,
@@ -78,6 +79,7 @@ class RateLimitedOptimum:
     change: float
     status: str
 
+    as_dict = keyed("rate_deg_per_s peak_deg residual last_refinement=change status")
     _repr_html_ = shows(
         "Least deflection under a rate limit",
         "peak [deg]",

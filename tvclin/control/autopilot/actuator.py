@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
+from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, plain, together
 from tvclin.control.autopilot.sizes import sized
 
@@ -45,6 +46,7 @@ class Actuator:
     damping: float | FloatArray | None = 0.7
 
     _repr_html_ = shows("Actuator", "natural_frequency [rad/s]", "damping [-]")
+    as_dict = keyed("natural_frequency_rad_s damping")
 
     def __post_init__(self) -> None:
         frequency = sized("natural_frequency", self.natural_frequency, "rad/s")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import card
+from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
@@ -78,6 +79,17 @@ class Detuned:
     def row(self, change: str) -> int:
         """Return the place of a row by what is changed in it."""
         return self.changes.index(one_of("change", change, self.changes))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        names = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin"
+        columns = {
+            "change": self.changes,
+            **picked(self.margins, names),
+            **picked(self, "first met"),
+        }
+        rows = zip(*columns.values(), strict=True)
+        return {"rows": [dict(zip(columns, row, strict=True)) for row in rows], "edges": self.edges}
 
     def _repr_html_(self) -> str:
         m = self.margins

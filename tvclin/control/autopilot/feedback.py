@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
+from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.lines import Line, Row, significant
 from tvclin.control.autopilot.actuator import Actuator
@@ -59,6 +61,11 @@ class Feedback:
         "rate_filters",
         "filters",
     )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        gains = "attitude_gain rate_gain_s alpha_gain integral_gain_per_s delay_s actuator"
+        return picked(self, f"{gains} {' '.join(CHAINS)} sample_rate_Hz")
 
     def __post_init__(self) -> None:
         gains = {name: zero_or_sized(name, getattr(self, name), LEAST_GAIN) for name in GAINS}

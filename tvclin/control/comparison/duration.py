@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
+from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
     callable_for,
@@ -54,6 +55,7 @@ class WorstDuration:
     at_the_end: bool
 
     _repr_html_ = shows("Worst duration", "duration [s]", "peak_deflection [deg]", "at_the_end")
+    as_dict = keyed("duration_s peak_deflection_deg at_the_end")
 
 
 def worst_duration(

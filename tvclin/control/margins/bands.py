@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Row, card
+from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
 from tvclin.control.margins.loop import Loop
-from tvclin.control.margins.record import Margins, decibels, margins_of
+from tvclin.control.margins.record import InDecibels, Margins, decibels, margins_of
 from tvclin.kernels.loop_margins import LoopFindings
 from tvclin.kernels.state_loop import StateLoop
 
@@ -27,7 +28,7 @@ GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBand:
+class RigidBand(InDecibels):
     """Margins of a stable loop at the crossings that the rigid body owns; ``(...)``.
 
     NaN for a loop that is not stable; infinite, and the frequency NaN, where there is none.
@@ -56,21 +57,6 @@ class RigidBand:
             (f"{whose}gain increase", self.gain_increase_dB, "dB"),
             (f"{whose}phase margin", self.phase_margin_deg, "deg"),
         ]
-
-    @property
-    def aero_margin_dB(self) -> Any:
-        """The aero margin in dB, positive."""
-        return decibels(self.aero_margin)
-
-    @property
-    def gain_increase_dB(self) -> Any:
-        """The gain-increase margin in dB, positive."""
-        return decibels(self.gain_increase)
-
-    @property
-    def phase_margin_deg(self) -> Any:
-        """The phase margin in degrees."""
-        return plain(np.degrees(self.phase_margin))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +102,11 @@ class ModeBand:
     gain_increase: Any
     distance: Any
     alias: Any
+
+    as_dict = keyed(
+        "frequency closed_pole stabilised peak_dB peak_frequency gain_margin_dB phase_margin_deg"
+        " lag_margin lead_margin gain_reduction gain_increase distance alias"
+    )
 
     def _repr_html_(self) -> str:
         return card(self.name, self._rows(""))
@@ -178,6 +169,10 @@ class BandMargins:
         """Return the band of one mode by its name."""
         names = [one.name for one in self.modes]
         return self.modes[names.index(one_of("name", name, names))]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        return {"rigid_body": self.rigid, "modes": {one.name: one for one in self.modes}}
 
     def _repr_html_(self) -> str:
         rows: list[Row] = [("whole loop", self.whole.status, "")]

@@ -5,6 +5,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
     each,
@@ -103,6 +104,11 @@ class Judgement:
     surplus: Any
     met: Any
     band: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON; the whole loop is no band."""
+        asked = "margin=requirement.margin band limit=requirement.limit value surplus met"
+        return picked(self, f"{asked} source=requirement.source") | {"band": self.band or None}
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import card
+from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.loop_margins import LoopFindings, classical_margins
@@ -78,8 +79,31 @@ class Crossings:
     gain_factors: FloatArray
 
 
+class InDecibels:
+    """Gain and phase margins of a record in the units of tables."""
+
+    aero_margin: Any
+    gain_increase: Any
+    phase_margin: Any
+
+    @property
+    def aero_margin_dB(self) -> Any:
+        """The aero margin in dB, positive: how far the gain may fall."""
+        return decibels(self.aero_margin)
+
+    @property
+    def gain_increase_dB(self) -> Any:
+        """The gain-increase margin in dB, positive: how far the gain may rise."""
+        return decibels(self.gain_increase)
+
+    @property
+    def phase_margin_deg(self) -> Any:
+        """The phase margin in degrees."""
+        return plain(np.degrees(self.phase_margin))
+
+
 @dataclass(frozen=True, eq=False)
-class Margins:
+class Margins(InDecibels):
     """How far a loop is from instability; every number has the shape ``(...)`` of the batch.
 
     For a loop whose closed loop is not stable every margin is NaN: it has none. A margin that
@@ -137,6 +161,13 @@ float or ndarray
             for name, (label, unit, at) in MARGINS.items()
         ]
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON, angles in degrees."""
+        numbers = " ".join(one.name for one in fields(self)[1:-1])
+        return picked(
+            self, f"{numbers} aero_margin_dB gain_increase_dB phase_margin_deg disk_margin_dB"
+        )
+
     def _repr_html_(self) -> str:
         rows = [
             ("status", self.status, ""),
@@ -157,21 +188,6 @@ float or ndarray
     def stable(self) -> Any:
         """Whether the closed loop is stable."""
         return self.status == OK
-
-    @property
-    def aero_margin_dB(self) -> Any:
-        """The aero margin in dB, positive: how far the gain may fall."""
-        return decibels(self.aero_margin)
-
-    @property
-    def gain_increase_dB(self) -> Any:
-        """The gain-increase margin in dB, positive: how far the gain may rise."""
-        return decibels(self.gain_increase)
-
-    @property
-    def phase_margin_deg(self) -> Any:
-        """The phase margin in degrees."""
-        return plain(np.degrees(self.phase_margin))
 
     @property
     def disk_margin_dB(self) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import Row, card, shows
+from tvclin.base.documents import keyed
 from tvclin.control.margins.record import decibels
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.many import UNDECIDED
@@ -60,6 +61,7 @@ class FlownMargin:
     survives: NDArray[np.bool_]
 
     _repr_html_ = shows("Flown margin", "value", "cause", "again", "lost", "near_rest")
+    as_dict = keyed("value cause again lost near_rest")
 
     @property
     def dB(self) -> float:
@@ -96,6 +98,11 @@ class FlownMargins:
     limit: float
     boundary: float
     status: str
+
+    as_dict = keyed(
+        "limit_of_full_trim=limit boundary_of_full_trim=boundary spare status"
+        f" {' '.join(CHANGES)} notes"
+    )
 
     @property
     def spare(self) -> float:

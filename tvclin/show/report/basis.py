@@ -9,7 +9,8 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.glossary import SYMBOLS, TERMS
-from tvclin.answers.study import OUTLASTS, outlasts_one_pole
+from tvclin.answers.study import outlasts_one_pole
+from tvclin.answers.study_notes import OUTLASTS
 from tvclin.base.lines import Formula, Line, significant, text
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import (

@@ -199,7 +199,7 @@ def _dispersed(found: Findings) -> list[Block]:
     rows: list[tuple[Line, ...]] = [
         (("cases",), significant("dispersed.cases", r.cases, 9)),
         (("seed",), significant("dispersed.seed", d.seed, 9)),
-        (("median",), degrees("dispersed.median", float(np.nanmedian(d.deflection)), unit="deg")),
+        (("median",), degrees("dispersed.median", d.median, unit="deg")),
         ((of_cases,), degrees("dispersed.estimate", r.estimate, unit="deg")),
         (
             (of_flights,),

@@ -4,7 +4,8 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.questions import Question, questions, sufficient, without_stop
-from tvclin.answers.study import TRUSTS, Study, outlasts_one_pole
+from tvclin.answers.study import Study, outlasts_one_pole
+from tvclin.answers.study_notes import TRUSTS
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section, Table

@@ -9,9 +9,9 @@ from tvclin.show.reproduce.computed import Computed
 
 COMPUTATIONS: dict[str, Callable[[], Computed]] = {
     function.__name__: function
-    for claims in (claims_boundary, claims_response, claims_flown, claims_appendices)
+    for claims in (claims_boundary, claims_response, claims_appendices)
     for function in claims.FUNCTIONS
-}
+} | claims_flown.COMPUTATIONS
 """The function of every `compute` identifier of claims.toml; each computes from Table I."""
 
 

@@ -16,46 +16,6 @@ EXCESS = "percent, (18) above the flown boundary"
 SHARE = "cases in which the theory is the worse"
 
 
-def agreement_frozen() -> Computed:
-    """Eq (18) is within 5 percent of every boundary that is flown with frozen parameters, K = 1."""
-    return _limits(False, lambda one: one.agree)
-
-
-def agreement_along_the_trajectory() -> Computed:
-    """Eq (18) is within 5 percent of every boundary that is flown along the trajectory, K = 1."""
-    return _limits(True, lambda one: one.agree)
-
-
-def conservative_boundary_frozen() -> Computed:
-    """Eq (18) is nowhere below the boundary that is flown with frozen parameters, K = 1."""
-    return _limits(False, lambda one: one.conservative)
-
-
-def conservative_boundary_along_the_trajectory() -> Computed:
-    """Eq (18) is nowhere below the boundary that is flown along the trajectory, K = 1."""
-    return _limits(True, lambda one: one.conservative)
-
-
-def divergence_frozen() -> Computed:
-    """At 0.9 times eq (18) the attitude of (B9) is the larger at t = tau, parameters frozen."""
-    return _errors(False, lambda one: one.diverges_faster)
-
-
-def divergence_along_the_trajectory() -> Computed:
-    """At 0.9 times eq (18) the attitude of (B9) is the larger at t = tau, along the trajectory."""
-    return _errors(True, lambda one: one.diverges_faster)
-
-
-def convergence_frozen() -> Computed:
-    """At 1.1 times eq (18) the attitude of (B9) is the larger at t = tau, parameters frozen."""
-    return _errors(False, lambda one: one.converges_slower)
-
-
-def convergence_along_the_trajectory() -> Computed:
-    """At 1.1 times eq (18) the attitude of (B9) is the larger at t = tau, along the trajectory."""
-    return _errors(True, lambda one: one.converges_slower)
-
-
 def _limits(along: bool, verdict: Callable[[Boundaries], tuple[bool, ...]]) -> Computed:
     found = [one for one in boundaries() if one.along is along]
     values = [Value(one.gust.name, *one.excess) for one in found]
@@ -89,13 +49,18 @@ def _errors(along: bool, verdict: Callable[[Attitudes], tuple[bool, ...]]) -> Co
     return Computed(tuple(values), all(all(verdict(one)) for one in found))
 
 
-FUNCTIONS = (
-    agreement_frozen,
-    agreement_along_the_trajectory,
-    conservative_boundary_frozen,
-    conservative_boundary_along_the_trajectory,
-    divergence_frozen,
-    divergence_along_the_trajectory,
-    convergence_frozen,
-    convergence_along_the_trajectory,
-)
+_CLAIMS: dict[str, Callable[[bool], Computed]] = {
+    "agreement": lambda along: _limits(along, lambda one: one.agree),
+    "conservative_boundary": lambda along: _limits(along, lambda one: one.conservative),
+    "divergence": lambda along: _errors(along, lambda one: one.diverges_faster),
+    "convergence": lambda along: _errors(along, lambda one: one.converges_slower),
+}
+"""Eq (18), K = 1: within 5 percent of every flown boundary, and nowhere below it. The attitude of
+(B9) is the larger at t = tau: at 0.9 times eq (18), and at 1.1 times."""
+
+COMPUTATIONS: dict[str, Callable[[], Computed]] = {
+    f"{name}_{flown}": partial(claim, along)
+    for name, claim in _CLAIMS.items()
+    for flown, along in (("frozen", False), ("along_the_trajectory", True))
+}
+"""Each claim of flights with frozen parameters, and of flights along the trajectory."""

@@ -1,0 +1,134 @@
+"""What the reader of a study should know before believing its numbers, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import radians
+from typing import Any
+
+import numpy as np
+
+from tvclin.answers.requirement import RequiredDeflection, required_deflection
+from tvclin.boundary.forecast_free import ForecastFreeLimit
+from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
+from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.linear.modes import Modes
+from tvclin.linear.plant import USUAL_MODEL, Plant
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
+
+_FEEBLE = 0.5
+"""A booster's thrust over its weight is rather a slip of the pen below this."""
+_HEAVY = 10.0
+"""Above this a mass was rather typed as a weight: then it is g times too large."""
+_STRONG = radians(1.5)
+"""Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
+
+_SLOWER = 0.04
+"""By about so much air and jet slow the pole of a booster."""
+_LONG = 2.5
+"""Duration over the time of the pole, from which a slower one may ask for more."""
+
+_ONE_POLE = ("fixed-path", "drift")
+"""Models that leave the slow mode of the flight path out."""
+OUTLASTS = "outlasts what one pole can say"
+TRUSTS = "trusts a forecast"
+"""Of a wind and of a dead band, in the notes of a study."""
+
+
+def doubts(vehicle: AnyVehicle) -> Iterator[str]:
+    """Yield what is odd about a vehicle, or not known of it."""
+    if isinstance(vehicle, LinearVehicle):
+        if not vehicle.path_known:
+            yield (
+                "the flight path is held fixed: how the vehicle drifts with the wind is not known"
+                " from mu_alpha and mu_delta, and a long wind may then need more"
+            )
+    elif vehicle.thrust < _FEEBLE * vehicle.weight:
+        ratio = float(vehicle.thrust / vehicle.weight)
+        yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
+    elif vehicle.thrust > _HEAVY * vehicle.weight:
+        ratio = float(vehicle.thrust / vehicle.weight)
+        yield (
+            f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
+            " mass_kg, mass_lb or mass_slug"
+        )
+
+
+def head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:
+    """Say where the wind is strong along the path, and which flight says how much it matters."""
+    peak = abs(float(wind.peak))
+    if plane == "pitch" and peak > _STRONG:
+        yield (
+            "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
+            " time leaves out: a head wind of 5 deg needs up to a fifth more; this one, as a head"
+            " wind, is flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind"
+            f" {shape} --duration {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
+        )
+
+
+def slow_or_paired(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    """Say where two modes grow together, or the wind outlasts what one pole can say."""
+    if required.status == PAIR:
+        yield (
+            "two unstable modes grow together here, whose two conditions one limit cannot meet:"
+            " required is the largest trim deflection over K, with which the dead band is never"
+            " left (tvclin optimum shows the least of all)"
+        )
+        return
+    edge = float(single_pole_validity(plant.coefficients))
+    flown = dead_band == 1.0 and plant.model not in _ONE_POLE
+    if wind.end - wind.onset > edge and required.governs == BOUNDARY and not flown:
+        yield (
+            f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
+            " then need more (tvclin optimum)"
+        )
+
+
+def left_out(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
+    """Say where the exact model has unstable modes beside, which this one leaves out."""
+    name = USUAL_MODEL
+    if plant.model not in _ONE_POLE or name not in modes:
+        return
+    more = modes[name].poles.size > modes[plant.model].poles.size
+    if more and np.isnan(single_pole_validity(plant.coefficients)):
+        yield (
+            f"the exact model has unstable modes that {plant.model} leaves out, and may need more"
+            f" (--model {name})"
+        )
+
+
+def forecast_trusted(
+    required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
+) -> Iterator[str]:
+    """Say where the limit required is one that only a control with a forecast can live with."""
+    if free is None or dead_band == 1.0:
+        return
+    bound = abs(float(free.deflection))
+    if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
+        yield (
+            f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
+            f" stop needs at least {np.degrees(bound):.4f} deg"
+        )
+
+
+def undamped(
+    plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    """Say where a vehicle without damping is promised too little, because its pole is too fast."""
+    c = plant.coefficients
+    if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
+        return
+    if float(wind.end - wind.onset) * float(c.pole) <= _LONG:
+        return
+    slower = (1.0 - _SLOWER) * float(c.pole)
+    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
+    needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
+    with_it, without = (abs(float(one.deflection)) for one in (needed, required))
+    if with_it > without * (1.0 + ROUNDING):
+        yield (
+            f"no pitch_damping is given, and leaving it out is not on the safe side here: a pole"
+            f" {100 * _SLOWER:.0f} percent slower would need"
+            f" {100 * (with_it / without - 1.0):.1f} percent more"
+        )
