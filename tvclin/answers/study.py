@@ -94,7 +94,7 @@ class Study:
     sufficient : bool or None
         Whether the limit is at or above what is required.
     survivable_peak : float or None
-        The largest peak [rad] of such a wind that the limit survives.
+        The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`.
     forecast_free : dict of str to ForecastFreeLimit
         For the models of `boundaries` that have one, the least deflection of any law that does
         not know when the wind will stop.
@@ -287,6 +287,15 @@ class Study:
         if self.planes is not None and self.in_both:
             return self.planes.governs
         return self.requirement.governs
+
+    @property
+    def peak_of(self) -> str:
+        """Of what the peak is that the limit survives, where the wind has a direction."""
+        if self.slanting is None:
+            return ""
+        if self.in_both:
+            return "of the wind's vector in both planes"
+        return f"of the wind's part in the {self.plane} plane"
 
     @property
     def needs(self) -> dict[str, dict[str, float]]:
