@@ -70,7 +70,9 @@ def test_a_peak_says_of_what_it_is(stop) -> None:
     """
     asked = ("study", *JET[:4], "--limit-deg", "0.4", *stop)
     shown = " ".join(run(*asked).output.split())
-    whose = "of the wind's vector in both planes" if stop else "of the wind's part in the pitch plane"
+    whose = (
+        "of the wind's vector in both planes" if stop else "of the wind's part in the pitch plane"
+    )
     assert whose in shown
     assert "of 2.88 deg and 7.5 s, the part in the pitch plane of a vector of 5 deg" in shown
     found = json.loads(run(*asked, "--json").output)
