@@ -85,6 +85,7 @@ def test_the_exit_code_of_today_is_go_or_no_go(station, tmp_path) -> None:
             (*EAST, "--limit-deg", "1", "--persistence-deg", "1", "--persistence-hours", "2"),
             "not both",
         ),
+        ((*EAST, "--limit-deg", "1", "--today-time", "x"), "--today-time needs --today"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_code_two(station, options, said) -> None:

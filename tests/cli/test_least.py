@@ -81,7 +81,8 @@ def test_the_keys_of_a_box_carry_their_units():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["autopilot", "--stops", "3"], "are of --least"),
+        (["autopilot", "--stops", "3"], "--stops needs --least"),
+        (["autopilot", "--limits", "--crossover", "3"], "--crossover and --limits need --least"),
         (["autopilot", "--least", "--stops", "3"], "give limits=True"),
         (["autopilot", "--least", "--design", "lqr"], "not both"),
         (["autopilot", "--least", "--damping", "0.7"], "give no damping"),

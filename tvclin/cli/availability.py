@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of
-from tvclin.cli.options import MODELS_HELP, AsJson, Gust, Plot
+from tvclin.cli.inputs import gust_of, only_with
+from tvclin.cli.options import MODELS_HELP, TIME_HELP, AsJson, Gust, Plot
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -76,6 +76,12 @@ def availability(
     today: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A balloon of today: go or no go?")
     ] = None,
+    today_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
+        ),
+    ] = None,
     as_json: AsJson = False,
     csv: Annotated[
         Path | None, typer.Option(help="Also write what every sounding asks for into this file.")
@@ -102,7 +108,13 @@ def availability(
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     flight = load_schedule(source)
-    balloon = None if today is None else read_sounding(today)
+    balloon = None
+    if today is None:
+        only_with("--today", today_time=today_time)
+    else:
+        balloon = read_sounding(today, time=today_time)
+        for note in balloon.notes:
+            typer.echo(f"Note: {today.name}: {note}.", err=True)
     with bar("read") as progress:
         soundings = read_soundings(
             archive,

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, plant_of
+from tvclin.cli.inputs import load_linear, only_with, plant_of
 from tvclin.cli.options import FIXED_HELP, LINEAR_HELP, AsJson, Plot, Wind
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
@@ -38,12 +38,12 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
-    from tvclin.base.errors import InputError, positive, within
+    from tvclin.base.errors import positive, within
     from tvclin.cli.output import limit_cell, print_json, print_table
     from tvclin.plots import boundary_chart, save_figure
 
-    if vehicle is None and (model or plane):
-        raise InputError("--model and --plane need a vehicle; name one or leave them out")
+    if vehicle is None:
+        only_with("a vehicle", model=model, plane=plane)
     plane = plane or "pitch"
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)

@@ -8,9 +8,9 @@ import typer
 
 from tvclin.cli.flight_cases import LAWS, FlightCase, flight_case, flight_wind
 from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
-from tvclin.cli.fly_winds import Window, Winds, sounding_wind
+from tvclin.cli.fly_winds import Window, Winds, WindsTime, sounding_wind
 from tvclin.cli.gains import GainOptions, takes_gains
-from tvclin.cli.inputs import load_plant, note_structure, peak_angle
+from tvclin.cli.inputs import load_plant, note_structure, only_with, peak_angle
 from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
@@ -48,6 +48,7 @@ def fly(
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     winds: Winds = None,
+    winds_time: WindsTime = None,
     azimuth_deg: AzimuthDeg = None,
     window: Window = None,
     engine: Annotated[
@@ -102,7 +103,7 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
-    from tvclin.base.errors import InputError, one_of, positive, within
+    from tvclin.base.errors import one_of, positive, within
     from tvclin.flights.condition import load_flight_condition
     from tvclin.vehicle.linear_vehicle import load_any_vehicle, whole_vehicle
 
@@ -115,30 +116,35 @@ def fly(
     loaded = whole_vehicle(load_any_vehicle(vehicle), "a flight")
     _, plant, frame = load_plant(vehicle, "drift-exact", plane, rigid)
     if winds is None:
-        if (azimuth_deg, window) != (None, None):
-            raise InputError("--azimuth-deg and --window are for soundings; name one with --winds")
+        only_with(
+            "a sounding, --winds", azimuth_deg=azimuth_deg, window=window, winds_time=winds_time
+        )
         peak = peak_angle(loaded, plane, peak_deg, peak_speed)
         gust = flight_wind(loaded, wind, duration, peak, along_trajectory)
     else:
-        if (peak_deg, peak_speed) != (None, None):
-            raise InputError("a sounding has its own peak: leave --peak-deg and --peak-speed out")
-        asked_of = winds, azimuth_deg, window, plane, along_trajectory
+        only_with(
+            "a pulse in place of --winds: a sounding has its own peak",
+            peak_deg=peak_deg,
+            peak_speed=peak_speed,
+        )
+        asked_of = winds, winds_time, azimuth_deg, window, plane, along_trajectory
         gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name
         duration = float(gust.end - gust.onset)
     span, shown = (until * duration, points), Shown(csv, plot, as_json)
     if engine == "linear" or (engine is None and plant is not frame and not along_trajectory):
-        if along_trajectory:
-            raise InputError("--along-trajectory belongs to --engine planar and sixdof")
+        only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
         steps = Steps(gains, sample_rate, rate_limit_deg)
         case = LinearCase(
             loaded, plant, frame, plane, wind, gust, law or "saturated", dead_band, steps
         )
         survived = _by_steps(case, limit_deg, boundary, span, shown)
     else:
-        if Steps(gains, sample_rate, rate_limit_deg) != Steps():
-            raise InputError(
-                "gains, filters, --sample-rate and --rate-limit-deg belong to --engine linear"
-            )
+        only_with(
+            "--engine linear",
+            **gains.given,
+            sample_rate=sample_rate,
+            rate_limit_deg=rate_limit_deg,
+        )
         note_structure(loaded, getattr(plant, "structure", None), plane)
         condition = load_flight_condition(vehicle) if along_trajectory else None
         asked = (law or "report", dead_band, limit_deg)

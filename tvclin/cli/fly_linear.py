@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from tvclin.cli.gains import GainOptions
+from tvclin.cli.inputs import only_with
 
 if TYPE_CHECKING:
     from tvclin.control.laws.law import Law
@@ -85,11 +86,8 @@ class LinearCase:
         if self.law == "saturated":
             gains = self.steps.gains.autopilot(self.frame)
             return SaturatedLaw(replace(gains, actuator=None, delay=0.0))
-        if self.steps.hardware != self.steps.gains:
-            raise InputError(
-                f"gains belong to --law saturated; {LAWS[self.law]} takes filters, actuator and"
-                " delay"
-            )
+        own = {k: v for k, v in self.steps.gains.given.items() if k not in _OF_ALL}
+        only_with(f"--law saturated; {LAWS[self.law]} has its own gains", **own)
         filters = self._hardware.filters
         return FilteredLaw(chosen, filters=filters) if filters else chosen
 

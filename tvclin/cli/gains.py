@@ -72,6 +72,12 @@ class GainOptions:
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 
+    @property
+    def given(self) -> dict[str, Any]:
+        """The options that are not as they stand without being given."""
+        usual = GainOptions()
+        return {name: v for name, v in vars(self).items() if v != getattr(usual, name)}
+
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""
         return self.asked().autopilot(plant)

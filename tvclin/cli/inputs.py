@@ -12,6 +12,24 @@ if TYPE_CHECKING:
     from tvclin.winds.histories import History
 
 
+def only_with(needed: str, **options: Any) -> None:
+    """Raise `InputError` for options that are given, and mean nothing without something else.
+
+    Options are named as in a signature; one that is None or False is not given.
+    """
+    from tvclin.base.errors import InputError
+
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name, value in options.items()
+        if value is not None and value is not False
+    ]
+    if given:
+        *others, last = given
+        named = f"{', '.join(others)} and {last} need" if others else f"{last} needs"
+        raise InputError(f"{named} {needed}")
+
+
 def load_plant(
     source: str, model: str | None, plane: str, rigid: bool, usual: str = "drift"
 ) -> "tuple[AnyVehicle, AnyPlant, Plant]":

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.inputs import only_with
+
 if TYPE_CHECKING:
     from tvclin.answers.least_gains.record import LeastGains
     from tvclin.cli.gains import GainOptions
@@ -54,8 +56,13 @@ def found_least(
     from tvclin.control.autopilot.rules import LEAST_NOZZLE
 
     if not least and gains.design != LEAST_NOZZLE:
-        if three_gains or limits or stops or crossover is not None:
-            raise InputError("--three-gains, --crossover, --limits and --stops are of --least")
+        only_with(
+            "--least",
+            three_gains=three_gains,
+            crossover=crossover,
+            limits=limits,
+            stops=stops or None,
+        )
         return None
     if gains.design not in (None, LEAST_NOZZLE):
         raise InputError(f"give --least or --design {gains.design}, not both")

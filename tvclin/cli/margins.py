@@ -16,7 +16,7 @@ from tvclin.cli.flown import (
     print_flown,
 )
 from tvclin.cli.gains import GainOptions, takes_gains
-from tvclin.cli.inputs import load_plant, note_structure
+from tvclin.cli.inputs import load_plant, note_structure, only_with
 from tvclin.cli.options import (
     MODELS_HELP,
     AsJson,
@@ -98,7 +98,7 @@ def margins(
     """
     from dataclasses import replace
 
-    from tvclin.base.errors import InputError, one_of
+    from tvclin.base.errors import one_of
     from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
     from tvclin.cli.output import print_json
 
@@ -107,11 +107,14 @@ def margins(
         criteria, gain_db, phase_deg, delay_margin_ms, mode_gain_db, mode_phase_deg
     )
     loaded, plant, frame = load_plant(vehicle, model, plane, rigid)
-    if plant is frame and (mode_gain_db, mode_phase_deg) != (None, None):
-        raise InputError(
-            "--mode-gain-db and --mode-phase-deg are asked of modes: they need a vehicle file with"
-            " [[bending]] or [[slosh]], and no --rigid"
+    if plant is frame:
+        only_with(
+            "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid",
+            mode_gain_db=mode_gain_db,
+            mode_phase_deg=mode_phase_deg,
+            detuned=detuned,
         )
+    only_with("--flown", limit_deg=None if flown else limit_deg)
     autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None

@@ -49,6 +49,7 @@ WindDirectionDeg = Annotated[
 AzimuthDeg = Annotated[
     float | None, typer.Option(help="Direction of flight, in deg from north, clockwise.")
 ]
+TIME_HELP = "as in '2024-02-15 12' (UTC); the first without it."
 Until = Annotated[float, typer.Option(help="Length in units of the wind's duration.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of, heading_given, note_source
+from tvclin.cli.inputs import gust_of, heading_given, note_source, only_with
 from tvclin.cli.options import (
     MODELS_HELP,
+    TIME_HELP,
     AsJson,
     AzimuthDeg,
     Gust,
@@ -52,6 +53,13 @@ def size(
     winds: Annotated[
         list[Path] | None,
         typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
+    ] = None,
+    winds_time: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TIME",
+            help=f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
+        ),
     ] = None,
     azimuth_deg: AzimuthDeg = None,
     wind_direction_deg: WindDirectionDeg = None,
@@ -127,6 +135,7 @@ def size(
     """
     from dataclasses import replace
 
+    from tvclin.answers.planes import BOTH
     from tvclin.answers.study_file.read import load_sizing
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
@@ -137,7 +146,7 @@ def size(
             "--azimuth-deg is for soundings and for a wind with a direction; name one with --winds,"
             " or give --wind-direction-deg"
         )
-    asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
+    asked = load_sizing(source, _soundings(winds or [], winds_time or [], azimuth_deg))
     note_source(source)
     heading = None
     if wind_direction_deg is not None:
@@ -163,6 +172,8 @@ def size(
         "reserve": reserve,
     }
     asked = replace(asked, **{name: value for name, value in given.items() if value is not None})
+    if asked.plane != BOTH:
+        only_with("--plane both", stop=stop)
     with bar("flight times and winds") as progress:
         found = asked.sizing(progress)
     if disperse:
@@ -232,8 +243,10 @@ def _with_pulse(
     return asked if peak_speed is None else replace(asked, peak_speed=peak_speed)
 
 
-def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "SoundingAsked"]:
-    """The soundings of the files by name."""
+def _soundings(
+    files: list[Path], times: list[str], azimuth_deg: float | None
+) -> dict[str, "SoundingAsked"]:
+    """The soundings of the files by name, and by the time that was asked for."""
     import numpy as np
 
     from tvclin.answers.sizing.asked import SoundingAsked
@@ -242,14 +255,22 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
 
     if files and azimuth_deg is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
+    if len(times) not in (0, len(files)):
+        raise InputError(
+            f"--winds-time must be given once for each --winds; got {len(times)} for {len(files)}"
+        )
     azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0, between(-360.0, 360.0), "deg"))
     names = [file.name for file in files]
-    return {
-        str(file) if names.count(file.name) > 1 else file.name: SoundingAsked(
-            read_sounding(file), float(azimuth)
-        )
-        for file in files
-    }
+    found: dict[str, SoundingAsked] = {}
+    for k, file in enumerate(files):
+        time = times[k] if times else None
+        name = " at ".join(filter(None, (file.name, time)))
+        if time is None and names.count(file.name) > 1:
+            name = str(file)
+        if name in found:
+            raise InputError(f"--winds gives {name} twice")
+        found[name] = SoundingAsked(read_sounding(file, time=time), float(azimuth))
+    return found
 
 
 def _gust(asked: "SizingAsked", given: tuple[float, float] | None) -> Any:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure
+from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure, only_with
 from tvclin.cli.options import (
     LINEAR_HELP,
     MODELS_HELP,
@@ -106,17 +106,17 @@ def study(
     asked = load_study(source)
     plan = changed_plan(asked, wind, duration, (peak_deg, peak_speed), limit_deg, given, heading)
     note_structure(plan.vehicle, plan.structure, plan.plane, "the boundaries")
-    if gust_at is not None and gust is None:
-        raise InputError("--gust-at needs --gust")
-    if gust is not None:
+    if gust is None:
+        only_with("--gust", gust_at=gust_at)
+    else:
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
-    if plan.dispersions is None and (cases, seed) != (None, None):
-        raise InputError("--cases and --seed need --disperse, or a study file with dispersions")
+    if plan.dispersions is None:
+        only_with("--disperse, or a study file with dispersions", cases=cases, seed=seed)
     found = find(questioned(plan))
     result, dispersed = found.study, found.dispersed
     if disperse and dispersed is None:
