@@ -110,6 +110,7 @@ def laws(
 
         save_figure(laws_chart(plant, chosen, peak), plot)
     limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
+    trim = abs(float(np.degrees(plant.coefficients.B * peak)))
     if as_json:
         head = {
             "vehicle": loaded.name,
@@ -120,17 +121,19 @@ def laws(
             "flexible": flexible,
             "cuts": cuts,
             "sample_rate_Hz": sample_rate,
+            "trim_deflection_deg": trim,
         }
-        print_json({**head, "trials": [vars(one) for one in found], "no_forecast": limits})
+        trials = [{**vars(one), "limit_deg": trim * one.limit} for one in found]
+        print_json({**head, "trials": trials, "no_forecast": limits})
     else:
         if isinstance(flying, FlexiblePlant):
             typer.echo(lines(parts_line(flying.structure)))
             typer.echo(
                 f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms, actuator {servo:g} rad/s"
             )
-        _print(
-            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s", found, limits, list(chosen)
-        )
+        wind_words = f"{abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
+        typer.echo(f"{loaded.name or vehicle}, {plant.model}, winds of {wind_words}")
+        _print(found, limits, list(chosen), trim)
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:
@@ -144,7 +147,7 @@ def _without_forecast(plant: "Plant", wind: "History") -> float | None:
 
 
 def _print(
-    title: str, found: list["LawTrial"], limits: dict[str, float | None], names: list[str]
+    found: list["LawTrial"], limits: dict[str, float | None], names: list[str], trim: float
 ) -> None:
     from tvclin.cli.output import print_table
     from tvclin.flights.closed_loop.edges import ABOVE, PARTS, STEPS
@@ -155,10 +158,14 @@ def _print(
     def rows(show: Any) -> list[list[str]]:
         return [[wind, *(show(table[wind, law]) for law in names), ""] for wind in limits]
 
-    needed = rows(_limit)
-    for row, limit in zip(needed, limits.values(), strict=True):
-        row[-1] = "-" if limit is None else f"{limit:.3f}"
-    print_table(f"{title}: deflection limit needed, over |B alpha_w,max|", headings, needed)
+    for title, scale in (
+        (f"Deflection limit needed [deg]; trim of the whole wind takes {trim:.4f}", trim),
+        ("The same over |B alpha_w,max|, trim of the whole wind", 1.0),
+    ):
+        needed = rows(lambda one, scale=scale: _limit(one, scale))
+        for row, limit in zip(needed, limits.values(), strict=True):
+            row[-1] = "-" if limit is None else f"{scale * limit:.3f}"
+        print_table(title, headings, needed)
     loads = rows(_loads)
     print_table(
         "Largest angle of attack / attitude over the wind, with 1.2 times that limit",
@@ -189,13 +196,13 @@ def _loads(one: "LawTrial") -> str:
     return f"{one.peak_angle_of_attack:.2f}/{one.peak_attitude:.2f}" if found else "-"
 
 
-def _limit(one: "LawTrial") -> str:
-    """The boundary, or on which side of the range that was tried it lies."""
-    shown = f"{one.limit:.3f}"
+def _limit(one: "LawTrial", scale: float = 1.0) -> str:
+    """The boundary times a scale, or on which side of the range that was tried it lies."""
+    shown = f"{scale * one.limit:.3f}"
     if one.limit > one.highest:
-        shown = f">{one.highest:g}"
+        shown = f">{scale * one.highest:.4g}"
     elif one.limit <= one.lowest:
-        shown = f"<{one.lowest:g}"
+        shown = f"<{scale * one.lowest:.4g}"
     return shown + ("" if one.monotone else "*") + ("!" if _doubtful(one) else "")
 
 
