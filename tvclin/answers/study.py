@@ -25,6 +25,7 @@ from tvclin.linear.deflections import SWITCHES
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import MODELS, Plant, models_of
 from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.doubts import doubts
 from tvclin.vehicle.linear_vehicle import (
     AnyVehicle,
     LinearVehicle,
@@ -34,10 +35,6 @@ from tvclin.vehicle.linear_vehicle import (
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind, pulse
 
-_FEEBLE = 0.5
-"""A booster's thrust over its weight is rather a slip of the pen below this."""
-_HEAVY = 10.0
-"""Above this a mass was rather typed as a weight: then it is g times too large."""
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
@@ -380,15 +377,8 @@ def _doubts(vehicle: AnyVehicle) -> Iterator[str]:
                 "the flight path is held fixed: how the vehicle drifts with the wind is not known"
                 " from mu_alpha and mu_delta, and a long wind may then need more"
             )
-    elif vehicle.thrust < _FEEBLE * vehicle.weight:
-        ratio = float(vehicle.thrust / vehicle.weight)
-        yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
-    elif vehicle.thrust > _HEAVY * vehicle.weight:
-        ratio = float(vehicle.thrust / vehicle.weight)
-        yield (
-            f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
-            " mass_kg, mass_lb or mass_slug"
-        )
+    else:
+        yield from doubts(vehicle)
 
 
 def _head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:

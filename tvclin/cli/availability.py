@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of, only_with
+from tvclin.cli.inputs import gust_of, note_source, only_with
 from tvclin.cli.options import MODELS_HELP, TIME_HELP, AsJson, Gust, Plot
 from tvclin.cli.progress import bar
 
@@ -107,6 +107,7 @@ def availability(
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
+    note_source(source)
     flight = load_schedule(source)
     balloon = None
     if today is None:

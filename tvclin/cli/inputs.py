@@ -44,6 +44,7 @@ def load_plant(
     from tvclin.vehicle.structure_file import load_structure
 
     loaded = load_any_vehicle(source)
+    note_doubts(loaded)
     if isinstance(loaded, LinearVehicle):
         plant = plant_of(loaded, model, usual, plane)
         return loaded, plant, plant
@@ -61,6 +62,7 @@ def load_rigid(source: str, plane: str) -> "Vehicle":
     from tvclin.vehicle.structure_file import load_structure
 
     loaded = load_vehicle(source)
+    note_doubts(loaded)
     note_structure(loaded, load_structure(source), plane)
     return loaded
 
@@ -81,6 +83,17 @@ def plant_of(vehicle: "AnyVehicle", model: str | None, usual: str, plane: str) -
     if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
         usual = FIXED_PATH
     return Plant.from_vehicle(vehicle, model or usual, plane)
+
+
+def note_doubts(vehicle: "AnyVehicle") -> None:
+    """Say what in the numbers of a vehicle is rather a slip than meant, on stderr."""
+    import typer
+
+    from tvclin.vehicle.doubts import doubts
+    from tvclin.vehicle.vehicle import Vehicle
+
+    for doubt in doubts(vehicle) if isinstance(vehicle, Vehicle) else ():
+        typer.echo(f"Note: {doubt}.", err=True)
 
 
 def note_structure(
@@ -112,6 +125,7 @@ def note_source(source: str) -> None:
         return
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
         plan = load_study(source)
+        note_doubts(plan.vehicle)
         note_structure(plan.vehicle, plan.structure, plan.plane)
 
 

@@ -146,8 +146,9 @@ def size(
             "--azimuth-deg is for soundings and for a wind with a direction; name one with --winds,"
             " or give --wind-direction-deg"
         )
-    asked = load_sizing(source, _soundings(winds or [], winds_time or [], azimuth_deg))
+    soundings = _soundings(winds or [], winds_time or [], azimuth_deg)
     note_source(source)
+    asked = load_sizing(source, soundings)
     heading = None
     if wind_direction_deg is not None:
         heading = heading_given(wind_direction_deg, azimuth_deg)
