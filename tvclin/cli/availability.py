@@ -84,7 +84,11 @@ def availability(
     ] = None,
     as_json: AsJson = False,
     csv: Annotated[
-        Path | None, typer.Option(help="Also write what every sounding asks for into this file.")
+        Path | None,
+        typer.Option(
+            help="Also write what every sounding asks for into this file: need_deg (empty where"
+            " --limit-deg is not judged), and its bracket, least_deg and most_deg."
+        ),
     ] = None,
     plot: Plot = None,
 ) -> None:
@@ -198,6 +202,12 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     ]
     heads = ["towards [deg]", *(f"{100 * part:g} %" for part in _PLACARD)]
     print_table("The limit that is enough for so many [deg]", heads, parts)
+    typer.echo(
+        "A sounding that meets its limit more than once is flown only if that decides about"
+        f" {np.degrees(found.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
+        " it asks for; need_deg is the lower of them, and empty where this limit is not judged. Ask"
+        " again for another limit."
+    )
     for azimuth, one in zip(azimuths, launch, strict=False):
         typer.echo(f"Today towards {azimuth} deg: {_said(one)}")
     for note in found.notes:
