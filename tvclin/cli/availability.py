@@ -50,31 +50,35 @@ def availability(
         str | None, typer.Option(help="Only this station, where there are several.")
     ] = None,
     utc_offset: Annotated[
-        float, typer.Option(help="Local time less UTC, in h, by which months are counted.")
+        float, typer.Option(help="Local time less UTC, in h: months are those of local time.")
     ] = 0.0,
-    plane: Annotated[str, typer.Option(help="What counts: both, pitch or yaw.")] = "both",
+    plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both",
     stop: Annotated[
         str,
         typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
     ] = "round",
     model: Annotated[str, typer.Option(help=f"Model: {MODELS_HELP}")] = "drift-exact",
     persistence_deg: Annotated[
-        float | None, typer.Option(help="Angle that is added until launch, in deg.")
+        float | None,
+        typer.Option(help="Angle that is added for what may come until launch, in deg."),
     ] = None,
     persistence_hours: Annotated[
         float | None,
         typer.Option(
-            help="In its place: what 95 % of the archive's pairs 12 h apart grew by, taken to so"
-            " many hours."
+            help="In place of --persistence-deg, the hours from balloon to launch: what 95 % of the"
+            " archive's pairs 12 h apart grew by, taken to so many hours, is added."
         ),
     ] = None,
     gust: Gust = None,
     known_to_m: Annotated[
         float | None, typer.Option(help="Height to which a sounding must go to be judged, in m.")
     ] = None,
-    confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
+    confidence: Annotated[
+        float, typer.Option(help="Confidence of the intervals, from 0 to 1.")
+    ] = 0.95,
     today: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A balloon of today: go or no go?")
+        Path | None,
+        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
     ] = None,
     today_time: Annotated[
         str | None,
@@ -94,8 +98,8 @@ def availability(
 ) -> None:
     """Say on how many days of an archive of soundings the nozzle is enough.
 
-    Each sounding is flown through with parameters that vary, with trim up to the limit (K = 1),
-    which needs no forecast. What a balloon did not see is unknown.
+    Each sounding is flown through along the whole flight, with trim up to the limit (K = 1), which
+    needs no forecast. What a balloon did not see is unknown, not calm.
 
     Exit code 0: some soundings were judged; with --today: the limit is enough for that balloon, in
     every direction; 1: it is not, or that is not known; 2: bad input.

@@ -19,7 +19,10 @@ def boundary(
     wind: Wind = "triangular",
     tau_beta: Annotated[
         list[float] | None,
-        typer.Option(help="Duration times beta (with damping the pole); may be repeated."),
+        typer.Option(
+            help="Duration of the wind times beta (with damping, times the pole); may be given"
+            " several times."
+        ),
     ] = None,
     dead_band: Annotated[
         list[float] | None,
@@ -27,10 +30,10 @@ def boundary(
     ] = None,
     model: Annotated[
         str | None,
-        typer.Option(help=f"Model, when a vehicle is given; drift if nothing is, {FIXED_HELP}."),
+        typer.Option(help=f"Model of the vehicle: drift without it, {FIXED_HELP}."),
     ] = None,
     plane: Annotated[
-        str | None, typer.Option(help="Plane, when a vehicle is given; pitch if nothing is.")
+        str | None, typer.Option(help="Plane of the vehicle.", show_default="pitch")
     ] = None,
     as_json: AsJson = False,
     plot: Plot = None,

@@ -13,7 +13,8 @@ IsDetuned = Annotated[
     bool,
     typer.Option(
         "--detuned",
-        help="Also move each mode by up to 20 percent, halve its damping and turn its slopes.",
+        help="Also print the margins with each mode off by up to 20 percent, with half its damping,"
+        " and with slopes of the other sign at the sensors.",
     ),
 ]
 _NUMBERS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "delay_margin")

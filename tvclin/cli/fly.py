@@ -54,38 +54,49 @@ def fly(
     engine: Annotated[
         str | None,
         typer.Option(
-            help="planar: nonlinear, one plane; sixdof: JSBSim, six degrees; linear: a law in steps"
-            " with an actuator, which flies bending and slosh too. Without it linear of a flexible"
-            " vehicle, planar else."
+            help="planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
+            " linear: linear equations with bending and slosh, a sampled law and an actuator.",
+            show_default="linear for a flexible vehicle, else planar",
         ),
     ] = None,
     law: Annotated[
         str | None,
         typer.Option(
-            help="report, trim, dead-band, saturated, half-relief or recoverable. Without it"
-            " report; of --engine linear saturated, with the gains below."
+            help="Control law: report, trim, dead-band, saturated (the gains below), half-relief or"
+            " recoverable.",
+            show_default="saturated for --engine linear, else report",
         ),
     ] = None,
     dead_band: Annotated[
-        float | None, typer.Option(help="Dead band K: of report (1) or of dead-band (0.5).")
+        float | None,
+        typer.Option(
+            help="Dead band K of the laws report and dead-band.",
+            show_default="1 for report, 0.5 for dead-band",
+        ),
     ] = None,
     limit_deg: Annotated[
         float | None,
-        typer.Option(help="Deflection limit, in deg; without it 1.1 times the linear boundary."),
+        typer.Option(
+            help="Deflection limit, in deg.", show_default="1.1 times the linear boundary"
+        ),
     ] = None,
     rate_limit_deg: Annotated[
         float | None, typer.Option(help="Rate limit of the nozzle, in deg/s, of --engine linear.")
     ] = None,
     sample_rate: Annotated[
-        float | None, typer.Option(help="Samples of the law of --engine linear, in Hz; 100.")
+        float | None,
+        typer.Option(help="Sample rate of the law of --engine linear, in Hz.", show_default="100"),
     ] = None,
     gains: GainOptions = GainOptions(),
     rigid: Rigid = False,
     along_trajectory: Annotated[
-        bool, typer.Option("--along-trajectory", help="Let mass, speed and pressure vary.")
+        bool,
+        typer.Option(
+            "--along-trajectory", help="Let mass, speed and dynamic pressure change in flight."
+        ),
     ] = False,
     boundary: Annotated[
-        bool, typer.Option("--boundary", help="Also find the boundary by flying.")
+        bool, typer.Option("--boundary", help="Also find the least limit that survives, by flying.")
     ] = False,
     plane: Plane = "pitch",
     until: Until = 2.0,
@@ -98,8 +109,8 @@ def fly(
 ) -> None:
     """Fly a vehicle through a wind with a law, beside what the linear theory predicts.
 
-    Where the vehicle file has bending, slosh, an engine with inertia or lags of sensors, the
-    flexible vehicle is flown, with a law in steps, beside the rigid one; --rigid leaves that out.
+    A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
+    is flown with a sampled law, beside the rigid one. --rigid leaves all that out.
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """

@@ -18,8 +18,8 @@ Winds = Annotated[
 Window = Annotated[
     float | None,
     typer.Option(
-        help="Of the sounding counts so much about the vehicle's own time, in s; 20 if nothing is"
-        " given."
+        help="Length of the sounding that counts, about the vehicle's own time of flight, in s.",
+        show_default="20",
     ),
 ]
 WindsTime = Annotated[

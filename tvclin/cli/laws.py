@@ -38,24 +38,30 @@ def laws(
     peak_speed: PeakSpeed = None,
     wind: Annotated[
         list[str] | None,
-        typer.Option(help="Only this wind of the trials; may be given several times."),
+        typer.Option(
+            help="Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
+            " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
+            " 'flip to 0.3', 'full reversal'.",
+            show_default="all",
+        ),
     ] = None,
     cuts: Annotated[
-        int, typer.Option(help="Sudden stops that each wind is tried with as well.")
+        int, typer.Option(help="Number of sudden ends that each wind is tried with as well.")
     ] = 0,
-    sample_rate: Annotated[float, typer.Option(help="Samples of the law, in Hz.")] = 100.0,
+    sample_rate: Annotated[float, typer.Option(help="Sample rate of the law, in Hz.")] = 100.0,
     model: Annotated[
         str | None,
         typer.Option(
-            help=f"Model with one or two real unstable poles: {MODELS_HELP} {USUAL}; {FIXED_HELP}."
+            help=f"Model with one or two real unstable poles: {MODELS_HELP} Without it"
+            f" {USUAL}; {FIXED_HELP}."
         ),
     ] = None,
     plane: Plane = "pitch",
     actuator_frequency: Annotated[
         float | None,
         typer.Option(
-            help="Natural frequency of the actuator, in rad/s; without it 25.1 of a flexible"
-            " vehicle, and no actuator else."
+            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
+            show_default="25.1 for a flexible vehicle, else 0",
         ),
     ] = None,
     delay_ms: Annotated[float, typer.Option(help="Computing delay of the law, in ms.")] = 0.0,
@@ -67,9 +73,9 @@ def laws(
 ) -> None:
     """Fly five laws in the standard winds and print the deflection limit that each needs.
 
-    It takes about a second for each law and wind, and a minute more for a figure. Where the vehicle
-    file has bending, slosh, an engine with inertia or lags of sensors, the flexible vehicle flies,
-    with an actuator; --rigid leaves that out.
+    It takes about a second for each law and wind, and a minute more for a figure. A vehicle file
+    with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
+    actuator. --rigid leaves all that out.
 
     Exit code 0: answered; 2: bad input.
     """

@@ -38,17 +38,19 @@ CriteriaName = Annotated[
     str, typer.Option("--criteria", help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
 ]
 GainDb = Annotated[
-    float | None, typer.Option(help="Gain margin asked for on both sides, in dB, in its place.")
+    float | None,
+    typer.Option(help="Gain margin asked for, up and down, in dB, in place of that of --criteria."),
 ]
 PhaseDeg = Annotated[
-    float | None, typer.Option(help="Phase margin asked for, in deg, in its place.")
+    float | None,
+    typer.Option(help="Phase margin asked for, in deg, in place of that of --criteria."),
 ]
 DelayMarginMs = Annotated[float | None, typer.Option(help="Delay margin asked for as well, in ms.")]
 ModeGainDb = Annotated[
-    float | None, typer.Option(help="Asked of each mode that is gain-stabilised, in dB.")
+    float | None, typer.Option(help="Gain margin asked of each gain-stabilised mode, in dB.")
 ]
 ModePhaseDeg = Annotated[
-    float | None, typer.Option(help="Asked of each mode that is phase-stabilised, in deg.")
+    float | None, typer.Option(help="Phase margin asked of each phase-stabilised mode, in deg.")
 ]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
@@ -88,13 +90,16 @@ def margins(
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
+    A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: its
+    margins are printed as a whole and for each mode. --rigid leaves all that out.
+
+    --flown flies through the wind with the limit --limit-deg, and prints how much gain, nozzle and
+    delay may change before a flight is lost. The criteria judge the linear margins, not these.
+
+    --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
+    vehicle there, and the worst required deflection. The criteria judge the worst margins too.
+
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
-    Where the vehicle file has bending, slosh, an engine with inertia or lags of sensors, the
-    margins are those of the flexible vehicle, also by band; --rigid leaves all that out.
-    With --flown also how much may change before a flight through the wind, with a deflection
-    limit, is lost; the criteria judge the linear margins alone.
-    With --box also the worst margins of the rigid vehicle, and the worst required deflection, when
-    numbers lie anywhere in a box; then the worst margins are judged.
     """
     from dataclasses import replace
 
