@@ -118,7 +118,7 @@ def size(
         typer.Option(
             help="Which column counts as the wind's in the total: 'K = 1', trim, 'K = 1, varying',"
             " ...",
-            show_default="the largest dead band; of soundings alone with --varying, the varying one",
+            show_default="the largest dead band; in soundings alone with --varying, varying",
         ),
     ] = None,
     dispersion: Annotated[
