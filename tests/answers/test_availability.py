@@ -118,6 +118,11 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     assert any("trim was flown" in note for note in near.notes)
     between = found.with_limit(1.001 * found.least[doubted][0])
     assert "trim was not flown" in np.array(between.why)[doubted][0]
+    # so what one sounding asks for depends on the limit
+    assert found.need[doubted][0] == found.least[doubted][0]
+    assert np.isnan(between.need[doubted][0])
+    assert found.least[doubted][0] <= near.need[doubted][0] * (1.0 + EDGE)
+    assert near.need[doubted][0] <= found.most[doubted][0]
     assert near.today(winds[int(np.argmax(needed))]).go is bool(limit > needed.max())
     fixed = tv.availability(flight, rough, limit=1e-4, model="fixed-path", **PITCH)
     assert np.array_equal(fixed.least, fixed.most)  # there nothing needs to be flown

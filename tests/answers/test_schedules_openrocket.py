@@ -135,6 +135,8 @@ def test_an_altitude_above_the_sea_counts_first_and_else_the_ground_is_added(sam
     np.testing.assert_allclose(site.height, sample.height + 160.0, rtol=ROUNDING)
     lines = changed("Altitude", kept, "Altitude above sea level (m)")
     same(read(written(tmp_path, lines), ground=None), sample, 0.0)
+    with pytest.raises(tv.InputError, match=r"above the sea already, in Altitude .*leave ground"):
+        read(written(tmp_path, lines), ground=160.0)
 
 
 IMPERIAL = {

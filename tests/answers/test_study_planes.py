@@ -62,6 +62,32 @@ def test_one_plane_says_what_both_would_need_and_both_judge(booster) -> None:
     assert "NOT SUFFICIENT" in both.output
 
 
+@pytest.mark.parametrize("stop", [(), ("--stop", "square")])
+def test_a_peak_says_of_what_it_is(stop) -> None:
+    """A wind whose vector, or part in the plane, has the peak that is survived needs the limit.
+
+    Its parts are arc sines (B1e): off the straight line by a sixth of the square of the angle.
+    """
+    asked = ("study", *JET[:4], "--limit-deg", "0.4", *stop)
+    shown = " ".join(run(*asked).output.split())
+    whose = (
+        "of the wind's vector in both planes" if stop else "of the wind's part in the pitch plane"
+    )
+    assert whose in shown
+    assert "of 2.88 deg and 7.5 s, the part in the pitch plane of a vector of 5 deg" in shown
+    found = json.loads(run(*asked, "--json").output)
+    verdict, planes = found["verdict"], found["planes"]
+    assert verdict["survivable_peak_of"] == whose
+    part = 1.0 if stop else planes["peak_deg"] / found["wind"]["peak_deg"]
+    peak = part * verdict["survivable_peak_deg"]
+    again = json.loads(run(*asked, "--peak-deg", str(peak), "--json").output)
+    needed = again["verdict"]["required_deflection_deg"]
+    assert needed == pytest.approx(0.4, rel=np.radians(peak) ** 2 / 6)
+    plain = run("study", "--limit-deg", "0.4")
+    assert "vector" not in plain.output
+    assert "part in" not in plain.output
+
+
 def test_a_study_keeps_its_direction(booster) -> None:
     gust = tv.OneMinusCosineGust(peak=0.01, duration=2.0).shift(2.0)
     study = tv.Study.from_vehicle(

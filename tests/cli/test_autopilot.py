@@ -186,7 +186,10 @@ def test_laws_are_flown_in_the_winds_asked_for():
     head = {key: document[key] for key in ("model", "plane", "peak_deg", "cuts", "sample_rate_Hz")}
     expected = {"model": "fixed-path", "plane": "pitch", "cuts": 0, "sample_rate_Hz": 40.0}
     assert head == expected | {"peak_deg": pytest.approx(5.0)}
+    trim = abs(np.degrees(booster("fixed-path").coefficients.B * np.radians(5.0)))
+    assert document["trim_deflection_deg"] == pytest.approx(trim, rel=1e-12)
     for one in document["trials"]:
+        assert one["limit_deg"] == pytest.approx(one["limit"] * trim, rel=1e-12)
         assert (one["status"], one["creeps"]) == ("ok", False)
         assert one["growth"] < 0.0
 
@@ -208,7 +211,8 @@ def test_a_boundary_beyond_the_range_is_no_number():
     """Of a puff of 10 ms next to nothing is needed; two samples a second are too few."""
     plain = ("--wind", "triangle", "--model", "fixed-path", "--sample-rate")
     short = run("laws", "--duration", "0.01", *plain, "20").stdout
-    assert short.count("<0.02") == 5
+    assert short.count("<0.02 ") == 5
+    assert short.count("<0.01072") == 5  # in deg, of the 0.5360 that trim takes
     assert "0.020" not in short
     slow = run("laws", "--duration", "7", *plain, "0.5").stdout
     assert ">4" in slow

@@ -44,6 +44,8 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     assert sum(month["judged"] for month in towards["months"].values()) == 20
     assert list(towards["placard_deg"].values()) == np.degrees(found.placard()[0]).tolist()
     assert table.read_text() == found.to_csv()
+    said = " ".join(run(station, *EAST, "--limit-deg", "0.35").output.split())
+    assert "only if that decides about 0.35 deg. Else least_deg and most_deg" in said
 
 
 def test_one_month_is_that_month(station) -> None:
@@ -85,6 +87,7 @@ def test_the_exit_code_of_today_is_go_or_no_go(station, tmp_path) -> None:
             (*EAST, "--limit-deg", "1", "--persistence-deg", "1", "--persistence-hours", "2"),
             "not both",
         ),
+        ((*EAST, "--limit-deg", "1", "--today-time", "x"), "--today-time needs --today"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_code_two(station, options, said) -> None:

@@ -14,12 +14,49 @@ from typer.testing import CliRunner, Result
 
 import tvclin as tv
 from tvclin.base.files import write_text
-from tvclin.cli.app import app
+from tvclin.boundary.stops import STOPS
+from tvclin.cli.app import NAMES, app
 from tvclin.vehicle.file import template
 
 
 def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
+
+
+def helps(command: str) -> str:
+    """Return the help of a command, in one line and without its frame."""
+    shown = CliRunner(env={"COLUMNS": "400"}).invoke(app, [command, "--help"])
+    assert shown.exit_code == 0
+    return " ".join(shown.output.replace("\u2502", " ").split())
+
+
+@pytest.mark.parametrize("command", NAMES)
+def test_a_help_says_its_defaults_in_one_way(command: str) -> None:
+    said = helps(command)
+    for riddle in ("as without", "if nothing is", "in its place, in", "; 0.7.", "; 2000."):
+        assert riddle not in said
+
+
+def test_a_help_names_what_there_is_to_choose() -> None:
+    for wind in tv.standard_winds(0.1, 7.0):
+        assert wind in helps("laws")
+    for command in ("study", "size"):
+        for stop in STOPS:
+            assert stop in helps(command)
+
+
+def test_a_shipped_vehicle_can_be_copied(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    assert run("init", str(mine), "--vehicle", "made-up-booster").exit_code == 0
+    assert tv.load_vehicle(mine) == tv.load_vehicle("made-up-booster")
+    assert len(tv.load_structure(mine).bending) == 3
+    for wrong, said in {
+        ("--vehicle", "configuration-ii", "--study"): "--study or --vehicle, not both",
+        ("--vehicle", "configuration-x"): "--vehicle must be one of configuration-i",
+    }.items():
+        result = run("init", str(tmp_path / "new.toml"), *wrong)
+        assert (result.exit_code, said in result.output) == (2, True)
+        assert not (tmp_path / "new.toml").exists()
 
 
 def test_the_study_prints_the_report_numbers() -> None:

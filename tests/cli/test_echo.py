@@ -37,8 +37,34 @@ def test_the_vehicle_is_repeated_in_the_units_of_its_file_beside_si(tmp_path: Pa
 
 
 def test_a_mass_typed_as_a_weight_is_doubted(tmp_path: Path) -> None:
-    assert "is the weight a mass?" not in study(tmp_path)
-    assert "is the weight a mass?" in study(tmp_path, ("weight_N = 1.5e7", "weight_N = 1.53e6"))
+    assert "if the weight is a mass" not in study(tmp_path)
+    assert "if the weight is a mass" in study(tmp_path, ("weight_N = 1.5e7", "weight_N = 1.53e6"))
+
+
+DOUBTED = {
+    "thrust is far above weight (T/W 15)": ("weight_N = 1.5e7", "weight_N = 1.6667e6"),
+    "thrust is far below weight (T/W 0.4)": ("thrust_N = 2.5e7", "thrust_N = 6.0e6"),
+    "the aerodynamic arm l_a is negative (-2 m)": (
+        "aerodynamic_arm_m = 9.5",
+        "aerodynamic_arm_m = -2.0",
+    ),
+}
+
+
+@pytest.mark.parametrize("doubt", DOUBTED)
+def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: str) -> None:
+    """A booster flies with T/W of 1.05 to 5; a mass in kg, as a weight in N, makes that 10.3."""
+    for changed in (True, False):
+        text = template()
+        if changed:
+            assert DOUBTED[doubt][0] in text
+            text = text.replace(*DOUBTED[doubt])
+        file = tmp_path / "my.toml"
+        file.write_text(text, encoding="utf-8")
+        for command in (["study"], ["poles"], ["optimum"], ["margins", "--natural-frequency", "1"]):
+            said = " ".join(CliRunner().invoke(app, [*command, str(file)]).output.split())
+            assert said.count(doubt) == changed, command
+            assert ("Note: thrust is" in said) is (changed and doubt.startswith("thrust"))
 
 
 def test_each_row_says_which_peak_the_limit_survives() -> None:

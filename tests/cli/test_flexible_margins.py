@@ -96,9 +96,9 @@ def test_rigid_leaves_the_structure_out():
     ("arguments", "message"),
     [
         (("made-up-booster", "--model", "drift"), 'use "drift-exact"'),
-        (("made-up-booster", "--rigid", "--mode-gain-db", "6"), "are asked of modes: they need"),
-        (("configuration-i", "--mode-phase-deg", "6"), "are asked of modes: they need"),
-        (("made-up-booster", "--rigid", "--detuned"), "--detuned moves modes: it needs"),
+        (("made-up-booster", "--rigid", "--mode-gain-db", "6"), "--mode-gain-db needs modes"),
+        (("configuration-i", "--mode-phase-deg", "6"), "--mode-phase-deg needs modes"),
+        (("made-up-booster", "--rigid", "--detuned"), "--detuned needs modes"),
         (("made-up-booster", "--actuator-frequency", "0"), "actuator of second order"),
         (("made-up-booster", "--mode-gain-db", "-6"), "--mode-gain-db must be zero or positive"),
     ],

@@ -251,11 +251,30 @@ def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
     assert flown["survived"] is True
 
 
+def test_a_sounding_is_chosen_by_its_time():
+    """And where none is chosen of several, that is said."""
+    met = ["--winds", SOUNDING, "--azimuth-deg", "90", "--json"]
+    first, later = (
+        CliRunner().invoke(app, ["fly", *met, *time])
+        for time in ([], ["--winds-time", "2024-02-16 00"])
+    )
+    profile = tv.read_sounding(SOUNDING, time="2024-02-16 00")
+    flight = tv.load_schedule("configuration-i")
+    wind = tv.fly_through(profile, flight, azimuth=np.pi / 2, window=20.0)
+    needed = [json.loads(one.stdout)["boundary_deg"]["linear"] for one in (first, later)]
+    sized = tv.size(flight, wind, times=[66.0], dead_bands=1.0).required["K = 1"][0, 0]
+    assert needed[1] == pytest.approx(np.degrees(sized), rel=1e-6)
+    assert needed[0] != pytest.approx(needed[1], rel=1e-2)
+    assert "the first of 2 soundings in the file" in first.stderr
+    assert "the first of 2" not in later.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["--winds", SOUNDING], "--winds needs --azimuth-deg"),
-        (["--window", 5], "name one with --winds"),
+        (["--window", 5], "Error: --window needs a sounding"),
+        (["--azimuth-deg", 5, "--winds-time", "x"], "--azimuth-deg and --winds-time need a sound"),
         (["--winds", SOUNDING, "--azimuth-deg", 90, "--peak-deg", 3], "has its own peak"),
         (["--winds", "no.csv", "--azimuth-deg", 90], "no.csv"),
     ],

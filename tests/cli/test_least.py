@@ -48,9 +48,10 @@ def test_a_study_file_asks_for_them(tmp_path):
 
 def test_the_worst_margins_of_a_box_are_judged():
     fine = ("margins", "--natural-frequency", "1", "--delay-ms", "20")
-    good = run(*fine, "--box", "thrust=-3%..3%", "--box", "delay=0..0.04")
+    good = run(*fine, "--box", "thrust=-3%..3%", "--box", "delay_ms=0..40")
     assert good.exit_code == 0
     assert "Criteria classic in the box: MET" in good.output
+    assert "delay = 0.04 s" in good.output
     bad = run(*fine, "--box", "gain=0.2..1", "--json")
     assert bad.exit_code == 1
     document = json.loads(bad.output)
@@ -60,19 +61,43 @@ def test_the_worst_margins_of_a_box_are_judged():
     assert document["bounds"]["disk_margin"] == pytest.approx(1.73, abs=0.01)
 
 
+def test_the_keys_of_a_box_carry_their_units():
+    """The same box in other units, or in percent of the nominal thrust, is the same."""
+    thrust = tv.load_vehicle("configuration-i").thrust
+    low, high = 0.97 * thrust, 1.03 * thrust
+    found = [
+        json.loads(run("margins", "--delay-ms", "20", "--json", *box).output)["box"]["box"]
+        for box in (
+            ("--box", f"thrust_N={low}..{high}", "--box", "delay_s=0..0.04"),
+            ("--box", f"thrust_kN={low / 1e3}..{high / 1e3}", "--box", "delay_ms=0 .. 40"),
+            ("--box", "thrust=-3%..3%", "--box", "delay=-100%..100%"),
+        )
+    ]
+    for one in found:
+        assert one["thrust"] == pytest.approx([low, high], rel=1e-12)
+        assert one["delay"] == pytest.approx([0.0, 0.04], rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["autopilot", "--stops", "3"], "are of --least"),
+        (["autopilot", "--stops", "3"], "--stops needs --least"),
+        (["autopilot", "--limits", "--crossover", "3"], "--crossover and --limits need --least"),
         (["autopilot", "--least", "--stops", "3"], "give limits=True"),
         (["autopilot", "--least", "--design", "lqr"], "not both"),
         (["autopilot", "--least", "--damping", "0.7"], "give no damping"),
         (["autopilot", "--least", "--actuator-frequency", "0"], "give an actuator, a delay"),
         (["margins", "--design", "least-nozzle"], "needs a wind"),
-        (["margins", "--box", "delay"], "NAME=LO..HI"),
-        (["margins", "--box", "delay=a..b"], "numbers on both sides"),
+        (["margins", "--box", "delay"], "KEY=LO..HI"),
+        (["margins", "--box", "delay_ms=a..b"], "two numbers beside the dots"),
+        (["margins", "--box", "thrust=-3%..3"], "both in percent or neither"),
         (["margins", "--box", "delay=1%..2%"], "no nominal value"),
-        (["margins", "--box", "thrst=1..2"], "thrust"),
+        (["margins", "--box", "delay=0..0.04"], "write delay_s or delay_ms"),
+        (["margins", "--box", "thrust=2.4e6..2.6e6"], "write thrust_N or thrust_kN"),
+        (["margins", "--box", "thrst_kN=1..2"], "did you mean thrust_kN"),
+        (["margins", "--box", "thrst=1%..2%"], "did you mean thrust"),
+        (["margins", "--box", "foo=1..2"], "known are weight_N"),
+        (["margins", "--box", "bending_frequency=1%..2%"], "unknown number of --box"),
         (["margins", "--box", "gain=1..2", "--box", "gain=1..2"], "twice"),
     ],
 )

@@ -248,6 +248,14 @@ ASKED: dict[str, tuple[tuple[object, ...], str]] = {
         (*GIMBAL, *GROUND, "--cn-alpha", OPENROCKET),
         "has no line of names with Mach",
     ),
+    **{
+        f"ground at {site} m": (
+            (*GIMBAL, *SLOPE, f"--ground-m={site}"),
+            rf"ground must be between -450 and 9000; got {site} m",
+        )
+        for site in ("-500", "20000")
+    },
+    "ground that is no number": ((*GIMBAL, *SLOPE, "--ground-m=nan"), "ground must be finite"),
     "start beyond": ((*GIVEN, "--start", "9"), "no thrust between start and stop"),
     "one row for all": ((*GIVEN, "--most-rows", "1"), "most_rows must be 2 or more"),
 }

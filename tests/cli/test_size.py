@@ -318,6 +318,32 @@ def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     assert wind["f"]["deflection_deg"] == along["worst"]["K = 1"]["deflection_deg"]
 
 
+def test_a_sounding_is_chosen_by_its_time() -> None:
+    """Of a file of several, each by itself; and each of two is that of the library."""
+    noon, midnight = "2024-02-15 12", "2024-02-16 00"
+    given = ("--azimuth-deg", "90", "--from", "41", "--to", "42", "--dead-band", "1", "--json")
+    asked = [("--winds", OTHER, "--winds-time", time) for time in (noon, midnight)]
+    alone = [json.loads(run("size", *one, *given).output) for one in asked]
+    both = json.loads(run("size", *asked[0], *asked[1], *given).output)
+    schedule = tv.load_schedule("configuration-i")
+    for k, time in enumerate((noon, midnight)):
+        wind = tv.read_sounding(OTHER, time=time)
+        met = tv.fly_through(wind, schedule, azimuth=np.pi / 2)
+        found = np.degrees(tv.size(schedule, met, times=[41.0, 42.0]).required["K = 1"])
+        assert alone[k]["required_deg"]["K = 1"] == found.tolist()
+        assert [row[k] for row in both["required_deg"]["K = 1"]] == found[:, 0].tolist()
+        assert f"igra.txt at {time}" in both["winds"]
+        assert not any("choose another by its time" in note for note in alone[k]["notes"])
+    assert alone[0]["required_deg"] != alone[1]["required_deg"]
+    for wrong, said in {
+        (*asked[0], *asked[0]): "--winds gives igra.txt at 2024-02-15 12 twice",
+        (*asked[0], "--winds", WIND): "once for each --winds; got 1 for 2",
+        ("--winds", OTHER, "--winds-time", "noon"): "has no sounding of time 'noon'",
+    }.items():
+        result = run("size", *wrong, *given)
+        assert (result.exit_code, said in result.output) == (2, True), result.output
+
+
 def test_it_says_which_options_would_tell_more() -> None:
     two = run("size", *FLOWN, "--winds", OTHER, "--from", "41", "--to", "42")
     pulse = run("size", "--every", "60", "--varying")
@@ -355,6 +381,7 @@ def test_both_planes_need_a_direction() -> None:
         ("--azimuth-deg", "9"): "give --wind-direction-deg",
         ("--wind-direction-deg", "9"): "--wind-direction-deg needs --azimuth-deg",
         ("--plane", "both", "--stop", "oval"): "stop must be one of round",
+        ("--stop", "square"): "--stop needs --plane both",
     }.items():
         result = run("size", "configuration-i", *FAST, *given)
         assert result.exit_code == 2

@@ -213,6 +213,7 @@ def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
         plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, plant.model)
         laws = {name: with_filters(law, gains) for name, law in laws.items()}
         nozzle = nozzle_of(gains, asked.sample_rate)
+        _say_faster(nozzle["sample_rate"], asked.sample_rate)
     return law_trials(
         plant,
         {name: laws[name] for name in asked.names},
@@ -221,6 +222,16 @@ def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
         progress=told,
         **nozzle,
     )
+
+
+def _say_faster(flown: float, asked: float) -> None:
+    """Warn of laws that are flown at another sample rate [Hz] than was asked for."""
+    if flown != asked:
+        warnings.warn(
+            f"the laws are flown at {flown:g} Hz, not at the {asked:g} Hz of [laws]: a flight with"
+            " an actuator needs at least two samples in the time 1/omega_n of the actuator",
+            stacklevel=2,
+        )
 
 
 def gains_of(plan: StudyPlan) -> GainsAsked:

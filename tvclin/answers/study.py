@@ -80,7 +80,7 @@ class Study:
     sufficient : bool or None
         Whether the limit is at or above what is required.
     survivable_peak : float or None
-        The largest peak [rad] of such a wind that the limit survives.
+        The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`.
     forecast_free : dict of str to ForecastFreeLimit
         For the models of `boundaries` that have one, the least deflection of any law that does
         not know when the wind will stop.
@@ -276,6 +276,15 @@ class Study:
         return self.requirement.governs
 
     @property
+    def peak_of(self) -> str:
+        """Of what the peak is that the limit survives, where the wind has a direction."""
+        if self.slanting is None:
+            return ""
+        if self.in_both:
+            return "of the wind's vector in both planes"
+        return f"of the wind's part in the {self.plane} plane"
+
+    @property
     def needs(self) -> dict[str, dict[str, float]]:
         """Sizes [rad] by model: what no law without a forecast undercuts, and what no control."""
         free = {name: abs(float(one.deflection)) for name, one in self.forecast_free.items()}
@@ -321,7 +330,7 @@ class Study:
                 self,
                 "model dead_band required_deflection_deg governed_by=governs"
                 " requirements_deg=requirement.needs limit_deg sufficient"
-                " survivable_peak_deg=|survivable_peak|",
+                " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of",
             ),
         }
 

@@ -14,12 +14,9 @@ from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.linear.modes import Modes
 from tvclin.linear.plant import USUAL_MODEL, Plant
+from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 
-_FEEBLE = 0.5
-"""A booster's thrust over its weight is rather a slip of the pen below this."""
-_HEAVY = 10.0
-"""Above this a mass was rather typed as a weight: then it is g times too large."""
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
 
@@ -43,15 +40,8 @@ def doubts(vehicle: AnyVehicle) -> Iterator[str]:
                 "the flight path is held fixed: how the vehicle drifts with the wind is not known"
                 " from mu_alpha and mu_delta, and a long wind may then need more"
             )
-    elif vehicle.thrust < _FEEBLE * vehicle.weight:
-        ratio = float(vehicle.thrust / vehicle.weight)
-        yield f"thrust is far below weight (T/W {ratio:.2g}): is a power of ten missing?"
-    elif vehicle.thrust > _HEAVY * vehicle.weight:
-        ratio = float(vehicle.thrust / vehicle.weight)
-        yield (
-            f"thrust is far above weight (T/W {ratio:.2g}): is the weight a mass? Then write it as"
-            " mass_kg, mass_lb or mass_slug"
-        )
+    else:
+        yield from slips(vehicle)
 
 
 def head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:

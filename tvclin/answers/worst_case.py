@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.campaign.dispersions import PARAMETERS, UNITS_OF, WIND
+from tvclin.answers.campaign.dispersions import KINDS, MODES, WIND
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.search import least
 from tvclin.base.cards import card
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
+from tvclin.base.tables import Table
+from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
@@ -29,14 +31,16 @@ FloatArray = NDArray[np.float64]
 
 PROVED, SEARCHED = "corners (proved)", "searched"
 LOOP = {
-    "gain": "-",
-    "delay": "s",
-    "actuator_frequency": "rad/s",
-    "actuator_damping": "-",
+    "gain": "number",
+    "delay": "delay",
+    "actuator_frequency": "natural frequency",
+    "actuator_damping": "number",
 }
-"""Numbers of the loop that are no gains of the autopilot, and their units; `gain` is a factor on
-all of them."""
-_VEHICLE = tuple(name for name in PARAMETERS if name not in {*WIND, *GAINS})
+"""Numbers of the loop that are no gains of the autopilot, each of a kind of `UNITS`; `gain` is a
+factor on all of them."""
+_VEHICLE = tuple(name for name in KINDS if name not in {*WIND, *GAINS, *MODES})
+BOX_TABLE = Table("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
+"""The numbers of a box around a `Vehicle`, as the command line names them."""
 _COEFFICIENTS = tuple(one.name for one in fields(Coefficients))
 _MOST = 10
 """Numbers in a box: it has 1024 corners."""
@@ -310,4 +314,4 @@ class _Case:
 
 def unit_of(name: str) -> str:
     """Return the SI unit of a number of a vehicle, a wind or a loop that can be in a box."""
-    return LOOP.get(name) or UNITS_OF[name]
+    return si_unit(BOX_TABLE.quantities[name])

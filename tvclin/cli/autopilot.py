@@ -60,9 +60,9 @@ def autopilot(
 ) -> None:
     """Print what an autopilot asks of the nozzle in a wind, beside trim and the boundaries.
 
-    Exit code 0: stable, margins and limit are met; 1: they are not; 2: bad input. Of an unstable
-    loop nothing is drawn. With --least the gains are sought that need the least nozzle of all that
-    meet the criteria, and the figure is what a disk margin costs.
+    --plot draws deflection and attitude of a stable loop; with --least, what a disk margin costs.
+
+    Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not; 2: bad input.
     """
     from tvclin.base.errors import positive
     from tvclin.cli.output import print_json

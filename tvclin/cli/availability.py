@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of
-from tvclin.cli.options import AsJson, Gust, Model, Plot
+from tvclin.cli.inputs import gust_of, note_source, only_with
+from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -49,42 +49,56 @@ def availability(
         str | None, typer.Option(help="Only this station, where there are several.")
     ] = None,
     utc_offset: Annotated[
-        float, typer.Option(help="Local time less UTC, in h, by which months are counted.")
+        float, typer.Option(help="Local time less UTC, in h: months are those of local time.")
     ] = 0.0,
-    plane: Annotated[str, typer.Option(help="What counts: both, pitch or yaw.")] = "both",
+    plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both",
     stop: Annotated[
         str,
         typer.Option(help="Stop of the nozzle: round (root of the sum of squares) or square."),
     ] = "round",
     model: Model = None,
     persistence_deg: Annotated[
-        float | None, typer.Option(help="Angle that is added until launch, in deg.")
+        float | None,
+        typer.Option(help="Angle that is added for what may come until launch, in deg."),
     ] = None,
     persistence_hours: Annotated[
         float | None,
         typer.Option(
-            help="In its place: what 95 % of the archive's pairs 12 h apart grew by, taken to so"
-            " many hours."
+            help="In place of --persistence-deg, the hours from balloon to launch: what 95 % of the"
+            " archive's pairs 12 h apart grew by, taken to so many hours, is added."
         ),
     ] = None,
     gust: Gust = None,
     known_to_m: Annotated[
         float | None, typer.Option(help="Height to which a sounding must go to be judged, in m.")
     ] = None,
-    confidence: Annotated[float, typer.Option(help="Of the intervals.")] = 0.95,
+    confidence: Annotated[
+        float, typer.Option(help="Confidence of the intervals, from 0 to 1.")
+    ] = 0.95,
     today: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A balloon of today: go or no go?")
+        Path | None,
+        typer.Option(metavar="FILE", help="Also judge this balloon of today: go or no go?"),
+    ] = None,
+    today_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help=f"Which balloon of a --today that holds several, {TIME_HELP}"
+        ),
     ] = None,
     as_json: AsJson = False,
     csv: Annotated[
-        Path | None, typer.Option(help="Also write what every sounding asks for into this file.")
+        Path | None,
+        typer.Option(
+            help="Also write what every sounding asks for into this file: need_deg (empty where"
+            " --limit-deg is not judged), and its bracket, least_deg and most_deg."
+        ),
     ] = None,
     plot: Plot = None,
 ) -> None:
     """Say on how many days of an archive of soundings the nozzle is enough.
 
-    Each sounding is flown through with parameters that vary, with trim up to the limit (K = 1),
-    which needs no forecast. What a balloon did not see is unknown.
+    Each sounding is flown through along the whole flight, with trim up to the limit (K = 1), which
+    needs no forecast. What a balloon did not see is unknown, not calm.
 
     Exit code 0: some soundings were judged; with --today: the limit is enough for that balloon, in
     every direction; 1: it is not, or that is not known; 2: bad input.
@@ -101,8 +115,15 @@ def availability(
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
+    note_source(source)
     flight = load_schedule(source)
-    balloon = None if today is None else read_sounding(today)
+    balloon = None
+    if today is None:
+        only_with("--today", today_time=today_time)
+    else:
+        balloon = read_sounding(today, time=today_time)
+        for note in balloon.notes:
+            typer.echo(f"Note: {today.name}: {note}.", err=True)
     with bar("read") as progress:
         soundings = read_soundings(
             archive,
@@ -189,6 +210,12 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     ]
     heads = ["towards [deg]", *(f"{100 * part:g} %" for part in PLACARD)]
     print_table("The limit that is enough for so many [deg]", heads, parts)
+    typer.echo(
+        "A sounding that meets its limit more than once is flown only if that decides about"
+        f" {np.degrees(found.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
+        " it asks for; need_deg is the lower of them, and empty where this limit is not judged. Ask"
+        " again for another limit."
+    )
     for azimuth, one in zip(azimuths, launch, strict=False):
         typer.echo(f"Today towards {azimuth} deg: {_said(one)}")
     for note in found.notes:

@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear
-from tvclin.cli.options import LINEAR_HELP, MODELS_HELP, AsJson, Plot, Wind
+from tvclin.cli.inputs import load_linear, only_with
+from tvclin.cli.options import LINEAR_HELP, AsJson, Model, Plot, Wind
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -19,18 +19,18 @@ def boundary(
     wind: Wind = "triangular",
     tau_beta: Annotated[
         list[float] | None,
-        typer.Option(help="Duration times beta (with damping the pole); may be repeated."),
+        typer.Option(
+            help="Duration of the wind times beta (with damping, times the pole); may be given"
+            " several times."
+        ),
     ] = None,
     dead_band: Annotated[
         list[float] | None,
         typer.Option(help="Dead band K from 0 to 1; may be given several times."),
     ] = None,
-    model: Annotated[
-        str | None,
-        typer.Option(help=f"Model, when a vehicle is given: {MODELS_HELP}"),
-    ] = None,
+    model: Model = None,
     plane: Annotated[
-        str | None, typer.Option(help="Plane, when a vehicle is given; pitch if nothing is.")
+        str | None, typer.Option(help="Plane of the vehicle.", show_default="pitch")
     ] = None,
     as_json: AsJson = False,
     plot: Plot = None,
@@ -38,12 +38,12 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
-    from tvclin.base.errors import InputError, positive, within
+    from tvclin.base.errors import positive, within
     from tvclin.cli.output import limit_cell, print_json, print_table
     from tvclin.plots import boundary_chart, save_figure
 
-    if vehicle is None and (model or plane):
-        raise InputError("--model and --plane need a vehicle; name one or leave them out")
+    if vehicle is None:
+        only_with("a vehicle", model=model, plane=plane)
     plane = plane or "pitch"
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)

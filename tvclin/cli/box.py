@@ -17,10 +17,12 @@ Box = Annotated[
     list[str] | None,
     typer.Option(
         "--box",
-        metavar="NAME=LO..HI",
-        help="A number that lies anywhere between two values, in SI units, or in percent of the"
-        " nominal one as in thrust=-3%..3%; may be given several times. Names: those of campaign"
-        " dispersions, gain, delay, actuator_frequency, actuator_damping.",
+        metavar="KEY=LO..HI",
+        help="A number that may lie anywhere between two values, as delay_ms=0..40 or"
+        " thrust_kN=2400..2600: a key with its unit, as in a vehicle file. Or in percent of the"
+        " nominal value, without a unit: thrust=-3%..3%. May be given several times. Keys: those"
+        " of a vehicle, wind_peak, wind_duration, the gains, gain (a factor on all gains), delay,"
+        " actuator_frequency and actuator_damping.",
     ),
 ]
 
@@ -36,54 +38,62 @@ def worst_in_box(
     """Return the worst case in the box of the options; None without one."""
     if not given:
         return None
-    from tvclin.answers.worst_case import worst_case
+    from tvclin.answers.worst_case import BOX_TABLE, worst_case
     from tvclin.base.errors import InputError, one_of
+    from tvclin.base.tables import known
     from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.shaped import PULSES, ShapedWind
 
     vehicle = whole_vehicle(loaded, "--box")
     shape = one_of("--wind", blows.wind, PULSES)
     wind = ShapedWind(shape, blows.peak(vehicle, plane), blows.duration)
-    box = {}
+    box: dict[str, tuple[float, float]] = {}
     for one in given:
-        name, found, ends = one.partition("=")
-        low, dots, high = ends.partition("..")
-        if not found or not dots:
-            raise InputError(f"--box must be NAME=LO..HI, as in delay=0..0.04; got {one!r}")
+        key, ends, percent = _parted(one)
+        if percent:
+            known("number of --box", [key], BOX_TABLE.quantities)
+            name, centre = key, _nominal(key, vehicle, autopilot, wind)
+            if not centre:
+                raise InputError(f"--box {one}: there is no nominal value to take a percentage of")
+            factor = 0.01 * abs(centre)
+        else:
+            ((name, factor),), centre = BOX_TABLE.read({key: 1.0}).items(), 0.0
         if name in box:
             raise InputError(f"--box gives {name} twice")
-        nominal = _nominal(name, vehicle, autopilot, wind)
-        box[name] = (_number(one, low, nominal), _number(one, high, nominal))
+        box[name] = (centre + factor * ends[0], centre + factor * ends[1])
     return worst_case(vehicle, autopilot, box, model=model, plane=plane, wind=wind)
 
 
-def _number(one: str, text: str, nominal: float | None) -> float:
+def _parted(one: str) -> tuple[str, tuple[float, float], bool]:
+    """The key, the two numbers, and whether they are in percent."""
     from tvclin.base.errors import InputError
 
+    key, found, ends = one.partition("=")
+    low, dots, high = (part.strip() for part in ends.partition(".."))
+    if not found or not dots:
+        raise InputError(
+            f"--box must be KEY=LO..HI, as in delay_ms=0..40 or thrust=-3%..3%; got {one!r}"
+        )
+    percent = low.endswith("%") and high.endswith("%")
+    if percent:
+        low, high = low.removesuffix("%"), high.removesuffix("%")
     try:
-        value = float(text.strip().removesuffix("%"))
+        return key.strip(), (float(low), float(high)), percent
     except ValueError:
         raise InputError(
-            f"--box must have numbers on both sides of the dots; got {one!r}"
+            f"--box must have two numbers beside the dots, both in percent or neither; got {one!r}"
         ) from None
-    if not text.strip().endswith("%"):
-        return value
-    if not nominal:
-        raise InputError(f"--box {one}: there is no nominal value to take a percentage of")
-    return nominal + 0.01 * value * abs(nominal)
 
 
-def _nominal(
-    name: str, vehicle: "Vehicle", autopilot: "Autopilot", wind: "ShapedWind"
-) -> float | None:
-    """The nominal value of a number; None where there is none."""
+def _nominal(name: str, vehicle: "Vehicle", autopilot: "Autopilot", wind: "ShapedWind") -> float:
+    """The nominal value of a number; zero where there is none."""
     actuator = autopilot.actuator
     known: dict[str, Any] = {**vars(vehicle), **vars(autopilot), **wind.nominal, "gain": 1.0}
     if actuator is not None:
-        known |= {f"actuator_{k}": v for k, v in (("frequency", actuator.natural_frequency),)}
+        known["actuator_frequency"] = actuator.natural_frequency
         known["actuator_damping"] = actuator.damping
     value = known.get(name)
-    return float(value) if isinstance(value, int | float) else None
+    return float(value) if isinstance(value, int | float) else 0.0
 
 
 def met_in_box(found: "WorstCase", asked: "Criteria") -> bool:
@@ -117,7 +127,7 @@ def print_worst(found: "WorstCase", asked: "Criteria") -> None:
     if not found.stable:
         typer.echo("In this box the loop becomes UNSTABLE; its margins count as zero there.")
     worst = found.margins["disk_margin"]
-    at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".removesuffix(" -") for k, v in worst.at.items())
+    at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in worst.at.items())
     typer.echo(f"Worst disk margin at: {at}")
     typer.echo(
         f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}"

@@ -14,14 +14,17 @@ if TYPE_CHECKING:
 
 Flown = Annotated[
     bool,
-    typer.Option("--flown", help="Fly the wind with --limit-deg, and say what may change then."),
+    typer.Option(
+        "--flown",
+        help="Also fly the wind with --limit-deg, and print what may change before it is lost.",
+    ),
 ]
 FlownLimitDeg = Annotated[float | None, typer.Option(help="Deflection limit of --flown, in deg.")]
 SampleRate = Annotated[
     float | None,
     typer.Option(
-        help="Samples of the autopilot, in Hz; without it the margins are those of a continuous"
-        " one, and --flown has 100."
+        help="Sample rate of the autopilot, in Hz. Without it the margins are of a continuous"
+        " autopilot, and --flown samples it at 100."
     ),
 ]
 _RATE = 100.0

@@ -7,9 +7,9 @@ import typer
 from tvclin.cli.flight_cases import ENGINES, LAWS, flight_case, flight_wind, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
 from tvclin.cli.fly_shown import Shown
-from tvclin.cli.fly_winds import Window, Winds, sounding_wind
+from tvclin.cli.fly_winds import Window, Winds, WindsTime, sounding_wind
 from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import load_plant, note_structure
+from tvclin.cli.inputs import load_plant, note_structure, only_with
 from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
@@ -33,43 +33,55 @@ def fly(
     vehicle: Vehicle = "configuration-i",
     blows: PulseOptions = PulseOptions(),
     winds: Winds = None,
+    winds_time: WindsTime = None,
     azimuth_deg: AzimuthDeg = None,
     window: Window = None,
     engine: Annotated[
         str | None,
         typer.Option(
-            help="planar: nonlinear, one plane; sixdof: JSBSim, six degrees; linear: a law in steps"
-            " with an actuator, which flies bending and slosh too. Without it linear of a flexible"
-            " vehicle, planar else."
+            help="planar: nonlinear equations in one plane; sixdof: JSBSim, six degrees of freedom;"
+            " linear: linear equations with bending and slosh, a sampled law and an actuator.",
+            show_default="linear for a flexible vehicle, else planar",
         ),
     ] = None,
     law: Annotated[
         str | None,
         typer.Option(
-            help="report, trim, dead-band, saturated, half-relief or recoverable. Without it"
-            " report; of --engine linear saturated, with the gains below."
+            help="Control law: report, trim, dead-band, saturated (the gains below), half-relief or"
+            " recoverable.",
+            show_default="saturated for --engine linear, else report",
         ),
     ] = None,
     dead_band: Annotated[
-        float | None, typer.Option(help="Dead band K: of report (1) or of dead-band (0.5).")
+        float | None,
+        typer.Option(
+            help="Dead band K of the laws report and dead-band.",
+            show_default="1 for report, 0.5 for dead-band",
+        ),
     ] = None,
     limit_deg: Annotated[
         float | None,
-        typer.Option(help="Deflection limit, in deg; without it 1.1 times the linear boundary."),
+        typer.Option(
+            help="Deflection limit, in deg.", show_default="1.1 times the linear boundary"
+        ),
     ] = None,
     rate_limit_deg: Annotated[
         float | None, typer.Option(help="Rate limit of the nozzle, in deg/s, of --engine linear.")
     ] = None,
     sample_rate: Annotated[
-        float | None, typer.Option(help="Samples of the law of --engine linear, in Hz; 100.")
+        float | None,
+        typer.Option(help="Sample rate of the law of --engine linear, in Hz.", show_default="100"),
     ] = None,
     gains: GainOptions = GainOptions(),
     rigid: Rigid = False,
     along_trajectory: Annotated[
-        bool, typer.Option("--along-trajectory", help="Let mass, speed and pressure vary.")
+        bool,
+        typer.Option(
+            "--along-trajectory", help="Let mass, speed and dynamic pressure change in flight."
+        ),
     ] = False,
     boundary: Annotated[
-        bool, typer.Option("--boundary", help="Also find the boundary by flying.")
+        bool, typer.Option("--boundary", help="Also find the least limit that survives, by flying.")
     ] = False,
     plane: Plane = "pitch",
     until: Until = 2.0,
@@ -80,14 +92,14 @@ def fly(
 ) -> None:
     """Fly a vehicle through a wind with a law, beside what the linear theory predicts.
 
-    Where the vehicle file has bending, slosh, an engine with inertia or lags of sensors, the
-    flexible vehicle is flown, with a law in steps, beside the rigid one; --rigid leaves that out.
+    A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
+    is flown with a sampled law, beside the rigid one. --rigid leaves all that out.
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
     import numpy as np
 
-    from tvclin.base.errors import InputError, one_of, positive, within
+    from tvclin.base.errors import one_of, positive, within
     from tvclin.flights.condition import load_flight_condition
     from tvclin.vehicle.linear_vehicle import load_any_vehicle, whole_vehicle
 
@@ -100,19 +112,22 @@ def fly(
     loaded = whole_vehicle(load_any_vehicle(vehicle), "a flight")
     _, plant, frame = load_plant(vehicle, "drift-exact", plane, rigid)
     if winds is None:
-        if (azimuth_deg, window) != (None, None):
-            raise InputError("--azimuth-deg and --window are for soundings; name one with --winds")
+        only_with(
+            "a sounding, --winds", azimuth_deg=azimuth_deg, window=window, winds_time=winds_time
+        )
         gust = flight_wind(loaded, blows, plane, along_trajectory)
     else:
-        if (blows.peak_deg, blows.peak_speed) != (None, None):
-            raise InputError("a sounding has its own peak: leave --peak-deg and --peak-speed out")
-        asked_of = winds, azimuth_deg, window, plane, along_trajectory
+        only_with(
+            "a pulse in place of --winds: a sounding has its own peak",
+            peak_deg=blows.peak_deg,
+            peak_speed=blows.peak_speed,
+        )
+        asked_of = winds, winds_time, azimuth_deg, window, plane, along_trajectory
         gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name
         duration = float(gust.end - gust.onset)
     span, shown = (until * duration, points), Shown(csv, plot, as_json)
     if engine == "linear" or (engine is None and plant is not frame and not along_trajectory):
-        if along_trajectory:
-            raise InputError("--along-trajectory belongs to --engine planar and sixdof")
+        only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
         steps = Steps(gains, sample_rate, rate_limit_deg)
         case = LinearCase(
             loaded, plant, frame, plane, wind, gust, law or "saturated", dead_band, steps
@@ -120,10 +135,12 @@ def fly(
         with waiting("flying"):
             found = fly_linear(case, limit_deg, boundary, np.linspace(0.0, *span))
     else:
-        if Steps(gains, sample_rate, rate_limit_deg) != Steps():
-            raise InputError(
-                "gains, filters, --sample-rate and --rate-limit-deg belong to --engine linear"
-            )
+        only_with(
+            "--engine linear",
+            **gains.given,
+            sample_rate=sample_rate,
+            rate_limit_deg=rate_limit_deg,
+        )
         note_structure(loaded, getattr(plant, "structure", None), plane)
         condition = load_flight_condition(vehicle) if along_trajectory else None
         asked = (law or "report", dead_band, limit_deg)

@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tvclin.cli.gains import GainOptions
+from tvclin.cli.inputs import only_with
 
 if TYPE_CHECKING:
     from tvclin.cli.fly_shown import Compared
@@ -86,11 +87,8 @@ class LinearCase:
         if self.law == "saturated":
             gains = self.steps.gains.autopilot(self.frame)
             return SaturatedLaw(replace(gains, actuator=None, delay=0.0))
-        if self.steps.hardware != self.steps.gains:
-            raise InputError(
-                f"gains belong to --law saturated; {LAWS[self.law]} takes filters, actuator and"
-                " delay"
-            )
+        own = {k: v for k, v in self.steps.gains.given.items() if k not in _OF_ALL}
+        only_with(f"--law saturated; {LAWS[self.law]} has its own gains", **own)
         filters = self._hardware.filters
         return FilteredLaw(chosen, filters=filters) if filters else chosen
 

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tvclin.cli.options import TIME_HELP
+
 if TYPE_CHECKING:
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
@@ -16,9 +18,13 @@ Winds = Annotated[
 Window = Annotated[
     float | None,
     typer.Option(
-        help="Of the sounding counts so much about the vehicle's own time, in s; 20 if nothing is"
-        " given."
+        help="Length of the sounding that counts, about the vehicle's own time of flight, in s.",
+        show_default="20",
     ),
+]
+WindsTime = Annotated[
+    str | None,
+    typer.Option(metavar="TIME", help=f"Which sounding of a file that holds several, {TIME_HELP}"),
 ]
 _WINDOW = 20.0
 
@@ -27,6 +33,7 @@ def sounding_wind(
     source: str,
     vehicle: "Vehicle",
     file: Path,
+    time_utc: str | None,
     azimuth_deg: float | None,
     window: float | None,
     plane: str,
@@ -51,7 +58,10 @@ def sounding_wind(
     length = _WINDOW if window is None else number("--window", window, positive, "s")
     azimuth = float(np.radians(number("--azimuth-deg", azimuth_deg, between(-360.0, 360.0), "deg")))
     flight, time = load_schedule(source), float(vehicle.time)
-    met = fly_through(read_sounding(file), flight, azimuth=azimuth, plane=plane, window=length)
+    profile = read_sounding(file, time=time_utc)
+    for note in profile.notes:
+        typer.echo(f"Note: {file.name}: {note}.", err=True)
+    met = fly_through(profile, flight, azimuth=azimuth, plane=plane, window=length)
     placed = place(met, vehicle, time, "peak", length)
     if not placed.known or placed.calm:
         word = "calm" if placed.known else "not known"

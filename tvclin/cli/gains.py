@@ -17,17 +17,17 @@ NotchHz = Annotated[
     list[str] | None,
     typer.Option(
         metavar="F,ZEROS,POLES",
-        help="Notch behind the sum of the feedbacks: frequency in Hz, damping of zeros and of"
-        " poles, as in 12,0.05,0.5; may be given several times. Lead-lag and rational filters are"
-        " for study files, under autopilot.filter.",
+        help="Notch filter of the deflection command: frequency in Hz, damping of its zeros and of"
+        " its poles, as in 12,0.05,0.5. May be given several times. Study files know lead-lag and"
+        " rational filters too, under autopilot.filter.",
     ),
 ]
 LowPassHz = Annotated[
     list[str] | None,
     typer.Option(
         metavar="F[,DAMPING]",
-        help="Low-pass filter there: frequency in Hz, of second order with a damping; may be"
-        " given several times.",
+        help="Low-pass filter of the deflection command: frequency in Hz; with a damping ratio it"
+        " is of second order. May be given several times.",
     ),
 ]
 
@@ -39,36 +39,49 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
-            " lqr, or for tvclin autopilot least-nozzle; canonical if nothing is given."
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum"
+            " or lqr; tvclin autopilot has least-nozzle as well.",
+            show_default="canonical",
         ),
     ] = None
     natural_frequency: Annotated[
-        float | None, typer.Option(help="Of the closed loop, in rad/s; with it the rule is poles.")
+        float | None,
+        typer.Option(
+            help="Natural frequency of the closed loop, in rad/s; the rule is then poles."
+        ),
     ] = None
     damping: Annotated[
-        float | None, typer.Option(help="Damping ratio of the closed loop; 0.7.")
+        float | None,
+        typer.Option(help="Damping ratio of the closed loop, for poles.", show_default="0.7"),
     ] = None
-    attitude_gain: Annotated[float | None, typer.Option(help="a0, in place of a rule.")] = None
-    rate_gain: Annotated[float | None, typer.Option(help="a1, in s, in place of a rule.")] = None
-    alpha_gain: Annotated[float | None, typer.Option(help="b0, on the angle of attack.")] = None
+    attitude_gain: Annotated[float | None, typer.Option(help="Gain a0, in place of a rule.")] = None
+    rate_gain: Annotated[float | None, typer.Option(help="Gain a1, in s, in place of a rule.")] = (
+        None
+    )
+    alpha_gain: Annotated[float | None, typer.Option(help="Gain b0 on the angle of attack.")] = None
     integral_gain: Annotated[
-        float, typer.Option(help="aI, in 1/s, on the integrated attitude.")
+        float, typer.Option(help="Gain aI on the integrated attitude, in 1/s.")
     ] = 0.0
     actuator_frequency: Annotated[
         float | None,
         typer.Option(
-            help="Natural frequency of the actuator, in rad/s; 25.1 if nothing is given, 0: no"
-            " actuator."
+            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
+            show_default="25.1",
         ),
     ] = None
-    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz, in its place.")] = None
+    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
     actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
     delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
         0.0
     )
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The options that are not as they stand without being given."""
+        usual = GainOptions()
+        return {name: v for name, v in vars(self).items() if v != getattr(usual, name)}
 
     def autopilot(self, plant: "Plant") -> "Autopilot":
         """Return the autopilot that the options ask for."""

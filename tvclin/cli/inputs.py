@@ -12,6 +12,24 @@ if TYPE_CHECKING:
     from tvclin.winds.histories import History
 
 
+def only_with(needed: str, **options: Any) -> None:
+    """Raise `InputError` for options that are given, and mean nothing without something else.
+
+    Options are named as in a signature; one that is None or False is not given.
+    """
+    from tvclin.base.errors import InputError
+
+    given = [
+        f"--{name.replace('_', '-')}"
+        for name, value in options.items()
+        if value is not None and value is not False
+    ]
+    if given:
+        *others, last = given
+        named = f"{', '.join(others)} and {last} need" if others else f"{last} needs"
+        raise InputError(f"{named} {needed}")
+
+
 def load_plant(
     source: str, model: str | None, plane: str, rigid: bool
 ) -> "tuple[AnyVehicle, AnyPlant, Plant]":
@@ -25,6 +43,7 @@ def load_plant(
     from tvclin.vehicle.structure_file import load_structure
 
     loaded = load_any_vehicle(source)
+    note_doubts(loaded)
     if isinstance(loaded, LinearVehicle):
         plant = Plant.from_vehicle(loaded, model, plane)
         return loaded, plant, plant
@@ -42,6 +61,7 @@ def load_rigid(source: str, plane: str) -> "Vehicle":
     from tvclin.vehicle.structure_file import load_structure
 
     loaded = load_vehicle(source)
+    note_doubts(loaded)
     note_structure(loaded, load_structure(source), plane)
     return loaded
 
@@ -52,6 +72,17 @@ def load_linear(source: str, plane: str) -> "AnyVehicle":
 
     loaded = load_any_vehicle(source)
     return loaded if isinstance(loaded, LinearVehicle) else load_rigid(source, plane)
+
+
+def note_doubts(vehicle: "AnyVehicle") -> None:
+    """Say what in the numbers of a vehicle is rather a slip than meant, on stderr."""
+    import typer
+
+    from tvclin.vehicle.doubts import doubts
+    from tvclin.vehicle.vehicle import Vehicle
+
+    for doubt in doubts(vehicle) if isinstance(vehicle, Vehicle) else ():
+        typer.echo(f"Note: {doubt}.", err=True)
 
 
 def note_structure(
@@ -83,6 +114,7 @@ def note_source(source: str) -> None:
         return
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
         plan = load_study(source)
+        note_doubts(plan.vehicle)
         note_structure(plan.vehicle, plan.structure, plan.plane)
 
 

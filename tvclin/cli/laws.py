@@ -9,6 +9,7 @@ from tvclin.cli.gains import LowPassHz, NotchHz, filters_of
 from tvclin.cli.inputs import load_plant, peak_angle
 from tvclin.cli.margin_tables import lines
 from tvclin.cli.options import (
+    MODEL_DEFAULT,
     MODELS_HELP,
     AsJson,
     Duration,
@@ -34,22 +35,30 @@ def laws(
     peak_speed: PeakSpeed = None,
     wind: Annotated[
         list[str] | None,
-        typer.Option(help="Only this wind of the trials; may be given several times."),
+        typer.Option(
+            help="Only this wind; may be given several times: triangle, 'sawtooth, stops dead',"
+            " 'sawtooth, jumps first', '1 - cosine', trapezoid, 'two gusts', 'opposite gusts',"
+            " 'flip to 0.3', 'full reversal'.",
+            show_default="all",
+        ),
     ] = None,
     cuts: Annotated[
-        int, typer.Option(help="Sudden stops that each wind is tried with as well.")
+        int, typer.Option(help="Number of sudden ends that each wind is tried with as well.")
     ] = 0,
-    sample_rate: Annotated[float, typer.Option(help="Samples of the law, in Hz.")] = 100.0,
+    sample_rate: Annotated[float, typer.Option(help="Sample rate of the law, in Hz.")] = 100.0,
     model: Annotated[
         str | None,
-        typer.Option(help=f"Model with one or two real unstable poles: {MODELS_HELP}"),
+        typer.Option(
+            help=f"Model with one or two real unstable poles: {MODELS_HELP}",
+            show_default=MODEL_DEFAULT,
+        ),
     ] = None,
     plane: Plane = "pitch",
     actuator_frequency: Annotated[
         float | None,
         typer.Option(
-            help="Natural frequency of the actuator, in rad/s; without it 25.1 of a flexible"
-            " vehicle, and no actuator else."
+            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
+            show_default="25.1 for a flexible vehicle, else 0",
         ),
     ] = None,
     delay_ms: Annotated[float, typer.Option(help="Computing delay of the law, in ms.")] = 0.0,
@@ -61,9 +70,9 @@ def laws(
 ) -> None:
     """Fly five laws in the standard winds and print the deflection limit that each needs.
 
-    It takes about a second for each law and wind, and a minute more for a figure. Where the vehicle
-    file has bending, slosh, an engine with inertia or lags of sensors, the flexible vehicle flies,
-    with an actuator; --rigid leaves that out.
+    It takes about a second for each law and wind, and a minute more for a figure. A vehicle file
+    with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
+    actuator. --rigid leaves all that out.
 
     Exit code 0: answered; 2: bad input.
     """
@@ -104,6 +113,7 @@ def laws(
 
         save_figure(laws_chart(plant, chosen, peak), plot)
     limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
+    trim = abs(float(np.degrees(plant.coefficients.B * peak)))
     if as_json:
         head = {
             "vehicle": loaded.name,
@@ -114,19 +124,18 @@ def laws(
             "flexible": flexible,
             "cuts": cuts,
             "sample_rate_Hz": sample_rate,
+            "trim_deflection_deg": trim,
         }
-        print_json({**head, "trials": found, "no_forecast": limits})
+        trials = [{**vars(one), "limit_deg": trim * one.limit} for one in found]
+        print_json({**head, "trials": trials, "no_forecast": limits})
     else:
         if isinstance(flying, FlexiblePlant):
             typer.echo(lines(parts_line(flying.structure)))
             typer.echo(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
+        wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
         engine = f"actuator {servo:g} rad/s" if servo else "no actuator"
-        _print(
-            f"{loaded.name or vehicle}, {plant.model}, {duration:g} s, {engine}",
-            found,
-            limits,
-            list(chosen),
-        )
+        typer.echo(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
+        _print(found, limits, list(chosen), trim)
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:
@@ -140,7 +149,7 @@ def _without_forecast(plant: "Plant", wind: "History") -> float | None:
 
 
 def _print(
-    title: str, found: list["LawTrial"], limits: dict[str, float | None], names: list[str]
+    found: list["LawTrial"], limits: dict[str, float | None], names: list[str], trim: float
 ) -> None:
     from tvclin.cli.output import print_table
     from tvclin.flights.closed_loop.edges import ABOVE, PARTS, STEPS
@@ -151,10 +160,14 @@ def _print(
     def rows(show: Any) -> list[list[str]]:
         return [[wind, *(show(table[wind, law]) for law in names), ""] for wind in limits]
 
-    needed = rows(_limit)
-    for row, limit in zip(needed, limits.values(), strict=True):
-        row[-1] = "-" if limit is None else f"{limit:.3f}"
-    print_table(f"{title}: deflection limit needed, over |B alpha_w,max|", headings, needed)
+    for title, scale in (
+        (f"Deflection limit needed [deg]; trim of the whole wind takes {trim:.4f}", trim),
+        ("The same over |B alpha_w,max|, trim of the whole wind", 1.0),
+    ):
+        needed = rows(lambda one, scale=scale: _limit(one, scale))
+        for row, limit in zip(needed, limits.values(), strict=True):
+            row[-1] = "-" if limit is None else f"{scale * limit:.3f}"
+        print_table(title, headings, needed)
     loads = rows(_loads)
     print_table(
         "Largest angle of attack / attitude over the wind, with 1.2 times that limit",
@@ -185,13 +198,13 @@ def _loads(one: "LawTrial") -> str:
     return f"{one.peak_angle_of_attack:.2f}/{one.peak_attitude:.2f}" if found else "-"
 
 
-def _limit(one: "LawTrial") -> str:
-    """The boundary, or on which side of the range that was tried it lies."""
-    shown = f"{one.limit:.3f}"
+def _limit(one: "LawTrial", scale: float = 1.0) -> str:
+    """The boundary times a scale, or on which side of the range that was tried it lies."""
+    shown = f"{scale * one.limit:.3f}"
     if one.limit > one.highest:
-        shown = f">{one.highest:g}"
+        shown = f">{scale * one.highest:.4g}"
     elif one.limit <= one.lowest:
-        shown = f"<{one.lowest:g}"
+        shown = f"<{scale * one.lowest:.4g}"
     return shown + ("" if one.monotone else "*") + ("!" if _doubtful(one) else "")
 
 

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.inputs import only_with
+
 if TYPE_CHECKING:
     from tvclin.answers.least_gains.record import LeastGains
     from tvclin.cli.gains import GainOptions
@@ -16,22 +18,28 @@ Least = Annotated[
     bool,
     typer.Option(
         "--least",
-        help="Seek the gains that need the least nozzle in the wind, and half and twice as long"
-        " ones, of all that meet the criteria.",
+        help="Find the gains that need the least deflection of all that meet the criteria: in the"
+        " wind, and in winds half and twice as long.",
     ),
 ]
 ThreeGains = Annotated[
-    bool, typer.Option("--three-gains", help="With --least: the angle of attack is fed back too.")
+    bool, typer.Option("--three-gains", help="With --least: also feed back the angle of attack.")
 ]
 Crossover = Annotated[
     float | None, typer.Option(help="With --least: highest gain crossover, in rad/s.")
 ]
 Limits = Annotated[
     bool,
-    typer.Option("--limits", help="With --least: the limit that flights need, not the peak."),
+    typer.Option(
+        "--limits",
+        help="With --least: find the least limit that flights survive, not the least peak.",
+    ),
 ]
 Stops = Annotated[
-    int, typer.Option(help="With --least --limits: so many sudden ends of each wind as well.")
+    int,
+    typer.Option(
+        help="With --least --limits: number of sudden ends of each wind to survive as well."
+    ),
 ]
 _DURATIONS = (1.0, 0.5, 2.0)
 """Of the winds, over the one that is asked about: one wind alone is overfitted."""
@@ -54,8 +62,13 @@ def found_least(
     from tvclin.control.autopilot.rules import LEAST_NOZZLE
 
     if not least and gains.design != LEAST_NOZZLE:
-        if three_gains or limits or stops or crossover is not None:
-            raise InputError("--three-gains, --crossover, --limits and --stops are of --least")
+        only_with(
+            "--least",
+            three_gains=three_gains,
+            crossover=crossover,
+            limits=limits,
+            stops=stops or None,
+        )
         return None
     if gains.design not in (None, LEAST_NOZZLE):
         raise InputError(f"give --least or --design {gains.design}, not both")

@@ -9,7 +9,7 @@ from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
 from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
 from tvclin.cli.flown import Flown, FlownCase, FlownLimitDeg, SampleRate, print_flown
 from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import load_plant, note_structure
+from tvclin.cli.inputs import load_plant, note_structure, only_with
 from tvclin.cli.options import (
     AsJson,
     LinearVehicle,
@@ -29,17 +29,19 @@ CriteriaName = Annotated[
     str, typer.Option("--criteria", help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
 ]
 GainDb = Annotated[
-    float | None, typer.Option(help="Gain margin asked for on both sides, in dB, in its place.")
+    float | None,
+    typer.Option(help="Gain margin asked for, up and down, in dB, in place of that of --criteria."),
 ]
 PhaseDeg = Annotated[
-    float | None, typer.Option(help="Phase margin asked for, in deg, in its place.")
+    float | None,
+    typer.Option(help="Phase margin asked for, in deg, in place of that of --criteria."),
 ]
 DelayMarginMs = Annotated[float | None, typer.Option(help="Delay margin asked for as well, in ms.")]
 ModeGainDb = Annotated[
-    float | None, typer.Option(help="Asked of each mode that is gain-stabilised, in dB.")
+    float | None, typer.Option(help="Gain margin asked of each gain-stabilised mode, in dB.")
 ]
 ModePhaseDeg = Annotated[
-    float | None, typer.Option(help="Asked of each mode that is phase-stabilised, in deg.")
+    float | None, typer.Option(help="Phase margin asked of each phase-stabilised mode, in deg.")
 ]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
@@ -71,17 +73,20 @@ def margins(
 ) -> None:
     """Print the stability margins of an attitude and rate autopilot, and judge them.
 
+    A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: its
+    margins are printed as a whole and for each mode. --rigid leaves all that out.
+
+    --flown flies through the wind with the limit --limit-deg, and prints how much gain, nozzle and
+    delay may change before a flight is lost. The criteria judge the linear margins, not these.
+
+    --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
+    vehicle there, and the worst required deflection. The criteria judge the worst margins too.
+
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
-    Where the vehicle file has bending, slosh, an engine with inertia or lags of sensors, the
-    margins are those of the flexible vehicle, also by band; --rigid leaves all that out.
-    With --flown also how much may change before a flight through the wind, with a deflection
-    limit, is lost; the criteria judge the linear margins alone.
-    With --box also the worst margins of the rigid vehicle, and the worst required deflection, when
-    numbers lie anywhere in a box; then the worst margins are judged.
     """
     from dataclasses import replace
 
-    from tvclin.base.errors import InputError, one_of
+    from tvclin.base.errors import one_of
     from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
     from tvclin.cli.output import print_json
 
@@ -90,11 +95,14 @@ def margins(
         criteria, gain_db, phase_deg, delay_margin_ms, mode_gain_db, mode_phase_deg
     )
     loaded, plant, frame = load_plant(vehicle, model, plane, rigid)
-    if plant is frame and (mode_gain_db, mode_phase_deg) != (None, None):
-        raise InputError(
-            "--mode-gain-db and --mode-phase-deg are asked of modes: they need a vehicle file with"
-            " [[bending]] or [[slosh]], and no --rigid"
+    if plant is frame:
+        only_with(
+            "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid",
+            mode_gain_db=mode_gain_db,
+            mode_phase_deg=mode_phase_deg,
+            detuned=detuned,
         )
+    only_with("--flown", limit_deg=None if flown else limit_deg)
     autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None

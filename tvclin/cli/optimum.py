@@ -30,7 +30,7 @@ def optimum(
         float, typer.Option(help="Start of the control, in s; negative: before the wind.")
     ] = 0.0,
     horizon: Annotated[
-        float | None, typer.Option(help="Time, in s, from which the deflection is zero again.")
+        float | None, typer.Option(help="Time after which the deflection must be zero again, in s.")
     ] = None,
     rate_limit_deg: Annotated[
         float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")
@@ -41,7 +41,7 @@ def optimum(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print the deflection of least peak that survives a wind whose whole course is known.
+    """Print the least peak deflection with which a wind that is known beforehand is survived.
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """

@@ -9,10 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-MODELS_HELP = (
-    "fixed-path, drift, drift-exact or drift-and-speed. Without it drift-exact, or fixed-path where"
-    " no more is known than mu_alpha and mu_delta."
-)
+MODELS_HELP = "fixed-path, drift, drift-exact or drift-and-speed."
+MODEL_DEFAULT = "drift-exact; fixed-path where no more than mu_alpha and mu_delta is known"
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
 LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone."
 
@@ -21,42 +19,40 @@ LinearVehicle = Annotated[str, typer.Argument(metavar="VEHICLE", help=LINEAR_HEL
 Wind = Annotated[str, typer.Option(help="Shape of the wind: triangular or rectangular.")]
 Duration = Annotated[float, typer.Option(help="Duration of the wind, in s.")]
 PeakDeg = Annotated[
-    float | None, typer.Option(help="Peak wind angle of attack, in deg; 5 if nothing is given.")
+    float | None, typer.Option(help="Peak wind angle of attack, in deg.", show_default="5")
 ]
 PeakSpeed = Annotated[
-    float | None, typer.Option(help="Peak wind speed, in m/s, in its place, by eq (B1e).")
+    float | None, typer.Option(help="Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e).")
 ]
 Plane = Annotated[str, typer.Option(help="Plane of the motion: pitch or yaw.")]
 LimitDeg = Annotated[
     float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
 ]
 OtherPlane = Annotated[
-    str | None, typer.Option(help="Plane of the motion: pitch (as without) or yaw.")
+    str | None, typer.Option(help="Plane of the motion: pitch or yaw.", show_default="pitch")
 ]
 Planes = Annotated[
     str | None,
-    typer.Option(help="Plane of the motion: pitch (as without), yaw, or both with one stop."),
-]
-StopShape = Annotated[
-    str | None,
     typer.Option(
-        metavar="SHAPE",
-        help="What the nozzle can do in both planes: round (as without), round-each-plane, square"
-        " or square-45.",
+        help="Plane of the motion: pitch, yaw, or both with one stop.", show_default="pitch"
     ),
 ]
+STOPS_HELP = "round, round-each-plane, square or square-45."
 WindDirectionDeg = Annotated[
     float | None,
     typer.Option(
-        help="Where the wind blows from, in deg from north, clockwise; the peak is then that of the"
-        " vector. With --azimuth-deg."
+        help="Where the wind blows from, in deg from north, clockwise; --peak-deg is then the size"
+        " of the wind's vector in both planes. Needs --azimuth-deg."
     ),
 ]
 AzimuthDeg = Annotated[
     float | None, typer.Option(help="Direction of flight, in deg from north, clockwise.")
 ]
-Model = Annotated[str | None, typer.Option(help=f"Model: {MODELS_HELP}")]
-Until = Annotated[float, typer.Option(help="Length in units of the wind's duration.")]
+Model = Annotated[
+    str | None, typer.Option(help=f"Model: {MODELS_HELP}", show_default=MODEL_DEFAULT)
+]
+TIME_HELP = "as in '2024-02-15 12' (UTC); the first without it."
+Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Csv = Annotated[Path | None, typer.Option(help="Also write what --plot draws into this CSV file.")]

@@ -27,8 +27,8 @@ def report(
 ) -> None:
     """Write the whole answer of a study as one HTML page, which needs no network.
 
-    Exit code 0: every question of the file is answered with yes, or no limit was given; 1: one is
-    not; 2: bad input.
+    Exit code 0: the answer to every question of the file is yes, or no limit was given; 1: the
+    answer to one is not yes; 2: bad input.
     """
     from tvclin.answers.questions import all_yes, sufficient
     from tvclin.answers.study_file.read import example_plan, load_study

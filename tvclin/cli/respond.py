@@ -40,12 +40,11 @@ def respond(
     capability: Annotated[
         float | None,
         typer.Option(
-            help="Deflection limit in units of what is required; 1, the boundary, if nothing is"
-            " given."
+            help="Deflection limit over what is required: 1 is the boundary.", show_default="1"
         ),
     ] = None,
     limit_deg: Annotated[
-        float | None, typer.Option(help="Deflection limit, in deg, in its place.")
+        float | None, typer.Option(help="Deflection limit, in deg, in place of --capability.")
     ] = None,
     model: Model = None,
     plane: Plane = "pitch",

@@ -11,7 +11,9 @@ from tvclin.cli.options import grouped
 if TYPE_CHECKING:
     from tvclin.answers.sizing.schedule import FlightSchedule
 
-schedule = typer.Typer(no_args_is_help=True, help="Flight schedules: the vehicle over its flight.")
+schedule = typer.Typer(
+    no_args_is_help=True, help="Make flight schedules: a vehicle over the time of its flight."
+)
 source = typer.Typer(
     no_args_is_help=True,
     help="Make a schedule of a flight that another tool has simulated.",
@@ -27,10 +29,13 @@ SlopeNumber = Annotated[
 ]
 SlopeTable = Annotated[
     Path | None,
-    typer.Option("--cn-alpha", help="Or a table of it over Mach: of RASAero II, of OpenRocket."),
+    typer.Option(
+        "--cn-alpha", help="In its place a table of it over Mach, of RASAero II or OpenRocket."
+    ),
 ]
 Ground = Annotated[
-    float | None, typer.Option(help="Elevation of the launch site above the sea, in m.")
+    float | None,
+    typer.Option(help="Elevation of the launch site above the sea, in m, from -450 to 9000."),
 ]
 
 
@@ -41,7 +46,7 @@ class Rows:
     start: Annotated[float | None, typer.Option(help="Earliest time, in s.")] = None
     stop: Annotated[float | None, typer.Option(help="Latest time, in s.")] = None
     most_rows: Annotated[
-        int, typer.Option(help="More rows than that are thinned by straight lines.")
+        int, typer.Option(help="Most rows to write; more are thinned, with straight lines between.")
     ] = 200
 
 
@@ -55,7 +60,10 @@ def openrocket(
     cn_alpha: SlopeTable = None,
     ground_m: Ground = None,
     reference_area_m2: Annotated[
-        float | None, typer.Option(help="Area of a given slope, in m^2; that of the file without.")
+        float | None,
+        typer.Option(
+            help="Reference area of a given slope, in m^2.", show_default="that of the file"
+        ),
     ] = None,
     rows: Rows = Rows(),
 ) -> None:

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import gust_of, heading_given, note_source
+from tvclin.cli.inputs import gust_of, heading_given, note_source, only_with
 from tvclin.cli.options import (
+    STOPS_HELP,
+    TIME_HELP,
     AsJson,
     AzimuthDeg,
     Gust,
@@ -17,7 +19,6 @@ from tvclin.cli.options import (
     PeakSpeed,
     Planes,
     Plot,
-    StopShape,
     WindDirectionDeg,
 )
 from tvclin.cli.progress import bar
@@ -40,12 +41,13 @@ def size(
     wind: Annotated[
         str | None,
         typer.Option(
-            help="Shape of the pulse: triangular (as without) or rectangular. Beside --winds a"
-            " pulse blows only where one is asked for."
+            help="Shape of the pulse: triangular or rectangular. With --winds there is a pulse only"
+            " if an option or the study file asks for one.",
+            show_default="triangular",
         ),
     ] = None,
     duration: Annotated[
-        float | None, typer.Option(help="Duration of the pulse, in s; 7.5 if nothing is given.")
+        float | None, typer.Option(help="Duration of the pulse, in s.", show_default="7.5")
     ] = None,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
@@ -53,31 +55,56 @@ def size(
         list[Path] | None,
         typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
     ] = None,
+    winds_time: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TIME",
+            help=f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
+        ),
+    ] = None,
     azimuth_deg: AzimuthDeg = None,
     wind_direction_deg: WindDirectionDeg = None,
     window: Annotated[
         float | None,
-        typer.Option(help="Of a sounding counts only so much about each flight time, in s."),
+        typer.Option(
+            help="Length of a sounding that counts, about each flight time, in s.",
+            show_default="all of it",
+        ),
     ] = None,
     gust: Gust = None,
     begin: Annotated[
-        float | None, typer.Option("--from", help="First flight time, in s; as early as it goes.")
+        float | None,
+        typer.Option("--from", help="First flight time, in s.", show_default="as early as it goes"),
     ] = None,
     end: Annotated[
-        float | None, typer.Option("--to", help="Last flight time, in s; as late as it goes.")
+        float | None,
+        typer.Option("--to", help="Last flight time, in s.", show_default="as late as it goes"),
     ] = None,
-    every: Annotated[float | None, typer.Option(help="Time between flight times, in s; 5.")] = None,
+    every: Annotated[
+        float | None, typer.Option(help="Time between flight times, in s.", show_default="5")
+    ] = None,
     dead_band: Annotated[
         list[float] | None,
-        typer.Option(help="Dead band K, from 0 to 1; may be given several times. 1 and 0.5."),
+        typer.Option(
+            help="Dead band K, from 0 to 1; may be given several times.", show_default="1 and 0.5"
+        ),
     ] = None,
     model: Model = None,
     plane: Planes = None,
-    stop: StopShape = None,
+    stop: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SHAPE",
+            help=f"Shape of the stop of the nozzle, with --plane both: {STOPS_HELP}",
+            show_default="round",
+        ),
+    ] = None,
     law: Annotated[
         str | None,
         typer.Option(
-            help="Laws without a forecast: their bound (as without), or one flown (slow): flown."
+            help="What the column 'no forecast' holds: bound, which no law without a forecast"
+            " undercuts, or flown, what such a law needs in flight (slow).",
+            show_default="bound",
         ),
     ] = None,
     varying: Annotated[
@@ -87,26 +114,37 @@ def size(
     count: Annotated[
         str | None,
         typer.Option(
-            help="Requirement that counts as the wind's: K = 1, trim, 'K = 1, varying', ..."
+            help="Which column counts as the wind's in the total: 'K = 1', trim, 'K = 1, varying',"
+            " ...",
+            show_default="the largest dead band; in soundings alone with --varying, varying",
         ),
     ] = None,
     dispersion: Annotated[
-        float | None, typer.Option(help="What dispersions add, as a part of the wind's; 0.")
+        float | None,
+        typer.Option(
+            help="What dispersions add, as a part of what the wind needs.", show_default="0"
+        ),
     ] = None,
     disperse: Annotated[
         bool,
         typer.Option(
-            "--disperse", help="Find that part: 2000 cases at the worst time, as of tvclin study."
+            "--disperse",
+            help="Find that part from 2000 cases at the worst time, as tvclin study --disperse.",
         ),
     ] = False,
     thrust_offset_deg: Annotated[
-        float | None, typer.Option(help="Angle of the thrust off the nozzle's axis, in deg; 0.")
+        float | None,
+        typer.Option(help="Angle of the thrust off the nozzle's axis, in deg.", show_default="0"),
     ] = None,
     gravity_offset_m: Annotated[
-        float | None, typer.Option(help="Distance of the centre of gravity off the axis, in m; 0.")
+        float | None,
+        typer.Option(
+            help="Distance of the centre of gravity off the axis, in m.", show_default="0"
+        ),
     ] = None,
     reserve: Annotated[
-        float | None, typer.Option(help="Part of the limit that stays unused, from 0 to 1; 0.")
+        float | None,
+        typer.Option(help="Part of the limit that stays unused, from 0 to 1.", show_default="0"),
     ] = None,
     as_json: AsJson = False,
     csv: Annotated[
@@ -116,15 +154,15 @@ def size(
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.
 
-    The peak of a pulse meets each flight time; soundings are flown through.
+    A pulse is placed so that its peak meets each flight time; a sounding is flown through. Options
+    count more than a study file.
 
-    What stands in a study file counts where no option is given.
-
-    Exit code 0: sufficient, or no limit was given; 1: not sufficient, or not known to be, as
+    Exit code 0: the limit is enough, or none was given; 1: it is not, or that is not known, as
     where a sounding ends below the flight; 2: bad input.
     """
     from dataclasses import replace
 
+    from tvclin.answers.planes import BOTH
     from tvclin.answers.study_file.read import load_sizing
     from tvclin.base.documents import picked
     from tvclin.base.errors import InputError
@@ -136,8 +174,9 @@ def size(
             "--azimuth-deg is for soundings and for a wind with a direction; name one with --winds,"
             " or give --wind-direction-deg"
         )
-    asked = load_sizing(source, _soundings(winds or [], azimuth_deg))
+    soundings = _soundings(winds or [], winds_time or [], azimuth_deg)
     note_source(source)
+    asked = load_sizing(source, soundings)
     heading = None
     if wind_direction_deg is not None:
         heading = heading_given(wind_direction_deg, azimuth_deg)
@@ -162,6 +201,8 @@ def size(
         "reserve": reserve,
     }
     asked = replace(asked, **{name: value for name, value in given.items() if value is not None})
+    if asked.plane != BOTH:
+        only_with("--plane both", stop=stop)
     with bar("flight times and winds") as progress:
         found = asked.sizing(progress)
     if disperse:
@@ -233,8 +274,10 @@ def _with_pulse(
     return asked if peak_speed is None else replace(asked, peak_speed=peak_speed)
 
 
-def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "SoundingAsked"]:
-    """The soundings of the files by name."""
+def _soundings(
+    files: list[Path], times: list[str], azimuth_deg: float | None
+) -> dict[str, "SoundingAsked"]:
+    """The soundings of the files by name, and by the time that was asked for."""
     import numpy as np
 
     from tvclin.answers.sizing.asked import SoundingAsked
@@ -243,14 +286,22 @@ def _soundings(files: list[Path], azimuth_deg: float | None) -> dict[str, "Sound
 
     if files and azimuth_deg is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
+    if len(times) not in (0, len(files)):
+        raise InputError(
+            f"--winds-time must be given once for each --winds; got {len(times)} for {len(files)}"
+        )
     azimuth = np.radians(number("--azimuth-deg", azimuth_deg or 0.0, between(-360.0, 360.0), "deg"))
     names = [file.name for file in files]
-    return {
-        str(file) if names.count(file.name) > 1 else file.name: SoundingAsked(
-            read_sounding(file), float(azimuth)
-        )
-        for file in files
-    }
+    found: dict[str, SoundingAsked] = {}
+    for k, file in enumerate(files):
+        time = times[k] if times else None
+        name = " at ".join(filter(None, (file.name, time)))
+        if time is None and names.count(file.name) > 1:
+            name = str(file)
+        if name in found:
+            raise InputError(f"--winds gives {name} twice")
+        found[name] = SoundingAsked(read_sounding(file, time=time), float(azimuth))
+    return found
 
 
 def _gust(asked: "SizingAsked", given: tuple[float, float] | None) -> Any:

@@ -4,19 +4,19 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure
+from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure, only_with
 from tvclin.cli.options import (
     LINEAR_HELP,
-    MODELS_HELP,
+    STOPS_HELP,
     AsJson,
     AzimuthDeg,
     Gust,
     LimitDeg,
+    Model,
     OtherPlane,
     PeakDeg,
     PeakSpeed,
     Plot,
-    StopShape,
     WindDirectionDeg,
 )
 
@@ -30,39 +30,62 @@ def study(
         ),
     ] = "configuration-i",
     wind: Annotated[
-        str | None, typer.Option(help="Shape of the wind: triangular (as without) or rectangular.")
+        str | None,
+        typer.Option(
+            help="Shape of the wind: triangular or rectangular.", show_default="triangular"
+        ),
     ] = None,
     duration: Annotated[
-        float | None, typer.Option(help="Duration of the wind, in s; 7.5 if nothing is given.")
+        float | None, typer.Option(help="Duration of the wind, in s.", show_default="7.5")
     ] = None,
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     gust: Gust = None,
     gust_at: Annotated[
         float | None,
-        typer.Option(help="When the gust peaks, in s; in the middle of the wind if not given."),
+        typer.Option(help="When the gust peaks, in s.", show_default="the middle of the wind"),
     ] = None,
     dead_band: Annotated[
         float | None,
         typer.Option(
-            help="Dead band K of the verdict, from 0 to 1; 1, as without, needs no forecast."
+            help="Dead band K of the verdict, from 0 to 1; only 1 needs no forecast of the wind.",
+            show_default="1",
         ),
     ] = None,
     limit_deg: LimitDeg = None,
-    model: Annotated[str | None, typer.Option(help=f"Model of the verdict: {MODELS_HELP}")] = None,
+    model: Model = None,
     plane: OtherPlane = None,
     wind_direction_deg: WindDirectionDeg = None,
     azimuth_deg: AzimuthDeg = None,
-    stop: StopShape = None,
+    stop: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SHAPE",
+            help=f"Judge both planes with one stop of the nozzle: {STOPS_HELP} The peak that the"
+            " limit survives is then that of the wind's vector; without, that of its part in"
+            " --plane. Needs --wind-direction-deg.",
+        ),
+    ] = None,
     switch: Annotated[
         str | None,
-        typer.Option(help="What leaves the dead band: report (the wind) or literal (trim)."),
+        typer.Option(
+            help="What leaves the dead band of the boundaries shown: trim (literal) or the wind"
+            " (report).",
+            show_default="literal",
+        ),
     ] = None,
     disperse: Annotated[
-        bool, typer.Option("--disperse", help="Disperse vehicle and wind by assumed amounts too.")
+        bool,
+        typer.Option(
+            "--disperse",
+            help="Also find the deflection that covers dispersed vehicles and winds; by assumed"
+            " amounts, where no study file gives them.",
+        ),
     ] = False,
-    cases: Annotated[int | None, typer.Option(help="Cases of --disperse; 2000.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of --disperse; 0.")] = None,
+    cases: Annotated[
+        int | None, typer.Option(help="Number of cases of --disperse.", show_default="2000")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of --disperse.", show_default="0")] = None,
     explain: Annotated[
         bool, typer.Option("--explain", help="Say in a line what each symbol means.")
     ] = False,
@@ -71,11 +94,11 @@ def study(
 ) -> None:
     """Say how much deflection a booster needs in a wind, and whether its limit is enough.
 
-    What stands in a study file counts where no option is given.
+    A study file may also ask about the whole flight, an archive of soundings, dispersed vehicles
+    and an autopilot. Options count more than the file.
 
-    Exit code 0: every question that is asked is answered with yes, or no limit was given; 1: one
-    is not; 2: bad input. A study file may ask of the whole flight, of an archive of soundings, of
-    dispersed vehicles, and of an autopilot, beside the wind.
+    Exit code 0: the answer to every question is yes, or no limit was given; 1: the answer to one is
+    not yes; 2: bad input.
     """
     from dataclasses import replace
 
@@ -99,17 +122,17 @@ def study(
     asked = load_study(source)
     plan = changed_plan(asked, wind, duration, (peak_deg, peak_speed), limit_deg, given, heading)
     note_structure(plan.vehicle, plan.structure, plan.plane, "the boundaries")
-    if gust_at is not None and gust is None:
-        raise InputError("--gust-at needs --gust")
-    if gust is not None:
+    if gust is None:
+        only_with("--gust", gust_at=gust_at)
+    else:
         middle = 0.5 * plan.wind.duration
         plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 
         plan = replace(plan, dispersions=DEFAULT_DISPERSIONS)
-    if plan.dispersions is None and (cases, seed) != (None, None):
-        raise InputError("--cases and --seed need --disperse, or a study file with dispersions")
+    if plan.dispersions is None:
+        only_with("--disperse, or a study file with dispersions", cases=cases, seed=seed)
     found = find(questioned(plan))
     result, dispersed = found.study, found.dispersed
     if disperse and dispersed is None:

@@ -142,9 +142,13 @@ def _print_boundaries(result: "Study") -> None:
     if survived:
         rows = [[*row, peak] for row, peak in zip(rows, survived, strict=True)]
     peak, duration = float(deg(result.wind.peak)), float(result.wind.duration)
+    whole = ""
+    if result.slanting is not None:
+        vector = abs(float(deg(result.slanting.peak)))
+        whole = f", the part in the {result.plane} plane of a vector of {vector:.4g} deg"
     print_table(
         f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
-        f"{result.gust_words}"
+        f"{result.gust_words}{whole}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
         [
             "dead band K",
@@ -160,7 +164,8 @@ def _print_boundaries(result: "Study") -> None:
         word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
         largest = abs(deg(result.survivable_peak))
         said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
-        typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}")
+        of_it = f", {result.peak_of}" if result.peak_of and np.isfinite(largest) else ""
+        typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}{of_it}")
     typer.echo(
         "no forecast, bound: no law that does not know when the wind will stop can need less; wind"
         " known: the least of all, appendix C; y_BR: over what trim takes"

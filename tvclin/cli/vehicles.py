@@ -41,13 +41,23 @@ def init(
     study: Annotated[
         bool, typer.Option("--study", help="A study file: vehicle, wind, laws, margins and more.")
     ] = False,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(help="Copy this vehicle of the package in its place (see: tvclin vehicles)."),
+    ] = None,
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""
     from tvclin.answers.study_file.read import example
+    from tvclin.base.errors import InputError, one_of
     from tvclin.base.files import called, write_new
-    from tvclin.vehicle.file import template
+    from tvclin.vehicle.file import list_vehicles, template, vehicle_text
 
-    write_new(file, example() if study else template())
+    if study and vehicle is not None:
+        raise InputError("give --study or --vehicle, not both")
+    text = example() if study else template()
+    if vehicle is not None:
+        text, _ = vehicle_text(one_of("--vehicle", vehicle, list_vehicles()))
+    write_new(file, text)
     name = called(file)
     then = f"tvclin report {name}" if study else f"tvclin study {name}"
     typer.echo(f"Wrote {name}. Fill in what differs, then: {then}")

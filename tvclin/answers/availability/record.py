@@ -134,7 +134,11 @@ class Availability:
 
     @property
     def need(self) -> FloatArray:
-        """What each sounding asks for [rad], as far as it saw; NaN where it is not judged."""
+        """What each sounding asks for [rad], at least; NaN where this limit is not judged.
+
+        It depends on the limit of `availability`: a sounding that meets its limit more than once is
+        flown if it asks for about this limit, and else `least` and `most` bracket what it needs.
+        """
         return np.where(np.isnan(self.flies), np.nan, self.least)
 
     @property
@@ -221,6 +225,8 @@ class Availability:
 
     def to_csv(self, path: Path | None = None) -> str:
         """Return a line for each sounding and azimuth as CSV, and write it where a path is given.
+
+        The columns need_deg, least_deg and most_deg are `need`, `least` and `most`.
 
         Raises
         ------

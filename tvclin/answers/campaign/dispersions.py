@@ -231,8 +231,9 @@ def is_of_modes(name: str) -> bool:
     return name in MODES or _ONE_MODE.fullmatch(name) is not None
 
 
-_KINDS = {name: VEHICLE_TABLE.quantities.get(name, "number") for name in PARAMETERS} | WIND
-UNITS_OF = {name: si_unit(kind) for name, kind in _KINDS.items()} | {
+KINDS = {name: VEHICLE_TABLE.quantities.get(name, "number") for name in PARAMETERS} | WIND
+"""Of what kind of `UNITS` the spread of each is, where a file gives it as a number."""
+UNITS_OF = {name: si_unit(kind) for name, kind in KINDS.items()} | {
     "attitude_gain": "rad/rad",
     "rate_gain": "s",
     "alpha_gain": "rad/rad",
@@ -254,7 +255,7 @@ def spread_table(parameter: Any, recorded: bool = False) -> Table:
         For what cannot be dispersed.
     """
     name = known_parameter("parameter in [[dispersion]]", parameter)
-    kind = "number" if recorded else _KINDS.get(name, "number")
+    kind = "number" if recorded else KINDS.get(name, "number")
     kinds = DISPERSION_TABLE.quantities | {"spread": kind}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
 

@@ -60,8 +60,8 @@ def read_openrocket(
         (component analysis) exports. From the column of that name, which exists since 2026, where
         it is not given.
     ground : float, optional
-        Elevation of the launch site above the sea [m]; needed where the file has no altitude above
-        the sea.
+        Elevation of the launch site above the sea [m], from -450 to 9000; for a file that has no
+        altitude above the sea, and not for another.
     reference_area : float, optional
         The area [m^2] on which a given slope is; that of the file where it is not given.
     start, stop : float, optional

@@ -120,6 +120,11 @@ def _altitude(table: Table, ground: float | None) -> dict[str, Column]:
     """The altitude above the sea, to which winds belong."""
     sea = table.find("Altitude above sea level")
     if sea is not None:
+        if ground is not None:
+            raise InputError(
+                f"{table.text.source} has altitudes above the sea already, in {sea.name}: leave"
+                " ground out"
+            )
         return {"altitude": table.numbers(sea, "length")}
     heading = table.find("Altitude")
     if heading is None:

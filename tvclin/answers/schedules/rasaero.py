@@ -66,7 +66,7 @@ def read_rasaero(
     normal_force_coefficient_slope : float, (mach, slope) or path
         dC_N/dalpha [1/rad], on RASAero's own area: most often its aerodynamics as a table.
     ground : float
-        Elevation of the launch site above the sea [m].
+        Elevation of the launch site above the sea [m], from -450 to 9000.
     start, stop : float, optional
         Earliest and latest time [s]; the first burn if not given.
     most_rows : int

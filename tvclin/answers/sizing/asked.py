@@ -115,7 +115,7 @@ class SizingAsked:
     nozzle_stop : Stop or str
         What the nozzle can do in both planes, as the `stop` of `size`.
     count : str, optional
-        The requirement that counts as the wind's; where it is not given the first dead band, with
+        The requirement that counts as the wind's; where it is not given the largest dead band, with
         varying parameters if these are asked for and all winds are soundings.
     dispersion, thrust_offset, gravity_offset, reserve, limit
         As of `worst_total`.
