@@ -188,8 +188,9 @@ def test_what_cannot_be_is_told(parameter, nominal, possible):
 
 def test_the_command_line_says_the_same(nominal):
     arguments = ["study", "--disperse", "--cases", "1800", "--seed", "2", "--limit-deg", "0.42"]
+    arguments += ["--model", "fixed-path"]
     text = CliRunner().invoke(app, arguments).output
-    document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output)["dispersed"]
+    document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)["dispersed"]
     found = tv.disperse_study(nominal, cases=1800, seed=2)
     assert document["upper_deg"] == pytest.approx(np.degrees(found.required.upper), rel=1e-12)
     assert f"{document['upper_deg']:.4f} deg" in text

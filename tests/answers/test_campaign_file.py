@@ -90,7 +90,7 @@ def test_each_case_draws_one_wind_of_an_ensemble(ensemble):
     counts = np.bincount(found["wind"], minlength=5)
     assert counts.size == 5
     assert counts.min() > 400 / 5 - 4 * np.sqrt(400 / 5)
-    plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
+    plant = tv.Plant.from_vehicle(plan.vehicle)
     for k in range(5):
         wind = tv.SampledWind(time=time, angle=np.radians(angle[k]))
         rows = found["wind"] == k

@@ -138,7 +138,7 @@ def test_the_command_line_says_how_many_survive_and_replays_a_flight(tmp_path, t
     np.testing.assert_array_equal(found.column("flight_survived"), few["flight_survived"])
     share = few["flight_survived"].mean()
     shown = CliRunner().invoke(app, ["campaign", "show", str(tmp_path), "--json"])
-    assert json.loads(shown.output)["survival"]["estimate"] == share
+    assert json.loads(shown.stdout)["survival"]["estimate"] == share
     text = CliRunner().invoke(app, ["campaign", "show", str(tmp_path)]).output
     assert f"{100 * share:.2f} %" in text
     case = int(np.argmax(few["flight_survived"]))
@@ -215,7 +215,7 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
         assert "loss is driven by" in shown.output
         assert "wind_duration (+" in shown.output
         assert ("are enough in" in shown.output) == bool(arguments)
-    document = json.loads(CliRunner().invoke(app, ["campaign", "show", folder, "--json"]).output)
+    document = json.loads(CliRunner().invoke(app, ["campaign", "show", folder, "--json"]).stdout)
     lost = flown_only.flights[1]
     assert document["flights"] == {"survived": 60 - lost, "lost": lost}
     assert document["loss"] == pytest.approx(vars(flown_only.loss()))

@@ -48,6 +48,7 @@ def plan():
         vehicle=tv.load_vehicle("configuration-i"),
         wind=tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5),
         dispersions=SPREAD,
+        model="fixed-path",
         outputs=("required", "minimum"),
         dead_bands=(1.0, 0.5),
         cases=700,
@@ -109,7 +110,7 @@ def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_stu
     for case in np.flatnonzero(~impossible)[:4]:
         study = tv.Study.from_vehicle(
             vehicle.replace(pitch_damping=float(damping[case])),
-            **{"duration": 7.5, "peak": np.radians(5), "dead_band": 0.5},
+            **{"duration": 7.5, "peak": np.radians(5), "dead_band": 0.5, "model": "fixed-path"},
         )
         assert found["required_K0.5"][case] == pytest.approx(study.required_deflection, rel=1e-12)
         assert found["minimum"][case] == pytest.approx(study.minima["fixed-path"], rel=1e-12)

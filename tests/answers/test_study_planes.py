@@ -14,7 +14,8 @@ from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.cli.app import app
 
-JET = ("--wind-direction-deg", "270", "--azimuth-deg", "45", "--peak-speed", "50")
+HEADING = ("--wind-direction-deg", "270", "--azimuth-deg", "45")
+JET = (*HEADING, "--peak-speed", "50", "--model", "fixed-path")
 
 
 def run(*arguments: str) -> Result:
@@ -46,7 +47,7 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
     pitch, yaw = (tv.TriangularWind(peak=part, duration=7.5) for part in parts)
     for stop, shape in (("round", tv.CircularStop()), ("square", tv.SquareStop())):
         exact = tv.plane_limit(plant, tv.PlaneWind(pitch=pitch, yaw=yaw), shape)
-        found = json.loads(run("study", *JET, "--stop", stop, "--json").output)
+        found = json.loads(run("study", *JET, "--stop", stop, "--json").stdout)
         needed = np.radians(found["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
         alone = np.radians(found["planes"]["alone_deg"]["pitch"])
@@ -68,19 +69,19 @@ def test_a_peak_says_of_what_it_is(stop) -> None:
 
     Its parts are arc sines (B1e): off the straight line by a sixth of the square of the angle.
     """
-    asked = ("study", *JET[:4], "--limit-deg", "0.4", *stop)
+    asked = ("study", *HEADING, "--limit-deg", "0.4", *stop)
     shown = " ".join(run(*asked).output.split())
     whose = (
         "of the wind's vector in both planes" if stop else "of the wind's part in the pitch plane"
     )
     assert whose in shown
     assert "of 2.88 deg and 7.5 s, the part in the pitch plane of a vector of 5 deg" in shown
-    found = json.loads(run(*asked, "--json").output)
+    found = json.loads(run(*asked, "--json").stdout)
     verdict, planes = found["verdict"], found["planes"]
     assert verdict["survivable_peak_of"] == whose
     part = 1.0 if stop else planes["peak_deg"] / found["wind"]["peak_deg"]
     peak = part * verdict["survivable_peak_deg"]
-    again = json.loads(run(*asked, "--peak-deg", str(peak), "--json").output)
+    again = json.loads(run(*asked, "--peak-deg", str(peak), "--json").stdout)
     needed = again["verdict"]["required_deflection_deg"]
     assert needed == pytest.approx(0.4, rel=np.radians(peak) ** 2 / 6)
     plain = run("study", "--limit-deg", "0.4")
@@ -161,5 +162,5 @@ def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections
     most = np.degrees(np.hypot(*rows).max())
     (one,) = (q for q in questions(found) if q.name == "autopilot")
     assert one.yes is False
-    assert f"asks for {most:.3f}" in one.text
+    assert f"turn the nozzle by {most:.3f}" in one.text
     assert one.text.endswith("in both planes")

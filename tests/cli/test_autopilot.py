@@ -26,7 +26,7 @@ def test_margins_equal_the_library():
     plant = booster()
     rule = {"natural_frequency": 1.0, "damping": 0.7}
     autopilot = tv.design_gains(plant.coefficients, **rule, actuator=tv.Actuator(), delay=0.04)
-    expected, document = autopilot.margins(plant), json.loads(result.output)
+    expected, document = autopilot.margins(plant), json.loads(result.stdout)
     assert result.exit_code == 0
     for name in ("aero_margin_dB", "gain_increase", "phase_margin_deg", "disk_margin"):
         assert document["margins"][name] == pytest.approx(getattr(expected, name), rel=1e-12)
@@ -137,7 +137,7 @@ def test_a_warning_is_said_once():
 
 
 def test_the_autopilot_is_compared_as_in_the_library():
-    document = json.loads(run("autopilot", "--natural-frequency", "1", "--json").output)
+    document = json.loads(run("autopilot", "--natural-frequency", "1", "--json").stdout)
     plant = booster()
     rule = {"natural_frequency": 1.0, "damping": 0.7, "actuator": tv.Actuator()}
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
@@ -277,7 +277,7 @@ def test_bad_input_is_one_sentence(arguments, message):
 def test_flown_margins_stand_beside_the_linear_ones():
     asked = ("margins", "--natural-frequency", "1", "--model", "fixed-path", "--delay-ms", "5")
     flown = (*asked, "--flown", "--limit-deg", "0.6", "--duration", "6", "--sample-rate", "60")
-    document, plant = json.loads(run(*flown, "--json").output), booster("fixed-path")
+    document, plant = json.loads(run(*flown, "--json").stdout), booster("fixed-path")
     law = tv.SaturatedLaw(tv.design_gains(plant.coefficients, natural_frequency=1.0, damping=0.7))
     expected = tv.flown_margins(
         plant,
@@ -294,7 +294,7 @@ def test_flown_margins_stand_beside_the_linear_ones():
         assert found["value"] == pytest.approx(one.value, rel=1e-9)
         assert (found["cause"], found["again"]) == (one.cause, one.again)
     assert document["flown"]["spare"] == pytest.approx(expected.spare, rel=1e-12)
-    stepped = json.loads(run(*asked, "--sample-rate", "60", "--json").output)
+    stepped = json.loads(run(*asked, "--sample-rate", "60", "--json").stdout)
     assert document["margins"] == stepped["margins"]
     shown = run(*flown).output
     assert "In this triangular wind of 6 s, with a stop at 0.6 deg, 60 Hz" in shown

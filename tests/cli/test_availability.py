@@ -31,7 +31,7 @@ EAST = ("--azimuth-deg", "90", "--plane", "pitch")
 def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     table = tmp_path / "all.csv"
     result = run(station, *EAST, "--limit-deg", "0.35", "--json", "--csv", str(table))
-    document = json.loads(result.output)
+    document = json.loads(result.stdout)
     found = tv.availability(
         tv.load_schedule("configuration-i"), tv.read_soundings(station),
         limit=np.radians(0.35), azimuth=np.radians([90.0]), plane="pitch",

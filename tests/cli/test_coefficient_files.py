@@ -52,7 +52,7 @@ def _file(folder: Path, text: str) -> str:
 )
 def test_the_coefficients_of_a_vehicle_give_its_numbers(command: list[str], all_of_it: str) -> None:
     whole, known = (
-        json.loads(run(command[0], one, *command[1:], "--json").output)
+        json.loads(run(command[0], one, *command[1:], "--json").stdout)
         for one in ("configuration-i", all_of_it)
     )
     of_weight_and_speed = {"vehicle", "peak_normal_force_N", "peak_lateral_speed_m_s"}
@@ -63,7 +63,7 @@ def test_the_coefficients_of_a_vehicle_give_its_numbers(command: list[str], all_
 
 
 def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
-    study = json.loads(run("study", slopes, "--json").output)
+    study = json.loads(run("study", slopes, "--json").stdout)
     boundary = tv.boundary_limit(
         tv.Plant(BOOSTER, "fixed-path"), tv.TriangularWind(peak=np.radians(5), duration=7.5)
     )
@@ -128,7 +128,7 @@ def test_a_wrong_file_is_one_sentence(tmp_path: Path, text: str, said: str) -> N
 
 def test_an_actuator_in_hertz_is_the_one_in_radians() -> None:
     one, other = (
-        json.loads(run("margins", "--json", option, value).output)["autopilot"]["actuator"]
+        json.loads(run("margins", "--json", option, value).stdout)["autopilot"]["actuator"]
         for option, value in (
             ("--actuator-hz", "4"),
             ("--actuator-frequency", repr(8.0 * np.pi)),

@@ -87,17 +87,17 @@ def test_a_damped_vehicle_is_shown_with_its_pole(tmp_path) -> None:
     c = tv.Coefficients.from_vehicle(tv.load_vehicle(mine))
     for said in ("pitch damping M_q", f"{c.pole:.4f}", f"{c.damping:.5f}", f"{c.beta:.4f}"):
         assert said in shown.output
-    document = json.loads(run("study", str(mine), "--json").output)
+    document = json.loads(run("study", str(mine), "--json").stdout)
     assert document["coefficients"]["pole_per_s"] == c.pole
     assert document["coefficients"]["damping"] == c.damping
     assert "tau*p" in run("boundary", str(mine)).output
     assert "tau*beta" in run("boundary", "configuration-i").output
     for source, key in ((str(mine), "tau_p"), ("configuration-i", "tau_beta")):
-        assert key in json.loads(run("boundary", source, "--json").output)
+        assert key in json.loads(run("boundary", source, "--json").stdout)
 
 
 def test_json_equals_the_library() -> None:
-    document = json.loads(run("study", "configuration-ii", "--limit-deg", "0.2", "--json").output)
+    document = json.loads(run("study", "configuration-ii", "--limit-deg", "0.2", "--json").stdout)
     expected = tv.Study.from_vehicle(
         tv.load_vehicle("configuration-ii"),
         duration=7.5,
@@ -119,8 +119,8 @@ def test_the_exit_code_is_the_verdict(limit: str, code: int) -> None:
 
 
 def test_a_wind_speed_becomes_the_angle_of_eq_b1e() -> None:
-    pitch = json.loads(run("study", "--peak-speed", "69.4", "--json").output)
-    yaw = json.loads(run("study", "--peak-speed", "69.4", "--plane", "yaw", "--json").output)
+    pitch = json.loads(run("study", "--peak-speed", "69.4", "--json").stdout)
+    yaw = json.loads(run("study", "--peak-speed", "69.4", "--plane", "yaw", "--json").stdout)
 
     sine = 69.4 / 538.81
     expected = np.degrees(np.arcsin(sine * np.sin(np.radians(44.83))))
@@ -132,14 +132,14 @@ def test_boundary_prints_figure_two() -> None:
     result = run("boundary", "--tau-beta", "4", "--json")
 
     expected = [0.6884593698, 0.6539593346, 0.5587576750, 0.4554095018, 0.3738225362]
-    assert json.loads(result.output)["limit"][0] == pytest.approx(expected, abs=5e-11)
+    assert json.loads(result.stdout)["limit"][0] == pytest.approx(expected, abs=5e-11)
 
 
 def test_boundary_of_a_vehicle_includes_its_drift() -> None:
     asked = ("boundary", "configuration-i", "--tau-beta", "4", "--dead-band", "1", "--json")
 
     for model, expected in ((("--model", "drift"), 0.66484), ((), 0.65596)):
-        found = json.loads(run(*asked, *model).output)["limit"][0][0]
+        found = json.loads(run(*asked, *model).stdout)["limit"][0][0]
         assert found == pytest.approx(expected, abs=5e-6)
 
 
@@ -152,7 +152,7 @@ def test_poles_prints_every_model() -> None:
 
 
 def test_poles_in_json_are_beta_and_its_residues() -> None:
-    document = json.loads(run("poles", "--model", "fixed-path", "--json").output)
+    document = json.loads(run("poles", "--model", "fixed-path", "--json").stdout)
     c = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i"))
     poles = {one["pole_per_s"]: one for one in document["models"]["fixed-path"]}
 
@@ -186,7 +186,7 @@ def test_a_fault_of_the_package_is_not_dressed_up_as_bad_input(monkeypatch) -> N
 
 def test_vehicles_and_version_are_told() -> None:
     assert "configuration-ii" in run("vehicles").output
-    assert json.loads(run("vehicles", "--json").output)["configuration-i"]["B"] == pytest.approx(
+    assert json.loads(run("vehicles", "--json").stdout)["configuration-i"]["B"] == pytest.approx(
         0.107229, abs=5e-7
     )
     assert tv.__version__ in run("--version").output

@@ -37,7 +37,7 @@ def margins(*more, file="made-up-booster"):
 
 def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_band():
     result = margins("--json")
-    document, expected = json.loads(result.output), autopilot().band_margins(booster())
+    document, expected = json.loads(result.stdout), autopilot().band_margins(booster())
     assert document["flexible"]
     assert document["model"] == "drift-exact"
     for name in ("aero_margin_dB", "gain_increase", "phase_margin_deg", "disk_margin"):
@@ -60,7 +60,7 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
 def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     own = ("--gain-db", "3", "--phase-deg", "20")
     assert margins(*own).exit_code == 0
-    document = json.loads(margins(*own, "--mode-gain-db", "6", "--json").output)
+    document = json.loads(margins(*own, "--mode-gain-db", "6", "--json").stdout)
     judged = {(one["band"], one["margin"]): one for one in document["criteria"]["requirements"]}
     second = autopilot().band_margins(booster()).mode("bending 2").gain_margin_dB
     found = judged["bending 2", "mode_gain_margin_dB"]
@@ -84,12 +84,12 @@ def test_an_unstable_flexible_vehicle_says_which_mode_is_lost():
 
 
 def test_rigid_leaves_the_structure_out():
-    document = json.loads(margins("--rigid", "--model", "drift-exact", "--json").output)
+    document = json.loads(margins("--rigid", "--model", "drift-exact", "--json").stdout)
     expected = autopilot().margins(booster().rigid)
     assert not document["flexible"]
     assert "bands" not in document
     assert document["margins"]["gain_increase"] == pytest.approx(expected.gain_increase, rel=1e-12)
-    assert json.loads(margins("--rigid", "--json").output)["model"] == "drift-exact"
+    assert json.loads(margins("--rigid", "--json").stdout)["model"] == "drift-exact"
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
 
 def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
-    document = json.loads(margins(*asked, "--json").output)["detuned"]
+    document = json.loads(margins(*asked, "--json").stdout)["detuned"]
     limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
     criteria = tv.Criteria.own(**limits, mode_gain_margin_dB=1)
     expected = tv.detuned(autopilot(), booster(), criteria=criteria)

@@ -30,7 +30,7 @@ def run(*arguments):
 def test_gains_are_sought_and_their_winds_listed():
     found = run("autopilot", "--least", "--crossover", "2", "--delay-ms", "20", "--json")
     assert found.exit_code == 0
-    document = json.loads(found.output)
+    document = json.loads(found.stdout)
     least = document["least"]
     assert least["meaning"] == "peak"
     assert len(least["each_deg"]) == 3
@@ -54,7 +54,7 @@ def test_the_worst_margins_of_a_box_are_judged():
     assert "delay = 0.04 s" in good.output
     bad = run(*fine, "--box", "gain=0.2..1", "--json")
     assert bad.exit_code == 1
-    document = json.loads(bad.output)
+    document = json.loads(bad.stdout)
     assert document["criteria"]["met"]
     assert not document["box"]["met"]
     assert document["box"]["margins"]["aero_margin_dB"]["at"] == {"gain": 0.2}
@@ -66,7 +66,7 @@ def test_the_keys_of_a_box_carry_their_units():
     thrust = tv.load_vehicle("configuration-i").thrust
     low, high = 0.97 * thrust, 1.03 * thrust
     found = [
-        json.loads(run("margins", "--delay-ms", "20", "--json", *box).output)["box"]["box"]
+        json.loads(run("margins", "--delay-ms", "20", "--json", *box).stdout)["box"]["box"]
         for box in (
             ("--box", f"thrust_N={low}..{high}", "--box", "delay_s=0..0.04"),
             ("--box", f"thrust_kN={low / 1e3}..{high / 1e3}", "--box", "delay_ms=0 .. 40"),

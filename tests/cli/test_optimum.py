@@ -17,7 +17,7 @@ def run(*arguments: str) -> Result:
 
 
 def test_json_equals_the_library() -> None:
-    document = json.loads(run("--duration", "40", "--json").output)
+    document = json.loads(run("--duration", "40", "--json").stdout)
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=40.0)
     expected = tv.optimum_deflection(plant, wind)
@@ -30,7 +30,7 @@ def test_json_equals_the_library() -> None:
 
 def test_an_early_start_gains_and_a_late_one_pays() -> None:
     arguments = ("--model", "fixed-path", "--json", "--start")
-    peaks = [json.loads(run(*arguments, t).output)["peak_deg"] for t in ("-1", "0", "1")]
+    peaks = [json.loads(run(*arguments, t).stdout)["peak_deg"] for t in ("-1", "0", "1")]
     beta = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i")).beta
 
     assert peaks[1] / peaks[0] == pytest.approx(np.exp(beta), rel=1e-12)
@@ -38,7 +38,7 @@ def test_an_early_start_gains_and_a_late_one_pays() -> None:
 
 
 def test_a_rate_limit_costs_peak() -> None:
-    document = json.loads(run("--rate-limit-deg", "0.3", "--json").output)
+    document = json.loads(run("--rate-limit-deg", "0.3", "--json").stdout)
 
     assert document["with_rate_limit"]["peak_deg"] > document["peak_deg"]
     assert document["with_rate_limit"]["rate_deg_per_s"] <= 0.3 * (1 + 1e-9)
@@ -54,7 +54,7 @@ def test_files_hold_the_deflection_that_was_found(tmp_path: Path) -> None:
     rows = list(csv.DictReader(lines))
     column = next(name for name in rows[0] if name.startswith("deflection"))
     largest = max(abs(float(row[column])) for row in rows)
-    peak = json.loads(run("--json").output)["peak_deg"]
+    peak = json.loads(run("--json").stdout)["peak_deg"]
     assert largest == pytest.approx(peak, rel=1e-6)
 
 
@@ -81,7 +81,7 @@ def test_bad_input_is_exit_code_two_and_one_sentence(
 
 
 def test_a_stable_vehicle_needs_nothing(stable_vehicle: Path) -> None:
-    document = json.loads(run(str(stable_vehicle), "--model", "fixed-path", "--json").output)
+    document = json.loads(run(str(stable_vehicle), "--model", "fixed-path", "--json").stdout)
 
     assert document["peak_deg"] == 0.0
     assert document["first_segment"] == "none"

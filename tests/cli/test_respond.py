@@ -26,7 +26,7 @@ def run(*arguments):
 def document(*arguments):
     result = run(*arguments, "--json")
     assert result.exit_code == 0, result.output
-    return json.loads(result.output)
+    return json.loads(result.stdout)
 
 
 def case(model="fixed-path", factor=1.1, dead_band=1.0, duration=7.5, shape=tv.TriangularWind):

@@ -37,7 +37,7 @@ def test_json_equals_the_library() -> None:
         "size", "configuration-ii", *FAST, *offsets, "--limit-deg", "0.4", "--json",
         "--peak-speed", "60",
     )  # fmt: skip
-    document = json.loads(result.output)
+    document = json.loads(result.stdout)
     schedule = tv.load_schedule("configuration-ii")
 
     def met(vehicle: tv.Vehicle) -> tv.TriangularWind:
@@ -101,7 +101,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     expected = tv.size(schedule, winds, **options)
     given = ("--from", "55", "--to", "65", "--window", "16", "--gust", "1", "2", "--json")
     pulse = ("--duration", "7.5")
-    document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).output)
+    document = json.loads(run("size", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
     assert document["winds"][1] == "wyoming.txt"
     for name, values in expected.required.items():
@@ -110,7 +110,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
         )
     assert any("geopotential heights made geometric" in note for note in document["notes"])
     side = ("--to", "60", "--plane", "yaw", "--json")
-    yaw = json.loads(run("size", "configuration-i", *FLOWN, *FAST, *side).output)
+    yaw = json.loads(run("size", "configuration-i", *FLOWN, *FAST, *side).stdout)
     across = tv.read_sounding(WIND).to_wind(schedule, azimuth=np.radians(90), plane="yaw")
     B = tv.Coefficients.from_vehicle(schedule.at(60.0), "yaw").B
     at = across(np.linspace(*schedule.span, 40001))
@@ -132,13 +132,13 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert (lower.exit_code, unasked.exit_code) == (0, 0)
     assert "deg: NOT KNOWN to be sufficient; where the winds are known 0.2" in enough.output
     assert "\nNOT SIZED above 12.0 km (66.19 s)\n" in enough.output
-    document, below = json.loads(short.output), json.loads(lower.output)
+    document, below = json.loads(short.stdout), json.loads(lower.stdout)
     assert document["winds"] == ["wyoming.txt"]
     assert document["times_s"] == [41.0, 60.0, 80.0, 100.0, 116.0]
     assert [row[0] for row in document["known"]] == [True, True, False, False, False]
     assert [row[0] is None for row in document["required_deg"]["K = 1"]] == [False] * 2 + [True] * 3
     assert document["verdict"]["sufficient"] is False
-    assert json.loads(unasked.output)["verdict"]["not_sized"] == ["above 12.0 km (66.19 s)"]
+    assert json.loads(unasked.stdout)["verdict"]["not_sized"] == ["above 12.0 km (66.19 s)"]
     assert (below["verdict"]["sufficient"], below["verdict"]["not_sized"]) == (True, [])
     assert below["known_times_s"][0][1] == pytest.approx(66.19, abs=0.01)
     assert "by wind" in other.output
@@ -150,11 +150,11 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
 
 def test_flight_times_include_both_ends_of_the_flight() -> None:
     """A pulse of 7.5 s fits whole into 41 to 116 s from 44.75 to 112.25 s."""
-    document = json.loads(run("size", "configuration-i", "--every", "20", "--json").output)
+    document = json.loads(run("size", "configuration-i", "--every", "20", "--json").stdout)
     assert document["times_s"] == [44.75, 60.0, 80.0, 100.0, 112.25]
     assert any("first flight time, 44.75 s; before it" in note for note in document["notes"])
     given = ("--from", "50", "--to", "51", "--every", "0.1", "--json")
-    times = json.loads(run("size", "configuration-i", *given).output)["times_s"]
+    times = json.loads(run("size", "configuration-i", *given).stdout)["times_s"]
     assert times == pytest.approx(np.arange(500, 511) / 10)
 
 
@@ -197,7 +197,7 @@ def test_a_jet_stream_of_10_km_lies_within_the_single_pole_theory(name, lasts, e
 
 def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
     given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1")
-    document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").output)
+    document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").stdout)
     nominal = tv.Study.from_vehicle(
         tv.load_schedule("configuration-i").at(66.0),
         duration=7.5,
@@ -308,7 +308,7 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
 def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     """Frozen at 43 s the vehicle needs more, which never met the jet there."""
     given = ("size", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
-    along = json.loads(run(*given, "--every", "20", "--varying", "--json").output)
+    along = json.loads(run(*given, "--every", "20", "--varying", "--json").stdout)
     beside = json.loads(
         run(*given, "--every", "20", "--varying", "--count", "K = 1", "--json").output
     )
@@ -323,8 +323,8 @@ def test_a_sounding_is_chosen_by_its_time() -> None:
     noon, midnight = "2024-02-15 12", "2024-02-16 00"
     given = ("--azimuth-deg", "90", "--from", "41", "--to", "42", "--dead-band", "1", "--json")
     asked = [("--winds", OTHER, "--winds-time", time) for time in (noon, midnight)]
-    alone = [json.loads(run("size", *one, *given).output) for one in asked]
-    both = json.loads(run("size", *asked[0], *asked[1], *given).output)
+    alone = [json.loads(run("size", *one, *given).stdout) for one in asked]
+    both = json.loads(run("size", *asked[0], *asked[1], *given).stdout)
     schedule = tv.load_schedule("configuration-i")
     for k, time in enumerate((noon, midnight)):
         wind = tv.read_sounding(OTHER, time=time)
@@ -368,7 +368,7 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
     )
     needed = np.array(document["required_deg"]["K = 1"])
     alone = {k: np.array(one["K = 1"]) for k, one in document["alone_deg"].items()}
-    pitch = json.loads(run("size", "configuration-i", *given, "--json").output)
+    pitch = json.loads(run("size", "configuration-i", *given, "--json").stdout)
     assert alone["pitch"].tolist() == pitch["required_deg"]["K = 1"]
     assert np.all(needed >= np.maximum(alone["pitch"], alone["yaw"]) * (1.0 - 1e-12))
     misses = np.array(document["pitch_alone_misses"]["K = 1"])

@@ -120,7 +120,7 @@ FILTERS = ("--notch-hz", "5.1,0.06,0.6", "--low-pass-hz", "2.1,0.95")
 def test_the_command_line_has_filters_and_a_sample_rate(rate):
     sampled = () if rate is None else ("--sample-rate", str(rate))
     result = margins(*FILTERS, *sampled, "--json")
-    document = json.loads(result.output)
+    document = json.loads(result.stdout)
     name = "made-up-booster"
     plant = tv.FlexiblePlant.from_vehicle(
         tv.load_vehicle(name), tv.load_structure(name), "drift-exact"

@@ -145,11 +145,11 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     yes, no = run("study", few), run("study", many, "--json")
     assert (yes.exit_code, no.exit_code) == (0, 1)
     assert "Note: one season shows that season" in " ".join(yes.output.split())
-    answered = {one["name"]: one["yes"] for one in json.loads(no.output)["questions"]}
+    answered = {one["name"]: one["yes"] for one in json.loads(no.stdout)["questions"]}
     assert answered == {"wind": True, "availability": False}
     # a wider nozzle flies on more days: the option counts for the archive as well
     assert run("study", many, "--limit-deg", 3).exit_code == 1  # 39 of 40 are not 99 % for sure
-    assert json.loads(run("study", many, "--limit-deg", 3, "--json").output)["questions"][1][
+    assert json.loads(run("study", many, "--limit-deg", 3, "--json").stdout)["questions"][1][
         "why"
     ].startswith("99.0 % of soundings must fly: 39 of 39 flown")
     pytest.importorskip("jinja2")
