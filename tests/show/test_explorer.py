@@ -208,7 +208,7 @@ def test_idle_are_the_sliders_that_change_nothing_with_the_law(law: str) -> None
 @pytest.mark.parametrize("law", LAWS)
 def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=arm)
-    found = answer(Choices(vehicle=stable, law=law))
+    found = answer(Choices(vehicle=stable, law=law, model="drift"))
 
     assert all(len(note.split()) > 3 for note in found.notes)
     if arm < 0.0:
@@ -219,6 +219,14 @@ def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
         assert "mu_alpha other than zero" in found.notes[0]
         assert len(found.notes) == 1
     assert pixels(new_picture().png(found)).std() > 0.0
+
+
+def test_a_vehicle_without_moment_is_answered_with_its_path_too() -> None:
+    still = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=0.0)
+    found = answer(Choices(vehicle=still, law=REPORT))
+
+    assert found.verdict.startswith("No deflection is needed")
+    assert "feels none: mu_alpha is 0" in found.notes[0]
 
 
 def pixels(png: bytes) -> Any:

@@ -63,7 +63,7 @@ def judging(plant: AnyPlant) -> Judging:
     second = np.where(two[:, np.newaxis], _coordinate(plant, slow, B), 0.0)
     return Judging(
         rows=np.stack([_coordinate(plant, fast, B), second], axis=1),
-        reach=np.where(known, 1.0 / np.abs(B), np.nan),
+        reach=1.0 / np.abs(np.where(known, B, np.nan)),
         ratio=np.where(two, slow / fast, 0.0),
         settling=SETTLING / fast,
         waiting=WAITING / slow,

@@ -192,6 +192,11 @@ def motion(
     times, rate = _samples(plant, duration)
     if one_of("law", name, LAWS) == REPORT:
         against = -float(np.sign(plant.coefficients.B)) * float(np.sign(peak))
+        if not against:
+            raise InputError(
+                "the report's control turns the nozzle against the moment of the wind, and this"
+                " vehicle feels none: mu_alpha is 0"
+            )
         deflection = trim_then_hold(plant, gust, against * limit, numbers[0])
         found = attitude_responses(plant, deflection, gust, times)
         return Motion(times, gust(times), found["attitude"], deflection(times), None)
