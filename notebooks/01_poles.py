@@ -29,7 +29,7 @@ vehicle = tv.load_vehicle("configuration-i")
 vehicle
 
 # %% [markdown]
-# The linear theory needs few numbers of it. On a fixed flight path they are two:
+# The linear theory needs few numbers of the vehicle, on a fixed flight path only two:
 #
 # $$\ddot\theta = \mu_\alpha (\theta - \alpha_w) - \mu_\delta\,\delta, \qquad
 # \mu_\alpha = \frac{N l_a}{I} = \beta^2, \qquad

@@ -13,8 +13,8 @@
 # %% [markdown]
 # # How much deflection does this wind need, and what does a dead band save?
 #
-# The report's question. The nozzle trims the wind's moment until a part K of its limit is asked
-# for, the dead band, and then goes to its limit. What limit is just enough?
+# This is the report's question. The nozzle trims the wind's moment until that takes a part K of its
+# limit, the dead band. Then it goes to its limit. What limit is just enough?
 #
 # The attitude has one growing mode, $e^{pt}$. The vehicle survives if the deflection leaves nothing
 # of it behind, eq (4b). With drift, as here, that reads
@@ -63,9 +63,8 @@ for name, held in {"on the boundary": on_it, "a tenth less": below}.items():
 # %% [markdown]
 # One number decides, $\tau\beta$: the duration of the wind in units of the time in which the
 # vehicle falls over. The chart is of the model *with drift*, eq (18). There the vehicle moves with
-# the wind, so that even $K = 1$ never needs the whole of trim: its curve has a highest point and
-# falls. With a small $K$ long winds need little, because the vehicle has leaned into the wind in
-# time.
+# the wind, so that even $K = 1$ never needs the whole of trim: its curve has a maximum and falls.
+# With a small $K$ long winds need little, because the vehicle has leaned into the wind early.
 
 # %%
 _ = boundary_chart(coefficients=plant.coefficients)

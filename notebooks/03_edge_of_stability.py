@@ -13,8 +13,8 @@
 # %% [markdown]
 # # Does it survive? Why a simulation cannot judge the edge of stability
 #
-# On the boundary two numbers that grow as e^(pt) cancel. A simulation has sixteen digits to do it
-# with, and loses them. This notebook looks at the edge, with python-control and exactly.
+# On the boundary two numbers that grow as e^(pt) cancel. A simulation has sixteen digits, and loses
+# them. This notebook computes responses on the edge, with python-control and exactly.
 #
 # Long after the wind the attitude is
 #
@@ -75,8 +75,8 @@ verdict = tv.judge(plant, edge, wind)
 verdict
 
 # %% [markdown]
-# One part in a million below, and above: the residue has changed its sign, and after half a
-# minute the responses go apart.
+# One part in a million below, and above: the residue has changed its sign, and after half a minute
+# the responses diverge.
 
 # %%
 nearly = [tv.HeldDeflection(limit=(1.0 + e) * limit) for e in (-1e-6, 1e-6)]

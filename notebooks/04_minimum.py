@@ -20,7 +20,7 @@
 # = -B\,(p_k + b_2)\int_0^\infty e^{-p_k t}\,\alpha_w\,dt$$
 #
 # for every unstable pole $p_k$ (here without the small gravity term $q$). The answer comes with its
-# own proof, and everything else is measured by it.
+# own proof, and everything else is compared with it.
 
 # %%
 import numpy as np
@@ -61,7 +61,7 @@ for name, peak in rows.items():
     print(f"{name:28s} {np.degrees(peak):.4f} deg")
 
 # %% [markdown]
-# A long wind wakes the slow mode of the flight path as well. Then one constant deflection is not
+# A long wind excites the slow mode of the flight path as well. Then one constant deflection is not
 # enough: the control switches once, between its two limits.
 
 # %%

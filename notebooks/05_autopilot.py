@@ -66,7 +66,7 @@ _ = nichols_chart(autopilot, plant)
 _ = bode_chart(autopilot, plant)
 
 # %% [markdown]
-# A review asks for numbers against a rule.
+# A review compares the margins with criteria.
 
 # %%
 for one in tv.CRITERIA["aircraft"].judge(margins):
@@ -82,9 +82,9 @@ beside = tv.compare_with_trim(plant, autopilot, wind)
 _ = comparison_chart(beside)
 
 # %% [markdown]
-# Linear margins know no stop. With a stop at 0.9 of trim, in this wind, less may change before the
-# flight is lost. And of all gains with these margins and this crossover, which need the least
-# nozzle, if the angle of attack is fed back too? Three durations: one wind alone is overfitted.
+# Linear margins leave out the stop. With a stop at 0.9 of trim, in this wind, less may change
+# before the flight is lost. And which gains with these margins and this crossover need the least
+# deflection, if the angle of attack is fed back too? One wind alone is overfitted, so take three.
 
 # %% tags=["within 3e-2"]
 same = tv.Criteria.own(

@@ -13,8 +13,8 @@
 # %% [markdown]
 # # How near to the minimum can a law come that knows no forecast?
 #
-# Trim waits for the wind and pays with deflection. The minimum knows the wind beforehand. Between
-# them are laws that know only what they feel now.
+# Trim follows the wind, and needs much deflection. The minimum knows the wind beforehand. Between
+# them are laws that know only what they measure now.
 
 # %%
 import numpy as np
@@ -28,7 +28,7 @@ beta, peak = plant.coefficients.beta, np.radians(5.0)
 wind = tv.TriangularWind(peak=peak, duration=4.0 / beta)
 
 # %% [markdown]
-# Three marks to measure by, over full trim.
+# Three limits to compare with, over full trim.
 
 # %%
 known = float(tv.optimum_deflection(plant, wind).peak / (peak * plant.coefficients.B))
@@ -73,7 +73,7 @@ flown = tv.fly(plant, laws[name], wind, times, deflection_limit=limit)
 flown.plot().figure.set_size_inches(7.0, 9.0)
 
 # %% [markdown]
-# Now the honest part. A wind that jumps to its peak leaves no time to lean, and one that turns
+# Now what it cannot do. A wind that jumps to its peak leaves no time to lean, and one that turns
 # round finds the vehicle leaning the wrong way.
 
 # %% tags=["within 2e-3"]

@@ -13,16 +13,16 @@
 # %% [markdown]
 # # Does a flight with six degrees of freedom agree with a formula on one line?
 #
-# The report trusted its theory because a detailed simulation agreed. Here the judge is JSBSim, an
+# The report trusted its theory because a detailed simulation agreed. Here JSBSim checks it, an
 # engine that others wrote and trust. It is the extra `sixdof`; without it the flights are planar.
 #
-# The formula knows one line, $\ddot\theta = \mu_\alpha\alpha - \mu_\delta\,\delta$, and small
-# angles. The engine integrates
+# The formula has one line, $\ddot\theta = \mu_\alpha\alpha - \mu_\delta\,\delta$, and small angles.
+# The engine integrates
 #
 # $$m\,\dot{\mathbf v} = \mathbf F, \qquad \mathbf I\,\dot{\boldsymbol\omega}
 # + \boldsymbol\omega \times \mathbf I\,\boldsymbol\omega = \mathbf M,$$
 #
-# with all angles as large as they are, and the wind as a wind.
+# with all angles as large as they are, and the wind as a speed.
 
 # %%
 from importlib.util import find_spec
@@ -44,7 +44,7 @@ wind = tv.TriangularWind(peak=np.radians(1.0), duration=4.0 / plant.coefficients
 
 # %% [markdown]
 # One flight and its linear prediction: trim until the limit, then the limit. Both have the same
-# outputs, so they subtract.
+# outputs, so they can be subtracted.
 
 # %%
 times = np.linspace(0.0, 2.0 * float(wind.duration), 201)

@@ -70,7 +70,7 @@ for time in np.arange(45.0, 91.0, 10.0):
     print(f"{time:.0f} s, {height / 1e3:4.1f} km: {np.degrees(met.wind(time)):5.2f} deg")
 
 # %% [markdown]
-# The equivalent triangle: the same peak and the same area. The report would have asked this one.
+# The equivalent triangle: the same peak and the same area. The report would have used this one.
 
 # %%
 peak_time = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
@@ -95,8 +95,8 @@ for row in zip(times, need, beside, strict=True):
 _ = sizing_chart(found)
 
 # %% [markdown]
-# A vehicle that changes while the wind blows needs no flight time: there is one answer. Beside it,
-# what freezing at the peak of the wind makes of it.
+# A vehicle that changes while the wind blows needs no flight time: there is one answer. Beside it
+# is the error of freezing the vehicle at the peak of the wind.
 
 # %%
 both = tv.size(flight, {"real wind": met}, times=peak_time, dead_bands=1.0, varying=True)

@@ -88,7 +88,7 @@ peak = np.degrees(study.survivable_peak)
 print(f"{np.degrees(limit):g} deg survive a wind of up to {peak:.1f} deg of this duration")
 
 # %% [markdown]
-# A slip is told in one sentence, with its mend.
+# A mistake is named in one sentence, with its correction.
 
 # %%
 file.write_text(text.replace("control_arm_m", "control_arn_m"), encoding="utf-8")

@@ -61,7 +61,7 @@ soundings
 
 # %% [markdown]
 # The flight: configuration I along its nominal flight, launched to the east. Each sounding is flown
-# through with parameters that vary; pitch and yaw go together as at a round stop.
+# through with parameters that vary; pitch and yaw are combined as for a round stop.
 
 # %%
 flight = tv.load_schedule("configuration-i")

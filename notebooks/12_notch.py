@@ -11,10 +11,10 @@
 # ---
 
 # %% [markdown]
-# # Does my notch do?
+# # Is my notch enough?
 #
 # A vehicle bends, its gyros feel it, and the autopilot answers. A filter keeps it from answering.
-# Does the filter still do when the mode is not where the model has it, and what does it cost in a
+# Is the filter still enough when the mode is not where the model has it? What does it cost in a
 # wind, with a stop? The vehicle is made up; put your own files in its place.
 
 # %%
@@ -44,9 +44,9 @@ print(f"around the one that bends: {rigid.margins(plant).reason}")
 #
 # $$L_k = \frac{c_k\,s + d_k}{s^2 + 2\zeta_k\omega_k s + \omega_k^2},$$
 #
-# and at its peak this term is nearly the whole loop. It may do no harm in two ways. *By gain*:
-# the peak stays below one, whatever its phase. *By phase*: the peak is above one, and $L$ is away
-# from $-1$ where it is of size one. A low pass does the rough work:
+# and at its peak this term is nearly the whole loop. A mode is harmless in two ways. *By gain*: the
+# peak stays below one, whatever its phase. *By phase*: the peak is above one, and $L$ is away from
+# $-1$ where it is of size one. A low pass does the rough work:
 
 
 # %%
@@ -116,8 +116,8 @@ print(
 
 # %% [markdown]
 # A slope of the wrong sign is an error of the model and not of the notch: count the stations the
-# right way. Last, the wind. Filters are late, and a late nozzle needs more: the least limit with
-# which the vehicle survives, flown by samples, with both laws around the bending vehicle.
+# right way. Last, the wind. Filters lag, and lags cost deflection: the least limit with which the
+# vehicle survives, flown by samples, with both laws around the bending vehicle.
 
 # %% tags=["within 2e-3"]
 wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)

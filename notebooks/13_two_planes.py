@@ -32,9 +32,9 @@ towards = np.radians(90) + (height - 12e3) / 10e3
 sounding = tv.WindProfile(height=height, east=jet * np.sin(towards), north=jet * np.cos(towards))
 
 # %% [markdown]
-# A jet towards the east at 12 km, which turns by a radian in 10 km. A flight to the east has it
-# in the back, one to the north from the left. In the pitch plane a horizontal wind counts with
-# the sine of the path angle, in yaw it does not, (B1e):
+# A jet towards the east at 12 km, which turns by a radian in 10 km. A flight to the east has it in
+# the back, one to the north from the left. In the pitch plane a horizontal wind counts with the
+# sine of the path angle, in yaw in full, (B1e):
 
 # %%
 needs, misses = {}, {}
@@ -50,8 +50,8 @@ for azimuth in (0, 30, 60, 90):
     )
 
 # %% [markdown]
-# What the wind asks of the nozzle is a vector that wanders. It is trimmed until the stop is met;
-# from there on the mean of the trim still to come is held,
+# What the wind asks of the nozzle is a vector that turns. It is trimmed until the stop is met; from
+# there on the mean of the trim still to come is held,
 #
 # $$g_S\big(w(a)\big) = K\,g_S\big(W(a)\big), \qquad W(t) = p\int_t^\infty e^{-p(r-t)}\,w(r)\,dr .$$
 
@@ -75,7 +75,7 @@ whole = tv.size(flight, met, times=[50.0, 66.0, 80.0], dead_bands=1.0, plane="bo
 _ = sizing_chart(whole, limit=np.radians(1.0))
 
 # %% [markdown]
-# And flown? A pulse that turns by a right angle, with a law that knows no wind to come:
+# And flown? A pulse that turns by a right angle, with a law that does not know the wind to come:
 
 # %%
 gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
