@@ -146,11 +146,11 @@ from .linear.deflections import trim_then_hold as trim_then_hold
 from .linear.flexible import FlexiblePlant as FlexiblePlant
 from .linear.loads import Loads as Loads
 from .linear.loads import wind_loads as wind_loads
+from .linear.models import available_models as available_models
 from .linear.modes import Modes as Modes
 from .linear.modes import all_modes as all_modes
 from .linear.modes import unstable_modes as unstable_modes
 from .linear.plant import Plant as Plant
-from .linear.plant import available_models as available_models
 from .linear.response import Responses as Responses
 from .linear.response import attitude_response as attitude_response
 from .linear.response import attitude_responses as attitude_responses

@@ -10,7 +10,7 @@ import tvclin as tv
 from tvclin import Coefficients, InputError, Plant, SampledWind, TriangularWind
 from tvclin.boundary.forecast_free import BOUND, EXACT
 from tvclin.boundary.limit import rectangular_limit
-from tvclin.linear.plant import MODELS
+from tvclin.linear.models import MODELS
 
 BETA = 0.53
 COEFFICIENTS = Coefficients(

@@ -12,7 +12,7 @@ from tvclin.boundary.limit import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.linear.plant import MODELS
+from tvclin.linear.models import MODELS
 
 TAU_BETA = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 14.0, 20.0, 40.0])
 DEAD_BANDS = np.array([0.0, 0.01, 0.25, 0.5, 0.9, 1.0])[:, np.newaxis]

@@ -21,7 +21,7 @@ from tvclin import (
 )
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.diagram import LOOP_DIAGRAM
-from tvclin.linear.plant import MODELS
+from tvclin.linear.models import MODELS
 
 mpl.use("Agg")
 

@@ -37,7 +37,7 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.linear.plant import MODELS
+from tvclin.linear.models import MODELS
 
 Mq, p, d, tau, peak, K, y, a = sp.symbols("M_q p d tau peak K y a", positive=True)
 D = Mq / inertia

@@ -14,7 +14,7 @@ from tests.flying import BETA, COEFFICIENTS, GAINS, LAG, LAWS, MORE, PEAK, SERVO
 from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, TriangularWind
 from tvclin.flights.closed_loop import continuous
 from tvclin.flights.closed_loop.equations import LinearEquations
-from tvclin.linear.plant import MODELS
+from tvclin.linear.models import MODELS
 
 CASES = [
     ("gains", "fixed-path", 1.1, {}),

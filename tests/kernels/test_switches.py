@@ -11,7 +11,7 @@ from tvclin.boundary.limit import boundary_alone
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.kernels import terms, threads
 from tvclin.kernels.choice import pinned
-from tvclin.linear.plant import MODELS
+from tvclin.linear.models import MODELS
 
 FIELDS = ("limit", "deflection", "switch_time", "status")
 

@@ -11,7 +11,8 @@ from tests.damped import damped, fast_pole, plant_of
 from tvclin import InputError
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.kernels.choice import pinned
-from tvclin.linear.plant import INPUTS, MODELS, Plant
+from tvclin.linear.models import MODELS
+from tvclin.linear.plant import INPUTS, Plant
 
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)
 PEAK = np.radians(5.0)

@@ -6,8 +6,9 @@ import pytest
 
 import tvclin
 from tvclin import Coefficients, Plant, judge, residues, unstable_modes
+from tvclin.linear.models import MODELS
 from tvclin.linear.modes import all_modes
-from tvclin.linear.plant import INPUTS, MODELS
+from tvclin.linear.plant import INPUTS
 
 ORDER = {"fixed-path": 2, "drift": 3, "drift-exact": 3, "drift-and-speed": 4}
 STABLE = {"mu_alpha": -0.3, "mu_delta": 2.6, "b1": 0.02, "b2": 0.015}

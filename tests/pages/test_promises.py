@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 import tvclin
-from tvclin.linear.plant import USUAL_MODEL
+from tvclin.linear.models import USUAL_MODEL
 
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]

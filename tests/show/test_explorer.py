@@ -37,7 +37,6 @@ from tvclin.show.explorer.choices import (
 from tvclin.show.explorer.notebook import notebook_text
 from tvclin.show.explorer.parts import law_of
 from tvclin.show.explorer.picture import new_picture, round_up
-from tvclin.show.explorer.study import study_text, write_study
 from tvclin.winds.shaped import PULSES
 
 
@@ -393,53 +392,6 @@ def test_a_vehicle_with_structure_is_said_to_be_rigid_here(panel: Any) -> None:
     assert f"asks for by {moved.trim_price:+.2f} percent" in structured.notes.value
     structured.controls["vehicle"].value = "configuration-i"
     assert "structure" not in structured.notes.value
-
-
-CHOSEN = Choices(
-    vehicle=tv.load_vehicle("configuration-ii").replace(name='own "one"', pitch_damping=1e6),
-    plane="yaw",
-    model="drift",
-    shape="rectangular",
-    duration=6.3,
-    peak=4.7 * (np.pi / 180.0),
-    dead_band=0.85,
-    limit=0.61 * (np.pi / 180.0),
-    law=GAINS,
-    attitude_gain=0.84,
-    rate_gain=0.66,
-    delay=0.027,
-)
-
-
-def test_the_study_of_a_panel_has_its_numbers(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    here, path = answer(CHOSEN, 0), write_study(CHOSEN, "own/one.toml")
-    told = CliRunner().invoke(app, ["study", str(path), "--json"])
-    there = json.loads(told.stdout)
-    plan = tv.load_study(path)
-    margins = plan.gains.autopilot(plan.study().plant).margins(plan.study().plant)
-
-    assert path == tmp_path / "study-one.toml"
-    assert plan.vehicle == CHOSEN.vehicle
-    assert here.required is not None
-    assert here.margins is not None
-    assert there["required_deflection_deg"] == pytest.approx(np.degrees(here.required), rel=1e-12)
-    assert there["sufficient"] is here.verdict.startswith("Enough")
-    assert margins.phase_margin == pytest.approx(here.margins.phase_margin, rel=1e-12)
-    assert margins.delay_margin == pytest.approx(here.margins.delay_margin, rel=1e-12)
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_a_study_has_the_gains_of_the_law_if_it_has_some(law: str, tmp_path: Path) -> None:
-    path = tmp_path / "one.toml"
-    path.write_text(study_text(replace(CHOSEN, law=law)), encoding="utf-8")
-    plan = tv.load_study(path)
-
-    assert (plan.gains is not None) is (law in (GAINS, HALF_RELIEF))
-    assert (plan.wind.shape, plan.wind.peak) == (CHOSEN.shape, CHOSEN.peak)
-    assert (plan.limit, plan.dead_band, plan.plane) == (CHOSEN.limit, 0.85, "yaw")
 
 
 def test_a_study_is_never_written_over(

@@ -18,7 +18,7 @@ from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
 from tvclin.linear.flexible import FlexiblePlant, Shift
-from tvclin.linear.plant import USUAL_MODEL
+from tvclin.linear.models import USUAL_MODEL
 from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.winds.histories import History

@@ -30,8 +30,9 @@ from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
+from tvclin.linear.models import MODELS, USUAL_MODEL, models_of, usual_model
 from tvclin.linear.modes import Modes, unstable_modes
-from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant, models_of, usual_model
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle

@@ -12,8 +12,9 @@ from tvclin.answers.requirement import RequiredDeflection, required_deflection
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
+from tvclin.linear.models import USUAL_MODEL
 from tvclin.linear.modes import Modes
-from tvclin.linear.plant import USUAL_MODEL, Plant
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 

@@ -33,7 +33,8 @@ from tvclin.control.laws.trim import TrimLaw
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import MODELS, RIGID, Plant
+from tvclin.linear.models import MODELS
+from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind

@@ -22,7 +22,8 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins
-from tvclin.linear.plant import Plant, usual_model
+from tvclin.linear.models import usual_model
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind

@@ -109,7 +109,7 @@ def availability(
     from tvclin.answers.sizing.schedule_file import load_schedule
     from tvclin.base.errors import within
     from tvclin.cli.output import print_json
-    from tvclin.linear.plant import USUAL_MODEL
+    from tvclin.linear.models import USUAL_MODEL
     from tvclin.winds.soundings.read import read_sounding
     from tvclin.winds.soundings.read_soundings import read_soundings
 

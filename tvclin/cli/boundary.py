@@ -93,7 +93,8 @@ def _limits(
     """One unit of peak is enough: the boundary limit does not depend on it."""
     from tvclin.base.errors import one_of
     from tvclin.boundary.limit import boundary_limit
-    from tvclin.linear.plant import MODELS, Plant
+    from tvclin.linear.models import MODELS
+    from tvclin.linear.plant import Plant
     from tvclin.vehicle.coefficients import Coefficients
     from tvclin.winds.shaped import PULSES
 

@@ -136,7 +136,8 @@ def flight_case(
     from tvclin.base.errors import InputError, within
     from tvclin.boundary.optimum.minimum_peak import optimum_deflection
     from tvclin.flights.beside import linear_boundary
-    from tvclin.linear.plant import USUAL_MODEL, Plant
+    from tvclin.linear.models import USUAL_MODEL
+    from tvclin.linear.plant import Plant
 
     plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
     _check_flight(plant, wind, length)
@@ -185,7 +186,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
     from tvclin.cli.fly_shown import Compared
     from tvclin.flights.beside import fly_beside
-    from tvclin.linear.plant import USUAL_MODEL
+    from tvclin.linear.models import USUAL_MODEL
 
     start = float(case.wind.onset)
     flight = fly_beside(

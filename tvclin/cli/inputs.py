@@ -38,7 +38,8 @@ def load_plant(
     The plant is flexible where the file has a structure and `rigid` is not asked for.
     """
     from tvclin.linear.flexible import FlexiblePlant
-    from tvclin.linear.plant import USUAL_MODEL, Plant
+    from tvclin.linear.models import USUAL_MODEL
+    from tvclin.linear.plant import Plant
     from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
     from tvclin.vehicle.structure_file import load_structure
 

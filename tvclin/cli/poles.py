@@ -24,7 +24,8 @@ def poles(
     """Print the poles of the models, and the residues at the unstable ones."""
     from tvclin.base.errors import one_of
     from tvclin.cli.output import print_json, print_table
-    from tvclin.linear.plant import MODELS, Plant, models_of
+    from tvclin.linear.models import MODELS, models_of
+    from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
     loaded = load_linear(vehicle, plane)

@@ -32,7 +32,8 @@ from tvclin.flights.planar.fly_planar import fly_planar
 from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN_OVER, let_go
-from tvclin.linear.plant import USUAL_MODEL, Plant
+from tvclin.linear.models import USUAL_MODEL
+from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, shown
+from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
-from tvclin.linear.plant import INPUTS, MODELS, USUAL_MODEL, Plant
+from tvclin.linear.plant import INPUTS, Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import Structure, chosen

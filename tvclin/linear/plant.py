@@ -24,17 +24,15 @@ from numpy.typing import NDArray
 from tvclin.base.errors import InputError, instance, one_of
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
+from tvclin.linear.models import MODELS, usual_model
 from tvclin.vehicle.coefficients import NUMBERS, Coefficients
-from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, coefficients_of
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 
 if TYPE_CHECKING:
     import control
 
 FloatArray = NDArray[np.float64]
 
-USUAL_MODEL = "drift-exact"
-"""The model where none is named: the path as it moves, without an approximation."""
-MODELS = (FIXED_PATH, "drift", USUAL_MODEL, "drift-and-speed")
 INPUTS = ("deflection", "wind")
 RIGID = "see Plant.from_vehicle; a FlexiblePlant has .rigid, and .shift() says what that omits"
 """How to get a `Plant`, for messages where only a rigid one has an answer."""
@@ -374,33 +372,6 @@ class Plant:
                 f"{what}() is for one vehicle; this plant is a batch of shape {self.batch}"
                 " (use denominator, numerator() or matrices())"
             )
-
-
-def available_models(coefficients: Coefficients) -> list[str]:
-    """Return the models that exist for these coefficients: (B8) needs an aerodynamic moment."""
-    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
-    without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
-    return [name for name in MODELS if name != "drift" or not without_moment]
-
-
-def usual_model(known: AnyVehicle | Coefficients) -> str:
-    """Return the model where none is named: `USUAL_MODEL`, or of an unknown path "fixed-path".
-
-    The path of `Coefficients` is unknown where C1, C2, b1, b2 and q are all zero.
-    """
-    if isinstance(known, LinearVehicle):
-        return USUAL_MODEL if known.path_known else FIXED_PATH
-    if isinstance(known, Coefficients):
-        path = (known.C1, known.C2, known.b1, known.b2, known.q)
-        return USUAL_MODEL if any(np.any(one) for one in path) else FIXED_PATH
-    return USUAL_MODEL
-
-
-def models_of(vehicle: AnyVehicle) -> list[str]:
-    """Return the models that exist for a vehicle, with what is known of it."""
-    if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
-        return [FIXED_PATH]
-    return available_models(coefficients_of(vehicle))
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.linear.models import MODELS
 from tvclin.linear.modes import Modes, all_modes
-from tvclin.linear.plant import MODELS, Plant
+from tvclin.linear.plant import Plant
 from tvclin.plots.style import COLOURS, MARKS, WARM, control_plot, cycle, fine_grid
 from tvclin.vehicle.coefficients import Coefficients
 

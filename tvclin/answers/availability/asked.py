@@ -12,7 +12,7 @@ from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
 from tvclin.base.tables import Table
-from tvclin.linear.plant import MODELS, USUAL_MODEL
+from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings

@@ -23,7 +23,7 @@ from tvclin.base.errors import (
     one_of,
     within,
 )
-from tvclin.linear.plant import MODELS, USUAL_MODEL
+from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings

@@ -26,7 +26,8 @@ from tvclin.base.errors import (
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.rules import GainsAsked
-from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant
+from tvclin.linear.models import MODELS, USUAL_MODEL
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import Vehicle

@@ -33,7 +33,7 @@ from tvclin.base.errors import (
 )
 from tvclin.base.tables import Table
 from tvclin.boundary.stops import Stop, stop_of
-from tvclin.linear.plant import USUAL_MODEL
+from tvclin.linear.models import USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History

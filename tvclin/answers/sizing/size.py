@@ -36,7 +36,8 @@ from tvclin.answers.sizing.varying import VaryingNeed, varying_need
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
-from tvclin.linear.plant import MODELS, USUAL_MODEL, Plant
+from tvclin.linear.models import MODELS, USUAL_MODEL
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 

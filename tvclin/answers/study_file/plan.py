@@ -21,7 +21,7 @@ from tvclin.base.errors import (
 )
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.plant import MODELS, USUAL_MODEL, usual_model
+from tvclin.linear.models import MODELS, USUAL_MODEL, usual_model
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.structure import Structure

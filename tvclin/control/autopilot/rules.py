@@ -20,7 +20,8 @@ from tvclin.control.autopilot.gains import (
     load_minimum_gains,
 )
 from tvclin.control.autopilot.optimal import lqr_gains
-from tvclin.linear.plant import MODELS, Plant
+from tvclin.linear.models import MODELS
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.filters import Filter
 
 LEAST_NOZZLE = "least-nozzle"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.linear.plant import USUAL_MODEL
+from tvclin.linear.models import USUAL_MODEL
 from tvclin.vehicle.vehicle import Vehicle
 
 REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"

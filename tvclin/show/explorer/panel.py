@@ -10,7 +10,7 @@ import numpy as np
 from tvclin.answers.flexible import flexible_plant, shift_words
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
-from tvclin.linear.plant import MODELS, USUAL_MODEL
+from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.show.explorer.answer import Answer, answer
 from tvclin.show.explorer.choices import GAINS, LAWS, TRIM, Choices, idle
 from tvclin.show.explorer.lab import end, is_open
