@@ -78,7 +78,7 @@ def test_coefficients_are_those_worked_out_by_hand(
     assert (c.mu_alpha, c.mu_delta) == pytest.approx((mu_alpha, mu_delta), rel=20 * ROUNDING)
     # eq (12), K = 1: y of a triangle on a fixed path, from the residue condition by itself
     wind = tv.TriangularWind(peak=np.radians(3.0), duration=1.5)
-    need = tv.boundary_limit(tv.Plant.from_coefficients(c), wind, dead_band=1.0)
+    need = tv.boundary_limit(tv.Plant.from_coefficients(c, "fixed-path"), wind, dead_band=1.0)
     assert abs(np.degrees(need.deflection)) == pytest.approx(deflection, abs=5e-5)
     assert abs(np.degrees(need.deflection)) == pytest.approx(
         np.degrees(_held(np.sqrt(mu_alpha), N * l_a / (T * l_c))), rel=1e-9

@@ -45,7 +45,7 @@ def test_the_example_says_what_its_keys_say() -> None:
     assert found.limit == pytest.approx(np.radians(0.4), rel=1e-15)
     assert found.criteria is tv.CRITERIA["classic"]
     assert (found.laws.sample_rate, found.laws.model) == (50.0, None)
-    assert (found.gains.design, found.gains.model) == ("canonical", "drift")
+    assert (found.gains.design, found.gains.model) == ("canonical", None)
     assert len(found.dispersions.each) == 5
     sizing = found.sizing
     assert sizing.schedule.at(66.0) == tv.load_schedule("configuration-i").at(66.0)

@@ -133,7 +133,7 @@ def test_a_worst_point_inside_is_found():
     found = tv.worst_case(COEFFICIENTS, gains, box, model="fixed-path")
     scan = np.linspace(0.4, 30.0, 2001)
     loops = tv.Autopilot(attitude_gain=0.3 * scan, rate_gain=0.3 * scan)
-    plant = tv.Plant.from_coefficients(COEFFICIENTS)
+    plant = tv.Plant.from_coefficients(COEFFICIENTS, "fixed-path")
     margins = loop_margins(loops.exact_loop(plant))
     for name in ("phase_margin_deg", "disk_margin"):
         assert found.margins[name].value <= np.min(getattr(margins, name)) + 1e-6
