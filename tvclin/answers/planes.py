@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.answers.requirement import required_deflection
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import ROUNDING
-from tvclin.boundary.planes.limit import needed
-from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.stops import CircularStop, Stop
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import PLANES
@@ -64,6 +62,9 @@ def vector_need(
     pitch: Plant, yaw: Plant, wind: PlaneWind, stop: Stop, dead_bands: FloatArray
 ) -> VectorNeed:
     """Return what a wind that ends asks of two planes; zeros where (4b) has no vector for them."""
+    from tvclin.boundary.planes.limit import needed
+    from tvclin.boundary.planes.pair import Pair, checked
+
     pair = Pair((pitch, yaw), wind)
     try:
         checked(pitch, wind, stop, yaw)
