@@ -162,7 +162,9 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
         "facts.limit_deg": 0.4,
         "facts.trim_deg": 5.0 * study.coefficients.B,
         "facts.minimum_deg": np.degrees(
-            tv.optimum_deflection(tv.Plant.from_vehicle(study.vehicle), study.wind).peak
+            tv.optimum_deflection(
+                tv.Plant.from_vehicle(study.vehicle, study.model), study.wind
+            ).peak
         ),
         "validity.duration": 7.5,
         "validity.edge": tv.single_pole_validity(study.coefficients),
