@@ -358,7 +358,7 @@ def test_noise_is_no_growth():
 
 
 class Halfway(tv.Law):
-    """In still air it rests at half of what can be brought back, neither lost nor saved."""
+    """In still air it rests at half of what can be brought back, neither lost nor settled."""
 
     def demand(self, seen, states, limit):
         c = plant_of().coefficients

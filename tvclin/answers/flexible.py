@@ -155,6 +155,6 @@ def shift_words(plant: FlexiblePlant) -> str:
     if moved is None:
         return ""
     return (
-        f"would move the fast pole by {moved.fast_pole:+.2f} percent and the deflection that a"
-        f" wind asks for by {moved.trim_price:+.2f} percent"
+        f"would move the fast pole by {moved.fast_pole:+.2f} percent and the deflection that a wind"
+        f" needs by {moved.trim_price:+.2f} percent"
     )

@@ -161,7 +161,9 @@ def _work(
 ) -> CampaignResults:
     campaign = manifest.campaign
     if shard is not None and campaign.until is not None:
-        raise InputError("a shard cannot see when the whole has converged; leave one of them out")
+        raise InputError(
+            "a shard does not know when the whole campaign has converged; give one of the two"
+        )
     check_versions(manifest)
     sweep(folder)
     first, step = _shard(shard)

@@ -59,7 +59,8 @@ class GainsFront:
             for asked, value in zip(self.disk_margin, self.relative, strict=True)
         ]
         return card(
-            "What margins cost", [*rows, *((k, v, "of trim") for k, v in self.limits.items())]
+            "Least deflection over disk margin",
+            [*rows, *((k, v, "of trim") for k, v in self.limits.items())],
         )
 
 

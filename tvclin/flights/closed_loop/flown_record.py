@@ -37,7 +37,7 @@ class FlownMargin:
     value : float
         A factor above one, or a further delay [s]; infinite if nothing fails.
     cause : str
-        What comes first: "lost" (or "undecided", where a flight is neither lost nor saved),
+        What comes first: "lost" (or "undecided", where a flight is neither lost nor settled),
         "rings" (the loop grows near rest; on the side of the aerodynamic moment it need not
         oscillate), or "nothing".
     again : bool

@@ -73,7 +73,7 @@ class FlownCases:
         Part of the flight in which the whole limit was asked for.
     status : ndarray of str
         "survived", "lost", "undecided", or "no flight" where a case cannot be flown; "rings" where
-        a vehicle is brought back and its nozzle goes on swinging, see `fly_many`.
+        a vehicle is brought back and its nozzle keeps oscillating, see `fly_many`.
     """
 
     peak_attitude: FloatArray

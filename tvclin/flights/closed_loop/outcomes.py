@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 SETTLING = 5.0
 """Saved: settled for so long, over the fastest pole."""
 WAITING = 60.0
-"""A flight that is neither lost nor saved by so long after the wind, over the slowest pole."""
+"""A flight that is neither lost nor settled by so long after the wind, over the slowest pole."""
 
 
 class Judging(NamedTuple):

@@ -44,7 +44,7 @@ _CHANGES = {
     "delay": "further delay",
 }
 _CAUSES = {"lost": "the flight is lost", "rings": "the loop is unstable near rest"}
-_CAUSES |= {"undecided": "the flight is neither lost nor saved"}
+_CAUSES |= {"undecided": "the flight is neither lost nor settled"}
 
 
 def laws(found: Findings) -> Section | None:
