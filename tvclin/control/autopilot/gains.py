@@ -228,9 +228,9 @@ def drift_minimum_gains(
     worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
     if thrust[worst] <= 0.0 or lift[worst] < 0.0:
         raise InputError(
-            "there are no drift-minimum gains: no lean into the wind keeps the path of this"
-            f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s"
-            " (w = C2/mu_alpha) would have to be positive; use design_gains instead"
+            "there are no drift-minimum gains: no attitude in a steady wind keeps the path of this"
+            " vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s (w ="
+            " C2/mu_alpha) would have to be positive; use design_gains instead"
         )
     _stiffen(c, natural_frequency)
     return relief_gains(

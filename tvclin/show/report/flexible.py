@@ -198,7 +198,7 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
         said: Line = ("The loop becomes unstable with ", *line[:-1], " times its frequency.")
     else:
         said = ("At no frequency between these does the loop become unstable.",)
-    table = Table("Margins with one mode off its place", head, tuple(rows))
+    table = Table("Margins with one mode detuned", head, tuple(rows))
     return [table, Paragraph(said)]
 
 
