@@ -160,7 +160,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
 
 def test_without_a_limit_or_an_altitude_there_is_a_reason(folder) -> None:
     found = find(parse_study(document(None), folder))
-    assert "asked of a limit" in found.reasons["availability"]
+    assert "judged for a limit" in found.reasons["availability"]
     lists = {name: [value, value] for name, value in LISTS.items()} | {"time_s": [60.0, 70.0]}
     found = find(parse_study(document() | {"schedule": lists}, folder))
     assert "no altitude" in found.reasons["availability"]
