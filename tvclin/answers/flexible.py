@@ -1,4 +1,4 @@
-"""What a structure changes: margins by band, modes off their places, and a flight with limits."""
+"""What a structure changes: margins by band, detuned modes, and a flight with limits."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FlexibleAnswer:
     bands : BandMargins
         Its margins.
     detuned : Detuned or None
-        With modes off their places; None where there are no modes.
+        With detuned modes; None where there are no modes.
     peak_deflection : float
         Largest deflection in the wind without limits [rad]; infinite for a loop that is not stable.
     sample_rate : float

@@ -54,7 +54,7 @@ _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
 
 @dataclass(frozen=True)
 class ForecastFreeLimit:
-    """What no law without a forecast can do without; of a batch, numbers are ``(...)``.
+    """Lower bound of the limit of all laws without a forecast; of a batch, numbers are ``(...)``.
 
     Attributes
     ----------

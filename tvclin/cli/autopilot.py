@@ -1,4 +1,4 @@
-"""`tvclin autopilot`: what an autopilot asks of the nozzle in a wind, beside trim."""
+"""`tvclin autopilot`: the deflection that an autopilot needs in a wind, beside trim."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

@@ -1,4 +1,4 @@
-"""`tvclin campaign`: many dispersed cases, run, gone on with, shown, and replayed."""
+"""`tvclin campaign`: many dispersed cases, run, continued, shown and replayed."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

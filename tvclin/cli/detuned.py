@@ -1,4 +1,4 @@
-"""What `tvclin margins --detuned` adds: margins with the modes off their places."""
+"""What `tvclin margins --detuned` adds: margins with detuned modes."""
 
 from math import isnan
 from typing import TYPE_CHECKING, Annotated
@@ -24,7 +24,7 @@ _SIDES = {"aero_margin_dB": "down", "gain_increase_dB": "up"}
 
 
 def detuned_of(found: "MarginsFound") -> "Detuned":
-    """Return the loop with its modes off their places."""
+    """Return the margins of the loop with detuned modes."""
     from tvclin.control.autopilot.detuning import detuned
     from tvclin.linear.flexible import FlexiblePlant
 

@@ -1,4 +1,4 @@
-"""`tvclin fly --engine linear`: a law in steps, with the nozzle's limits, also of what bends."""
+"""`tvclin fly --engine linear`: a sampled law, with the nozzle's limits, rigid or flexible."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property

@@ -81,7 +81,7 @@ class Today:
 
 @dataclass(frozen=True, eq=False)
 class Availability:
-    """What the soundings of an archive ask of a nozzle; make it with `availability`.
+    """The deflections that the soundings of an archive need; make it with `availability`.
 
     With several azimuths arrays have a leading axis for them, and methods give a tuple.
 

@@ -42,7 +42,7 @@ def run_campaign(
     compiled: bool | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
-    """Run a campaign into a folder, or go on where it stopped.
+    """Run a campaign into a folder, or continue it there.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def resume_campaign(
     shard: str | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
-    """Go on with the campaign in a folder; damaged and foreign chunks are computed anew.
+    """Continue the campaign in a folder; chunks damaged or of another one are computed again.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class GainsFront:
 def least_gains_front(
     found: LeastGains, disk_margin: ArrayLike = (0.4, 0.6, 0.8, 1.0, 1.2)
 ) -> GainsFront:
-    """Return what the same gains need when more disk margin is asked for.
+    """Return the least deflection of gains over the disk margin that is required.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Flight schedules from any table with a line of column names, by a map from our names to them."""
+"""Flight schedules from any table with a line of column names, by a map from quantities to them."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def read_table(
     stop: float | None = None,
     most_rows: int = MOST_ROWS,
 ) -> FlightSchedule:
-    """Return the flight schedule of any table, by a map from our names to its columns.
+    """Return the flight schedule of any table, by a map from quantities to its columns.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What no autopilot can have: margins bounded by the growth of the vehicle during the delay."""
+"""Bounds on the margins of any autopilot, by the growth of the vehicle during the delay."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class MarginBounds:
-    """The margins that an unstable plant and a delay leave to any linear autopilot at all.
+    """Upper bounds of the margins of any linear autopilot, by an unstable pole and a delay.
 
-    With M = e^(p delay): what grows with p has grown so far before any answer arrives.
+    With M = e^(p delay), the growth of the unstable mode during the delay.
 
     Attributes
     ----------

@@ -136,7 +136,7 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     They are `relief_gains` with a natural frequency of 2.4 p, a damping ratio of 1.2 and an alpha
     ratio of one half, p being the unstable pole on a fixed path. Behind a stop (`SaturatedLaw`)
     they need hardly more than one half of trim in winds that rise and fall, also where these stop
-    at any instant; gusts that reverse are their price.
+    at any instant; in gusts that reverse they need more.
 
     Parameters
     ----------

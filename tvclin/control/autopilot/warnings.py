@@ -1,4 +1,4 @@
-"""What is legal in an autopilot and hardly ever meant."""
+"""Warnings of numbers of an autopilot that are legal but hardly ever meant."""
 
 from __future__ import annotations
 

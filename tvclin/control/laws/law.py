@@ -28,7 +28,7 @@ _SHOWN = 3
 
 
 class Measurement(NamedTuple):
-    """What a law is shown, each a number or an array of flights [rad, rad/s]."""
+    """What a law measures, each a number or an array of flights [rad, rad/s]."""
 
     attitude: Any
     attitude_rate: Any

@@ -1,4 +1,4 @@
-"""The answer of `flown_margins`: how far each thing may change, and what comes first then."""
+"""The answer of `flown_margins`: how far each quantity may change, and what fails then."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class NearRest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FlownMargin:
-    """How far one thing may change.
+    """How far one quantity may change.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""When a flight is lost or saved, for a batch of plants: the recoverable set of each."""
+"""When a flight is lost or settled, for a batch of plants: the recoverable set of each."""
 
 from __future__ import annotations
 
