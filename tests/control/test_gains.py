@@ -249,11 +249,11 @@ def test_lqr_passes_the_other_arguments_on_and_only_ratios_of_weights_count():
         (Plant(COEFFICIENTS.replace(mu_alpha=[0.1, 0.2]), "fixed-path"), {}, r"of shape \(2,\)"),
         (COEFFICIENTS, {}, "plant must be a Plant"),
         (Plant(COEFFICIENTS, "drift"), {"attitude_weight": 0.0}, "a mode of the plant without a c"),
-        (Plant(COEFFICIENTS, "drift"), {"attitude_weight": 0, "alpha_weight": 1}, "without cost"),
+        (Plant(COEFFICIENTS, "drift"), {"attitude_weight": 0, "alpha_weight": 1}, "without a cost"),
         (
             Plant(COEFFICIENTS.replace(mu_alpha=-1.0), "fixed-path"),
             {"attitude_weight": 0},
-            "without cost",
+            "without a cost",
         ),
         (
             Plant(COEFFICIENTS, "fixed-path"),

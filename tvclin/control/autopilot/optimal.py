@@ -99,7 +99,7 @@ def _optimal_feedback(plant: Plant, costs: list[float], cost: float) -> FloatArr
         poles, gains = np.ones(1), np.zeros((1, len(A)))
     if np.real(poles).max() >= -_NEGLIGIBLE * np.abs(poles).max():
         raise InputError(
-            "the weights leave a mode of the plant without cost; raise attitude_weight or"
+            "the weights leave a mode of the plant without a cost; raise attitude_weight or"
             " alpha_weight"
         )
     return np.asarray(gains[0])
