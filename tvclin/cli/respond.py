@@ -147,7 +147,7 @@ def _print(
     if shown.why == LET_GO:
         typer.echo(
             "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
-            " response is shown until then, {shown.time:.3f} s."
+            f" response is shown until then, {shown.time:.3f} s."
         )
     elif shown.why == FALLEN:
         typer.echo(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")

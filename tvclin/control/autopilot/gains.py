@@ -229,7 +229,7 @@ def drift_minimum_gains(
     if thrust[worst] <= 0.0 or lift[worst] < 0.0:
         raise InputError(
             "there are no drift-minimum gains: no attitude in a steady wind keeps the path of this"
-            " vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s (w ="
+            f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s (w ="
             " C2/mu_alpha) would have to be positive; use design_gains instead"
         )
     _stiffen(c, natural_frequency)
