@@ -99,7 +99,7 @@ def _words(plant: FlexiblePlant) -> Line:
         return (f"{said}.",)
     pole = number("flexible.shift.fast_pole", moved.fast_pole, 1, "%")
     price = number("flexible.shift.trim_price", moved.trim_price, 1, "%")
-    ask = ", and the deflection that a wind asks for by "
+    ask = ", and the deflection that a wind needs by "
     return (f"{said}; the structure would move its fast pole by ", *pole, ask, *price, ".")
 
 
