@@ -82,7 +82,7 @@ def of_the_package() -> list[Figure]:
         ),
         Figure(
             "autopilot",
-            "What an autopilot asks of the nozzle, beside trim, the boundaries and the minimum.",
+            "Deflection that an autopilot needs, beside trim, the boundaries and the minimum.",
             lambda: plots.comparison_chart(tv.compare_with_trim(exact, autopilot, wind)),
             "tvclin autopilot --plot",
         ),

@@ -51,7 +51,7 @@ for azimuth in (0, 30, 60, 90):
 
 # %% [markdown]
 # What the wind asks of the nozzle is a vector that turns. It is trimmed until the stop is met; from
-# there on the mean of the trim still to come is held,
+# there on the discounted mean of the future trim is held,
 #
 # $$g_S\big(w(a)\big) = K\,g_S\big(W(a)\big), \qquad W(t) = p\int_t^\infty e^{-p(r-t)}\,w(r)\,dr .$$
 

@@ -115,9 +115,9 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     limit = 1.001 * needed[doubted][0]
     near = tv.availability(flight, rough, limit=limit, **PITCH)
     assert near.need[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
-    assert any("trim was flown" in note for note in near.notes)
+    assert any("were flown with trim" in note for note in near.notes)
     between = found.with_limit(1.001 * found.least[doubted][0])
-    assert "trim was not flown" in np.array(between.why)[doubted][0]
+    assert "was not flown" in np.array(between.why)[doubted][0]
     # so what one sounding asks for depends on the limit
     assert found.need[doubted][0] == found.least[doubted][0]
     assert np.isnan(between.need[doubted][0])
@@ -178,7 +178,7 @@ def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, arch
 
     assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < found.need[11]
     assert np.isnan(found.need[20])
-    assert found.why[20] == "it does not know the wind far enough"
+    assert found.why[20] == "its wind is not known far enough"
     assert found.part().unknown == 1
     below, above = found.part().bounds
     assert below < found.part().part < above
@@ -340,7 +340,7 @@ def test_a_wind_faster_than_the_flight_is_unknown(flight) -> None:
     gale = tv.WindProfile(height=[0, 5e3, 40e3], east=[500, 5, 5], north=[0, 0, 0])
     found = tv.availability(flight, one(gale), limit=1.0, azimuth=EAST)
 
-    assert found.why == ("its wind is faster than the flight can meet",)
+    assert found.why == ("its wind is faster than the vehicle",)
 
 
 def test_how_many_winds_are_faster_is_told_with_the_slowest_of_the_flight(archive) -> None:

@@ -92,7 +92,7 @@ def test_a_scheduler_that_is_not_there(plan, tmp_path):
     arguments = ["campaign", "run", str(file), "-o", str(tmp_path / "results")]
     result = CliRunner().invoke(app, [*arguments, "--scheduler", "tcp://127.0.0.1:1"])
     assert result.exit_code == 2
-    assert "Error: no Dask scheduler answers at tcp://127.0.0.1:1" in result.stderr
+    assert "Error: there is no Dask scheduler at tcp://127.0.0.1:1" in result.stderr
     result = CliRunner().invoke(app, [*arguments, "--scheduler", "nonsense", "--workers", "2"])
     assert result.exit_code == 2
     assert "give --workers or --scheduler, not both" in result.stderr

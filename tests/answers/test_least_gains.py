@@ -288,6 +288,6 @@ def test_criteria_that_no_gains_meet_name_the_nearest_and_the_bound():
             **NOZZLE,
         )
     words = str(said.value)
-    assert "have disk 1.33 where 1.5 is asked" in words
+    assert "have disk 1.33 where 1.5 is required" in words
     assert "a disk margin of about 1.33" in words
     assert len(words) < 400

@@ -133,7 +133,7 @@ def test_a_limit_that_only_a_forecast_makes_enough_is_noted_with_the_bound_witho
 def test_one_pole_is_doubted_in_a_long_wind_unless_both_were_flown(
     configuration_i: tv.Vehicle,
 ) -> None:
-    doubt = "outlasts what one pole can say"
+    doubt = "is too long for the single-pole theory"
     assert doubt in _notes(configuration_i, 60.0, 1.0, "fixed-path")
     assert doubt in _notes(configuration_i, 60.0, 0.75, "drift-exact")
     assert doubt not in _notes(configuration_i, 60.0, 1.0, "drift-exact")

@@ -226,7 +226,7 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
     (found,) = law_trials(booster("drift-exact"), {"trim": law}, winds, sample_rate=20.0)
     assert found.creeps
     assert found.growth == pytest.approx(0.0129, abs=1e-4)
-    assert found.status == "near rest the law lets a mode of +0.0129 1/s creep away"
+    assert found.status == "near rest a real mode grows with +0.0129 1/s"
     assert (found.lowest, found.highest) == (0.02, 4.0)
     assert _limit(found) == f"{found.limit:.3f}!"
     for one in law_trials(

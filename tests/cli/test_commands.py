@@ -37,6 +37,12 @@ def test_a_help_says_its_defaults_in_one_way(command: str) -> None:
         assert riddle not in said
 
 
+def test_a_help_leaves_the_line_ends_of_its_paragraphs_to_the_terminal() -> None:
+    shown = CliRunner(env={"COLUMNS": "400"}).invoke(app, ["laws", "--help"]).output
+    (line,) = (one for one in shown.splitlines() if "about a second" in one)
+    assert line.strip().endswith("--rigid leaves all that out.")
+
+
 def test_a_help_names_what_there_is_to_choose() -> None:
     for wind in tv.standard_winds(0.1, 7.0):
         assert wind in helps("laws")

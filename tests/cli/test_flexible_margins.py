@@ -67,7 +67,7 @@ def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     assert found["surplus"] == pytest.approx(second - 6.0, rel=1e-9)
     assert [key[0] for key, one in judged.items() if not one["met"]] == ["bending 2"]
     free = margins(*own, "--mode-gain-db", "6").output
-    assert "bending 1: held by phase, of which nothing is asked (--mode-phase-deg)" in free
+    assert "bending 1: phase-stabilised, without a required margin (--mode-phase-deg)" in free
     failed = margins(*own, "--mode-gain-db", "6", "--mode-phase-deg", "30")
     assert "nothing is asked" not in failed.output
     assert failed.exit_code == 1
@@ -136,7 +136,7 @@ def test_other_commands_say_that_they_know_the_vehicle_as_rigid(command):
     result = run(command, "made-up-booster")
     assert "are of the rigid vehicle, without the structure in its file" in result.stderr
     assert f"fast pole by {moved.fast_pole:+.2f} percent" in result.stderr
-    assert f"asks for by {moved.trim_price:+.2f} percent" in result.stderr
+    assert f"needs by {moved.trim_price:+.2f} percent" in result.stderr
     assert "rigid" not in run(command, "configuration-i").stderr
 
 

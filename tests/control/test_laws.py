@@ -386,5 +386,5 @@ def test_a_speed_that_moves_nothing_need_not_be_seen(kind):
     found, expected = (law.demand(seen, NONE, 0.005) for law in (with_speed, without))
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-15)
     descending = plant_of("drift-and-speed", COEFFICIENTS.replace(C2=-0.0036))
-    with pytest.raises(InputError, match="not shown the speed.*design the law on .drift-exact"):
+    with pytest.raises(InputError, match="does not measure the speed.*law on .drift-exact"):
         kind(descending)

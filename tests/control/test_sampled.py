@@ -204,7 +204,7 @@ def test_what_cannot_be_sampled_is_refused():
         replace(SAMPLED, sample_rate=8.0).margins(booster())
     with pytest.raises(tv.InputError, match="delay must be at most 25 sample periods"):
         replace(SAMPLED, delay=5.0).margins(booster())
-    with pytest.raises(tv.InputError, match="is too low for a vehicle that grows"):
+    with pytest.raises(tv.InputError, match="is too low for a vehicle whose motion grows"):
         replace(SAMPLED, sample_rate=1e-3, filters=()).margins(booster())
     for call in (SAMPLED.loop, SAMPLED.close, SAMPLED.closed_loop_poles, SAMPLED.in_winds):
         with pytest.raises(tv.InputError, match="is for continuous autopilots"):

@@ -319,7 +319,7 @@ def test_a_mode_that_the_law_lets_creep_away_is_told(design, kind):
     radius = np.abs(np.linalg.eigvals(free + held @ [row])).max()
     assert edge.growth == pytest.approx(rate * np.log(radius), abs=1e-8)
     assert (edge.growth > 0.0) == (design != "fixed-path")
-    creeps = f"near rest the law lets a mode of {edge.growth:+.3g} 1/s creep away"
+    creeps = f"near rest a real mode grows with {edge.growth:+.3g} 1/s"
     assert edge.status == (creeps if edge.growth > 0.0 else "ok")
     assert np.isfinite(edge.limit)
     times = np.array([100.0, 200.0])
@@ -358,7 +358,7 @@ def test_noise_is_no_growth():
 
 
 class Halfway(tv.Law):
-    """In still air it rests at half of what can be brought back, neither lost nor saved."""
+    """In still air it rests at half of what can be brought back, neither lost nor settled."""
 
     def demand(self, seen, states, limit):
         c = plant_of().coefficients

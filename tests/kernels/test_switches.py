@@ -158,7 +158,7 @@ def test_where_a_pair_needs_trim_for_ever_its_largest_may_come_after_the_wind():
     plant = tv.Plant(c.replace(C1=-0.4, C2=0.0), "drift-and-speed")
     wind = tv.RectangularWind(peak=0.1, duration=3.3)
     found = tv.boundary_limit(plant, wind)
-    assert all(word.startswith("unstable poles that are a pair") for word in found.status)
+    assert all(word.startswith("two unstable poles are a pair") for word in found.status)
     trim = tv.trim_deflection(plant, wind)(np.linspace(0.0, 40.0, 400_001))
     np.testing.assert_allclose(np.abs(found.deflection), np.abs(trim).max(axis=-1), rtol=1e-7)
 

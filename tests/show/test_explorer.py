@@ -389,7 +389,7 @@ def test_a_vehicle_with_structure_is_said_to_be_rigid_here(panel: Any) -> None:
         tv.load_vehicle("made-up-booster"), plant, "drift-exact"
     ).shift()
     assert "of the rigid vehicle, without the structure in its file" in structured.notes.value
-    assert f"asks for by {moved.trim_price:+.2f} percent" in structured.notes.value
+    assert f"needs by {moved.trim_price:+.2f} percent" in structured.notes.value
     structured.controls["vehicle"].value = "configuration-i"
     assert "structure" not in structured.notes.value
 

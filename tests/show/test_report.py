@@ -690,7 +690,7 @@ def test_a_page_says_where_no_limit_is_enough(plan: tv.StudyPlan) -> None:
     assert words(sections.boundaries(found)).count("none is enough") == 2
     assert [one.text for one in questions(found)] == ["with this dead band no limit is enough"]
     endless = find(replace(asked, limit=None))
-    assert verdict.sentence(endless)[0].startswith("Not enough: with this dead band no limit is")
+    assert verdict.sentence(endless)[0].startswith("Not enough: no limit is, with this dead band")
     assert sections.response(endless) is None
 
 

@@ -83,7 +83,7 @@ def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     assert placard == np.degrees(found.placard()).tolist()
     section = html[html.index('id="availability"') :]
     assert "it ends below the height of the largest dynamic pressure" in section
-    assert "One season shows that season" in section
+    assert "The soundings are of one season" in section
     assert "40 winds of ZZM00088801 from 2023-02-15 to 2023-03-06" in section
     assert "<svg" in section[: section.index("By month")]
 
@@ -144,7 +144,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     few, many = (written(folder, f"{x}.toml", f"least_part = {x}") for x in (0.3, 0.99))
     yes, no = run("study", few), run("study", many, "--json")
     assert (yes.exit_code, no.exit_code) == (0, 1)
-    assert "Note: one season shows that season" in " ".join(yes.output.split())
+    assert "Note: the soundings are of one season" in " ".join(yes.output.split())
     answered = {one["name"]: one["yes"] for one in json.loads(no.stdout)["questions"]}
     assert answered == {"wind": True, "availability": False}
     # a wider nozzle flies on more days: the option counts for the archive as well
@@ -160,7 +160,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
 
 def test_without_a_limit_or_an_altitude_there_is_a_reason(folder) -> None:
     found = find(parse_study(document(None), folder))
-    assert "asked of a limit" in found.reasons["availability"]
+    assert "judged for a limit" in found.reasons["availability"]
     lists = {name: [value, value] for name, value in LISTS.items()} | {"time_s": [60.0, 70.0]}
     found = find(parse_study(document() | {"schedule": lists}, folder))
     assert "no altitude" in found.reasons["availability"]

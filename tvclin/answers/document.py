@@ -1,4 +1,4 @@
-"""Whose page a study is: project, author, date and revision."""
+"""The head of a page: project, author, date and revision."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DOCUMENT_TABLE = Table("[document]", words=("project", "author", "date", "revisi
 
 @dataclass(frozen=True, kw_only=True)
 class Document:
-    """What stands at the head of a page that is handed on; no number depends on it.
+    """The head of a page: project, author, date and revision. No number depends on it.
 
     Attributes
     ----------

@@ -322,7 +322,7 @@ def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
     del study
     assert plan.availability is not None
     if plan.limit is None:
-        raise InputError("on how many days it flies is asked of a limit: give limit_deg")
+        raise InputError("availability is judged for a limit: give limit_deg")
     return plan.availability.availability(plan.limit, told)
 
 

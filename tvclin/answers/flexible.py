@@ -1,4 +1,4 @@
-"""What a structure changes: margins by band, modes off their places, and a flight with limits."""
+"""What a structure changes: margins by band, detuned modes, and a flight with limits."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FlexibleAnswer:
     bands : BandMargins
         Its margins.
     detuned : Detuned or None
-        With modes off their places; None where there are no modes.
+        With detuned modes; None where there are no modes.
     peak_deflection : float
         Largest deflection in the wind without limits [rad]; infinite for a loop that is not stable.
     sample_rate : float
@@ -155,6 +155,6 @@ def shift_words(plant: FlexiblePlant) -> str:
     if moved is None:
         return ""
     return (
-        f"would move the fast pole by {moved.fast_pole:+.2f} percent and the deflection that a"
-        f" wind asks for by {moved.trim_price:+.2f} percent"
+        f"would move the fast pole by {moved.fast_pole:+.2f} percent and the deflection that a wind"
+        f" needs by {moved.trim_price:+.2f} percent"
     )

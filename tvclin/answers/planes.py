@@ -185,13 +185,13 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[
     if not judged:
         yield (
             f"this wind blows in both planes: with a round stop they need"
-            f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone asks for"
-            f" {missing:.0f} % too little (--stop, nozzle_stop judge both)"
+            f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone finds"
+            f" {missing:.0f} % too little (to judge both: --stop, nozzle_stop)"
         )
         return
     yield (
-        f"the verdict is on both planes with one stop, of whose requirement the {plane} plane alone"
-        f" asks for {missing:.0f} % too little; boundaries, minima and laws are of that plane"
+        f"the verdict is on both planes with one stop, for which the {plane} plane alone finds"
+        f" {missing:.0f} % too little; boundaries, minima and laws are of that plane"
     )
 
 

@@ -14,8 +14,8 @@ from tvclin.base.lines import Line, degrees, number, significant, text
 FLOWN = {
     "survived": "survives",
     "lost": "is lost",
-    "rings": "is brought back, and its nozzle goes on swinging",
-    "undecided": "is neither lost nor saved",
+    "rings": "is brought back, and its nozzle keeps oscillating",
+    "undecided": "is neither lost nor settled",
     "no flight": "cannot be flown",
 }
 """What became of a flight, as of `FlownCases`, in words."""
@@ -150,7 +150,7 @@ def _probability(found: Findings, limit: float) -> Question:
     if np.isinf(r.estimate):
         return Question("probability", False, (*flights, " need more than any limit"))
     if np.isinf(r.upper):
-        return Question("probability", None, ("too few cases to speak of ", *flights))
+        return Question("probability", None, ("too few cases to judge ", *flights))
     sure = f", with {100.0 * r.confidence:g} % confidence"
     line = (*flights, " need ", *degrees("asked.covers", r.upper, unit="deg"), sure)
     whose = f"{text(flights)} need"
@@ -177,7 +177,7 @@ def _autopilot(found: Findings, limit: float) -> Question:
         return Question(name, yes, (f"{_reason(found, 'stop')}; ", *free), peak, whose)
     least = abs(float(found.stop.deflection)) * found.study.of_both
     if np.isinf(least):
-        line: Line = ("flown with a stop it survives with none that was tried; ", *free)
+        line: Line = ("flown with a stop it survives at no limit that was tried; ", *free)
         return Question(name, bool(covers(limit, peak)), line, peak, whose)
     line = (f"{whose} ", *degrees("asked.stop", least, unit="deg"), " as a stop, flown; ", *free)
     return Question(name, bool(covers(limit, least)), line, least, whose)

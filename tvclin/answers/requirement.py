@@ -172,7 +172,7 @@ def required_deflection(
 
 
 def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: ArrayLike = 1.0) -> Any:
-    """Return whether a deflection capability is all that a control needs.
+    """Return whether a deflection limit is at least what a control needs.
 
     Parameters
     ----------

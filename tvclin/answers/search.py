@@ -1,4 +1,4 @@
-"""A search for the least of a function with kinks and walls, many points at a time."""
+"""A search for the minimum of a function with kinks and bounds, many points at a time."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ _LONG = 2.5
 
 _ONE_POLE = ("fixed-path", "drift")
 """Models that leave the slow mode of the flight path out."""
-OUTLASTS = "outlasts what one pole can say"
+OUTLASTS = "is too long for the single-pole theory"
 TRUSTS = "trusts a forecast"
 """Of a wind and of a dead band, in the notes of a study."""
 
@@ -50,22 +50,22 @@ def head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:
     peak = abs(float(wind.peak))
     if plane == "pitch" and peak > _STRONG:
         yield (
-            "a wind along the path also changes the dynamic pressure, which a vehicle frozen in"
-            " time leaves out: a head wind of 5 deg needs up to a fifth more; this one, as a head"
-            " wind, is flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind"
-            f" {shape} --duration {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
+            "a wind along the path also changes the dynamic pressure, which frozen parameters leave"
+            " out: a head wind of 5 deg needs up to a fifth more; this one, as a head wind, is"
+            f" flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind {shape} --duration"
+            f" {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
         )
 
 
 def slow_or_paired(
     plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
 ) -> Iterator[str]:
-    """Say where two modes grow together, or the wind outlasts what one pole can say."""
+    """Say where two modes grow together, or the wind is too long for the single-pole theory."""
     if required.status == PAIR:
         yield (
-            "two unstable modes grow together here, whose two conditions one limit cannot meet:"
-            " required is the largest trim deflection over K, with which the dead band is never"
-            " left (tvclin optimum shows the least of all)"
+            "two unstable poles are a pair or equal here, and one limit cannot meet the conditions"
+            " (4b) of both: required is the largest trim deflection over K, with which the dead"
+            " band is never left (tvclin optimum shows the minimum)"
         )
         return
     edge = float(single_pole_validity(plant.coefficients))
@@ -119,7 +119,7 @@ def undamped(
     with_it, without = (abs(float(one.deflection)) for one in (needed, required))
     if with_it > without * (1.0 + ROUNDING):
         yield (
-            f"no pitch_damping is given, and leaving it out is not on the safe side here: a pole"
-            f" {100 * _SLOWER:.0f} percent slower would need"
-            f" {100 * (with_it / without - 1.0):.1f} percent more"
+            "no pitch_damping is given, and leaving it out is not conservative here: a pole"
+            f" {100 * _SLOWER:.0f} percent slower would need {100 * (with_it / without - 1.0):.1f}"
+            " percent more"
         )

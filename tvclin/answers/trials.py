@@ -191,7 +191,7 @@ def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
     """Return the laws of the trials by name, designed on a plant and for a peak [rad].
 
     Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
-    with drift they would let its slow mode creep away.
+    with drift they would let its slow mode grow.
     """
     instance("plant", plant, Plant, RIGID)
     return {name: design(plant, peak) for name, design in _DESIGNS.items()}

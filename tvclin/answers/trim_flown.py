@@ -1,4 +1,4 @@
-"""What the trim law needs in flight, where the condition (4b) does not speak for it."""
+"""What the trim law needs in flight, where the condition (4b) does not hold for it."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What stands below everything: checks of arguments, units, files, records shown as tables."""
+"""The base of all chapters: checks of arguments, units, files, records shown as tables."""

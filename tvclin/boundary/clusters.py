@@ -80,7 +80,7 @@ class ClusterEngine:
 
 @dataclass(frozen=True)
 class Cluster(Stop):
-    """The shape of what a cluster can do; its limit is that of an engine.
+    """The mean deflections that a cluster can reach, over the limit of one engine.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ FloatArray = NDArray[np.float64]
 
 EXACT = "exact"
 BOUND = "bound of the fast mode"
-BEFORE_THE_END = "bound: a turn at the end of the wind may ask for a little more"
+BEFORE_THE_END = "bound: a turn at the end of the wind may need a little more"
 _ROUNDING = 1e-12
 """What a wind of one sign may be beyond zero, over its peak."""
 _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
@@ -54,7 +54,7 @@ _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
 
 @dataclass(frozen=True)
 class ForecastFreeLimit:
-    """What no law without a forecast can do without; of a batch, numbers are ``(...)``.
+    """Lower bound of the limit of all laws without a forecast; of a batch, numbers are ``(...)``.
 
     Attributes
     ----------

@@ -60,14 +60,14 @@ _TOGETHER = 1e-4
 OK = "ok"
 STABLE = "no unstable pole: no deflection is needed"
 PAIR = (
-    "unstable poles that are a pair, or together: no one limit meets both conditions (4b), and with"
-    " this one the dead band is never left"
+    "two unstable poles are a pair or equal: no one limit meets the conditions (4b) of both, and"
+    " with this one the dead band is never left"
 )
 BOUNDARY = "the boundary of the control"
 MINIMUM = "the minimum over all unstable poles"
 NO_FORECAST = "the bound without a forecast"
 LARGER = {
-    BOUNDARY: "in flight, where trim itself leaves the dead band, more is needed",
+    BOUNDARY: "in flight, where the dead band is left by trim itself, more is needed",
     MINIMUM: f"{MINIMUM} is larger",
     NO_FORECAST: f"{NO_FORECAST} is larger",
 }
@@ -234,7 +234,7 @@ def boundary_alone(
     if np.any(unstable & (np.asarray(plant.coefficients.B) == 0.0)):
         raise InputError(
             "plant must have an aerodynamic moment, mu_alpha other than zero, where its path grows:"
-            " limits are counted in the deflection that trims the wind"
+            " limits are relative to the deflection that trims the wind"
         )
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=wind.batch)

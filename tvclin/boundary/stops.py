@@ -84,7 +84,7 @@ def lowest(height: Callable[[FloatArray], FloatArray], low: FloatArray, high: Fl
 
 
 class Stop(ABC):
-    """The shape of what a nozzle can do, over its limit."""
+    """The shape of the deflections that a nozzle can reach, over its limit."""
 
     @abstractmethod
     def support(self, direction: ArrayLike) -> FloatArray:

@@ -46,7 +46,19 @@ class _Late(Mapping[str, Any]):
         else:
             made = command if name in _LIGHT else _strict(command)
             app.command(name, rich_help_panel=panel)(made)
-        return typer.main.get_group(app).commands[name]
+        return _unwrapped(typer.main.get_group(app).commands[name])
+
+
+def _unwrapped(command: Any) -> Any:
+    """Return a command whose help has one line per paragraph, for the terminal to wrap.
+
+    typer keeps the line ends of a docstring in every paragraph but the first.
+    """
+    paragraphs = (command.help or "").split("\n\n")
+    command.help = "\n\n".join(" ".join(one.split()) for one in paragraphs)
+    for below in getattr(command, "commands", {}).values():
+        _unwrapped(below)
+    return command
 
 
 def function_of(name: str) -> Any:
@@ -114,8 +126,8 @@ def _sentence(error: Exception) -> str | None:
         return f"there is not enough memory for what was asked: {error}"
     if isinstance(error, ArithmeticError) or type(error).__name__ == "LinAlgError":
         return (
-            f"the numbers are beyond what floating-point arithmetic carries ({error}); bring"
-            " vehicle and options nearer to those of configuration-i"
+            f"floating-point arithmetic fails on these numbers ({error}); bring vehicle and options"
+            " nearer to those of configuration-i"
         )
     return None
 

@@ -1,4 +1,4 @@
-"""`tvclin autopilot`: what an autopilot asks of the nozzle in a wind, beside trim."""
+"""`tvclin autopilot`: the deflection that an autopilot needs in a wind, beside trim."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -58,7 +58,7 @@ def autopilot(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print what an autopilot asks of the nozzle in a wind, beside trim and the boundaries.
+    """Print the deflection that an autopilot needs in a wind, beside trim and the boundaries.
 
     --plot draws deflection and attitude of a stable loop; with --least, what a disk margin costs.
 
@@ -228,6 +228,6 @@ def _loads(document: dict[str, Any], worst: "WorstDuration | None") -> list[tupl
     pairs.append(("H-infinity, wind to deflection", f"{document['wind_gain']:.4g}"))
     if worst is not None:
         asks = np.degrees(worst.peak_deflection)
-        end = ", an end of what was tried" if worst.at_the_end else ""
+        end = ", an end of the range tried" if worst.at_the_end else ""
         pairs.append(("worst duration", f"{worst.duration:.3g} s, {asks:.4g} deg{end}"))
     return pairs

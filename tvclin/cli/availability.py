@@ -37,7 +37,7 @@ def availability(
             help="Direction of flight, in deg from north, clockwise; may be given several times."
         ),
     ],
-    limit_deg: Annotated[float, typer.Option(help="Deflection capability, in deg.")],
+    limit_deg: Annotated[float, typer.Option(help="Deflection limit, in deg.")],
     month: Annotated[
         list[int] | None,
         typer.Option(help="Only this month, from 1 to 12; may be given several times."),
@@ -49,7 +49,7 @@ def availability(
         str | None, typer.Option(help="Only this station, where there are several.")
     ] = None,
     utc_offset: Annotated[
-        float, typer.Option(help="Local time less UTC, in h: months are those of local time.")
+        float, typer.Option(help="Local time minus UTC, in h: months are those of local time.")
     ] = 0.0,
     plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both",
     stop: Annotated[
@@ -59,18 +59,19 @@ def availability(
     model: Model = None,
     persistence_deg: Annotated[
         float | None,
-        typer.Option(help="Angle that is added for what may come until launch, in deg."),
+        typer.Option(help="Angle added for the change of wind until launch, in deg."),
     ] = None,
     persistence_hours: Annotated[
         float | None,
         typer.Option(
-            help="In place of --persistence-deg, the hours from balloon to launch: what 95 % of the"
-            " archive's pairs 12 h apart grew by, taken to so many hours, is added."
+            help="In place of --persistence-deg, the hours from balloon to launch. Added is the"
+            " growth of need that 95 % of the archive's pairs 12 h apart do not exceed, scaled to"
+            " these hours."
         ),
     ] = None,
     gust: Gust = None,
     known_to_m: Annotated[
-        float | None, typer.Option(help="Height to which a sounding must go to be judged, in m.")
+        float | None, typer.Option(help="Height that a sounding must reach to be judged, in m.")
     ] = None,
     confidence: Annotated[
         float, typer.Option(help="Confidence of the intervals, from 0 to 1.")
@@ -89,8 +90,8 @@ def availability(
     csv: Annotated[
         Path | None,
         typer.Option(
-            help="Also write what every sounding asks for into this file: need_deg (empty where"
-            " --limit-deg is not judged), and its bracket, least_deg and most_deg."
+            help="Also write what every sounding needs into this file: need_deg (empty where"
+            " --limit-deg is not judged), and its bounds, least_deg and most_deg."
         ),
     ] = None,
     plot: Plot = None,

@@ -29,7 +29,7 @@ def print_bands(found: "BandMargins", asked: "Criteria") -> None:
         judged = any(name in asked_of for name in free)
         if asked.of_modes and free and not judged:
             typer.echo(
-                f"Note: {', '.join(free)}: held by {word}, of which nothing is asked ({option});"
+                f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({option});"
                 " the margins of the whole loop count"
             )
 

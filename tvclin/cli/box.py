@@ -54,7 +54,10 @@ def worst_in_box(
             known("number of --box", [key], BOX_TABLE.quantities)
             name, centre = key, _nominal(key, vehicle, autopilot, wind)
             if not centre:
-                raise InputError(f"--box {one}: there is no nominal value to take a percentage of")
+                raise InputError(
+                    f"--box {one}: {key} has no nominal value for a percentage; give both ends in"
+                    " its unit"
+                )
             factor = 0.01 * abs(centre)
         else:
             ((name, factor),), centre = BOX_TABLE.read({key: 1.0}).items(), 0.0

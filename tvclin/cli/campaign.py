@@ -1,4 +1,4 @@
-"""`tvclin campaign`: many dispersed cases, run, gone on with, shown, and replayed."""
+"""`tvclin campaign`: many dispersed cases, run, continued, shown and replayed."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,16 +24,16 @@ campaign = typer.Typer(
 
 Folder = Annotated[Path, typer.Argument(help="The folder of the campaign.")]
 Workers = Annotated[
-    int | None, typer.Option(help="So many processes of this machine; without it, this one.")
+    int | None, typer.Option(help="Number of worker processes. Without it: none but this one.")
 ]
 Scheduler = Annotated[
     str | None, typer.Option(help="A Dask scheduler to run on, such as tcp://10.0.0.1:8786.")
 ]
 Shard = Annotated[
-    str | None, typer.Option(help="Only this part of the chunks, i/n; for job arrays.")
+    str | None, typer.Option(help="Compute part i of n of the chunks, i/n; for job arrays.")
 ]
 Output = Annotated[
-    str | None, typer.Option("--output", help="Of this output; the first one without it.")
+    str | None, typer.Option("--output", help="Output to show. Without it: the first.")
 ]
 
 
@@ -53,16 +53,16 @@ def init(
 @campaign.command()
 def run(
     file: Annotated[Path, typer.Argument(help="The campaign file (see: tvclin campaign init).")],
-    folder: Annotated[Path, typer.Option("-o", "--folder", help="Where the results go.")],
+    folder: Annotated[Path, typer.Option("-o", "--folder", help="Folder for the results.")],
     workers: Workers = None,
     scheduler: Scheduler = None,
     shard: Shard = None,
     until_converged: Annotated[
         float | None,
-        typer.Option(help="Stop when both bounds lie within so many percent of the answer."),
+        typer.Option(help="Stop when both bounds lie within this percentage of the answer."),
     ] = None,
 ) -> None:
-    """Run a campaign; into a folder where it has begun already, go on with it.
+    """Run a campaign; in a folder where it has begun already, continue it.
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
@@ -84,7 +84,7 @@ def run(
 def resume(
     folder: Folder, workers: Workers = None, scheduler: Scheduler = None, shard: Shard = None
 ) -> None:
-    """Go on with a campaign; damaged and foreign chunks are named and computed anew.
+    """Continue a campaign; chunks that are damaged or of another one are named and computed again.
 
     Exit code 0: done; 2: bad input, or stopped by what one sentence says.
     """
@@ -103,12 +103,15 @@ def show(
     folder: Folder,
     output: Output = None,
     limit_deg: Annotated[
-        float | None, typer.Option(help="How probable is it that this limit, in deg, is enough?")
+        float | None,
+        typer.Option(help="Also print how probable it is that this limit, in deg, is enough."),
     ] = None,
     probability: Annotated[
-        float | None, typer.Option(help="Part of all flights to be covered, below 1.")
+        float | None, typer.Option(help="Fraction of all flights to be covered, below 1.")
     ] = None,
-    confidence: Annotated[float | None, typer.Option(help="Of every bound, below 1.")] = None,
+    confidence: Annotated[
+        float | None, typer.Option(help="Confidence of every bound, below 1.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Print what a campaign has found so far.
@@ -139,9 +142,9 @@ def replay(
     case: Annotated[int, typer.Argument(help="The number of the case.")],
     as_json: AsJson = False,
 ) -> None:
-    """Compute one case anew and print it in full, with its exact response.
+    """Compute one case again and print it in full, with its exact response.
 
-    The response is that on its boundary: to trim until the dead band is left, then the limit.
+    The response is that on its boundary: trim until the dead band is left, then the limit held.
 
     Exit code 0: answered; 2: bad input.
     """

@@ -113,7 +113,7 @@ def _check_length(plant: "Plant", length: float) -> None:
     fastest = float(np.real(unstable_modes(plant).poles).max(initial=0.0))
     if fastest * length > _LARGEST:
         raise InputError(
-            f"--duration, and that times --until, must be at most {_LARGEST / fastest:.4g} s: what"
-            f" is left over grows as e^({fastest:.4g} t), and no number holds more than"
+            f"--duration, and --duration times --until, must be at most {_LARGEST / fastest:.4g} s:"
+            f" the attitude grows as e^({fastest:.4g} t), and floating-point numbers end near"
             f" e^{_LARGEST:g}; got {length:g} s"
         )

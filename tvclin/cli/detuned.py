@@ -1,4 +1,4 @@
-"""What `tvclin margins --detuned` adds: margins with the modes off their places."""
+"""What `tvclin margins --detuned` adds: margins with detuned modes."""
 
 from math import isnan
 from typing import TYPE_CHECKING, Annotated
@@ -13,8 +13,8 @@ IsDetuned = Annotated[
     bool,
     typer.Option(
         "--detuned",
-        help="Also print the margins with each mode off by up to 20 percent, with half its damping,"
-        " and with slopes of the other sign at the sensors.",
+        help="Also print the margins with the frequency of each mode off by up to 20 percent, with"
+        " half its damping, and with the signs of its slopes at the sensors reversed.",
     ),
 ]
 _NUMBERS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg")
@@ -24,7 +24,7 @@ _SIDES = {"aero_margin_dB": "down", "gain_increase_dB": "up"}
 
 
 def detuned_of(found: "MarginsFound") -> "Detuned":
-    """Return the loop with its modes off their places."""
+    """Return the margins of the loop with detuned modes."""
     from tvclin.control.autopilot.detuning import detuned
     from tvclin.linear.flexible import FlexiblePlant
 
@@ -56,7 +56,7 @@ def print_detuned(found: "Detuned") -> None:
         short = change.replace(" at the sensors", "").replace("half its", "half")
         rows.append([short, *(cell(name, k) for name in _NUMBERS), fails_first(first), judged])
     headings = ["change", "down", "up", "phase", "fails first", "asked"]
-    print_table("Modes off their places, in dB and deg", headings, rows)
+    print_table("Detuned modes, in dB and deg", headings, rows)
     for edge in found.edges:
         sides = [f"{side:.3f}" for side in (edge.lower, edge.upper) if not isnan(side)]
         if sides:

@@ -20,7 +20,7 @@ ADDS = {
 
 
 def doctor(as_json: AsJson = False) -> None:
-    """Print versions, and which extras are there."""
+    """Print versions, and which extras are installed."""
     from tvclin.base.errors import install
     from tvclin.cli.output import print_json, print_table
 

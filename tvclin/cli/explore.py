@@ -23,7 +23,7 @@ def explore(
     JupyterLab ends with "End" in the panel, with Ctrl-C here, and some minutes after its last page
     was closed (not with --no-browser).
 
-    Exit code 0: JupyterLab was left; 2: bad input, or the extra notebook is missing.
+    Exit code 0: JupyterLab was closed; 2: bad input, or the extra notebook is missing.
     """
     from importlib.util import find_spec
 

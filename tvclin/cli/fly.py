@@ -81,7 +81,8 @@ def fly(
         ),
     ] = False,
     boundary: Annotated[
-        bool, typer.Option("--boundary", help="Also find the least limit that survives, by flying.")
+        bool,
+        typer.Option("--boundary", help="Also find, by flights, the least limit that survives."),
     ] = False,
     plane: Plane = "pitch",
     until: Until = 2.0,
@@ -90,7 +91,7 @@ def fly(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Fly a vehicle through a wind with a law, beside what the linear theory predicts.
+    """Fly a vehicle through a wind with a control law, beside the prediction of the linear theory.
 
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
     is flown with a sampled law, beside the rigid one. --rigid leaves all that out.

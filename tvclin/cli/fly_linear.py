@@ -1,4 +1,4 @@
-"""`tvclin fly --engine linear`: a law in steps, with the nozzle's limits, also of what bends."""
+"""`tvclin fly --engine linear`: a sampled law, with the nozzle's limits, rigid or flexible."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -206,8 +206,8 @@ def _compared(
 
 
 RINGS_MEANS = (
-    "RINGS: the vehicle is brought back, and the nozzle goes on swinging: an oscillation of the"
-    " loop, of bending or slosh most often, grows near rest or lives on between the limits."
+    "RINGS: the vehicle is brought back, and the nozzle keeps oscillating: an oscillation of the"
+    " loop, mostly of bending or slosh, grows near rest or persists between the limits."
 )
 
 

@@ -18,7 +18,8 @@ Winds = Annotated[
 Window = Annotated[
     float | None,
     typer.Option(
-        help="Length of the sounding that counts, about the vehicle's own time of flight, in s.",
+        help="Length of the part of the sounding that counts, about the vehicle's own time of"
+        " flight, in s.",
         show_default="20",
     ),
 ]

@@ -18,8 +18,8 @@ NotchHz = Annotated[
     typer.Option(
         metavar="F,ZEROS,POLES",
         help="Notch filter of the deflection command: frequency in Hz, damping of its zeros and of"
-        " its poles, as in 12,0.05,0.5. May be given several times. Study files know lead-lag and"
-        " rational filters too, under autopilot.filter.",
+        " its poles, as in 12,0.05,0.5. May be given several times. Study files also take lead-lag"
+        " and rational filters, under autopilot.filter.",
     ),
 ]
 LowPassHz = Annotated[
@@ -39,8 +39,8 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum"
-            " or lqr; tvclin autopilot has least-nozzle as well.",
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum or"
+            " lqr; for tvclin autopilot also least-nozzle.",
             show_default="canonical",
         ),
     ] = None

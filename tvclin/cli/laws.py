@@ -42,9 +42,7 @@ def laws(
             show_default="all",
         ),
     ] = None,
-    cuts: Annotated[
-        int, typer.Option(help="Number of sudden ends that each wind is tried with as well.")
-    ] = 0,
+    cuts: Annotated[int, typer.Option(help="Also fly each wind cut off at so many instants.")] = 0,
     sample_rate: Annotated[float, typer.Option(help="Sample rate of the law, in Hz.")] = 100.0,
     model: Annotated[
         str | None,
@@ -175,19 +173,19 @@ def _print(
         [row[:-1] for row in loads],
     )
     typer.echo(
-        "any law: none needs less that has no forecast and must also survive when the wind stops"
+        "any law: lower bound for all laws without a forecast that also survive if the wind stops"
         " for good at any instant (--cuts); - where the wind changes its sign."
     )
     one = found[0]
     scanned = (one.highest - one.lowest) / STEPS
     typer.echo(
-        f"Tried: limits from {one.lowest:g} to {one.highest:g} in steps of {scanned:.2g}, and above"
-        f" each edge for {ABOVE * scanned:.2g} in steps of {scanned / PARTS:.2g}, nearer still"
-        " finer. A narrower window of losses would not be seen."
+        f"Tried: limits from {one.lowest:g} to {one.highest:g} in steps of {scanned:.2g}, and for"
+        f" {ABOVE * scanned:.2g} above each edge in steps of {scanned / PARTS:.2g}, finer still"
+        " near the edge. A narrower range of lost limits would not be seen."
     )
     if not all(one.monotone for one in found):
         typer.echo(
-            "*: some lower limits survive as well; above this one every limit does that was tried."
+            "*: some lower limits survive as well; above this one all that were tried survive."
         )
     for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if _doubtful(one)):
         typer.echo(said)

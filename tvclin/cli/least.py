@@ -105,6 +105,6 @@ def print_least(found: "LeastGains") -> None:
         for name, one, trim in zip(found.question.names, found.each, trims, strict=True)
     ]
     print_table(f"Least nozzle: {what}", ["", "[deg]", "of trim"], rows)
-    typer.echo(f"Held by: {', '.join(found.active) or 'nothing, a valley'}")
+    typer.echo(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")
     for note in found.notes:
         typer.echo(f"Note: {note}")

@@ -30,18 +30,18 @@ CriteriaName = Annotated[
 ]
 GainDb = Annotated[
     float | None,
-    typer.Option(help="Gain margin asked for, up and down, in dB, in place of that of --criteria."),
+    typer.Option(help="Required gain margin, up and down, in dB, in place of that of --criteria."),
 ]
 PhaseDeg = Annotated[
     float | None,
-    typer.Option(help="Phase margin asked for, in deg, in place of that of --criteria."),
+    typer.Option(help="Required phase margin, in deg, in place of that of --criteria."),
 ]
-DelayMarginMs = Annotated[float | None, typer.Option(help="Delay margin asked for as well, in ms.")]
+DelayMarginMs = Annotated[float | None, typer.Option(help="Required delay margin, in ms.")]
 ModeGainDb = Annotated[
-    float | None, typer.Option(help="Gain margin asked of each gain-stabilised mode, in dB.")
+    float | None, typer.Option(help="Required gain margin of each gain-stabilised mode, in dB.")
 ]
 ModePhaseDeg = Annotated[
-    float | None, typer.Option(help="Phase margin asked of each phase-stabilised mode, in deg.")
+    float | None, typer.Option(help="Required phase margin of each phase-stabilised mode, in deg.")
 ]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
@@ -76,8 +76,9 @@ def margins(
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: its
     margins are printed as a whole and for each mode. --rigid leaves all that out.
 
-    --flown flies through the wind with the limit --limit-deg, and prints how much gain, nozzle and
-    delay may change before a flight is lost. The criteria judge the linear margins, not these.
+    --flown flies through the wind with the limit --limit-deg, and prints how much gain,
+    effectiveness and delay may change before a flight is lost. The criteria judge the linear
+    margins, not these.
 
     --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
     vehicle there, and the worst required deflection. The criteria judge the worst margins too.

@@ -41,7 +41,7 @@ def optimum(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Print the least peak deflection with which a wind that is known beforehand is survived.
+    """Print the least peak deflection that survives a wind known beforehand.
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """

@@ -25,9 +25,7 @@ PeakSpeed = Annotated[
     float | None, typer.Option(help="Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e).")
 ]
 Plane = Annotated[str, typer.Option(help="Plane of the motion: pitch or yaw.")]
-LimitDeg = Annotated[
-    float | None, typer.Option(help="Deflection capability, in deg: is it sufficient?")
-]
+LimitDeg = Annotated[float | None, typer.Option(help="Deflection limit, in deg: is it sufficient?")]
 OtherPlane = Annotated[
     str | None, typer.Option(help="Plane of the motion: pitch or yaw.", show_default="pitch")
 ]
@@ -51,7 +49,7 @@ AzimuthDeg = Annotated[
 Model = Annotated[
     str | None, typer.Option(help=f"Model: {MODELS_HELP}", show_default=MODEL_DEFAULT)
 ]
-TIME_HELP = "as in '2024-02-15 12' (UTC); the first without it."
+TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]

@@ -18,7 +18,7 @@ def report(
         typer.Argument(
             metavar="STUDY",
             help="A study file (see: tvclin init --study), a vehicle file or a vehicle of the"
-            " package; the example of the package without it.",
+            " package. Without it: the example of the package.",
         ),
     ] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.")] = Path(

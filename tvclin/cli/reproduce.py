@@ -15,7 +15,7 @@ def reproduce(
 ) -> None:
     """Write the report's figures (PNG), their numbers (CSV), and the ledger (ledger.md).
 
-    Figures 6 to 11 stand beside flights of their own, so it takes a minute or two.
+    Figures 6 to 11 also show flights, so it takes a minute or two.
     """
     from tvclin.base.errors import install
     from tvclin.base.files import called

@@ -54,7 +54,7 @@ def respond(
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
-    """Say how the attitude answers a wind, with trim up to the dead band and then the limit held.
+    """Print the attitude response to a wind, with trim up to the dead band and then the limit held.
 
     Exit code 0: answered; 2: bad input.
     """
@@ -146,8 +146,8 @@ def _print(
     typer.echo(f"Held for ever, this deflection is {stable}; it leaves {verdict.left_over}")
     if shown.why == LET_GO:
         typer.echo(
-            "An autopilot lets go of what is too much when the attitude is back at zero, or beyond;"
-            f" the response is shown until then, {shown.time:.3f} s."
+            "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
+            f" response is shown until then, {shown.time:.3f} s."
         )
     elif shown.why == FALLEN:
         typer.echo(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")

@@ -30,7 +30,8 @@ SlopeNumber = Annotated[
 SlopeTable = Annotated[
     Path | None,
     typer.Option(
-        "--cn-alpha", help="In its place a table of it over Mach, of RASAero II or OpenRocket."
+        "--cn-alpha",
+        help="The slope over Mach in place of one number: a table of RASAero II or OpenRocket.",
     ),
 ]
 Ground = Annotated[
@@ -46,7 +47,8 @@ class Rows:
     start: Annotated[float | None, typer.Option(help="Earliest time, in s.")] = None
     stop: Annotated[float | None, typer.Option(help="Latest time, in s.")] = None
     most_rows: Annotated[
-        int, typer.Option(help="Most rows to write; more are thinned, with straight lines between.")
+        int,
+        typer.Option(help="Most rows to write; a longer flight is thinned to straight lines."),
     ] = 200
 
 
@@ -93,7 +95,8 @@ def rasaero(
     inertia: Annotated[
         list[str],
         typer.Option(
-            metavar="TIME:KG_M2", help="A time, in s, and the moment of inertia then; two or more."
+            metavar="TIME:KG_M2",
+            help="A time, in s, and the moment of inertia at it; give two or more.",
         ),
     ],
     cn_alpha_per_rad: SlopeNumber = None,
@@ -133,7 +136,7 @@ def table(
     ],
     rows: Rows = Rows(),
 ) -> None:
-    """Read any table with a line of column names, by a map from our names to them.
+    """Read any table with a line of column names, with --columns to say which is which.
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
@@ -141,7 +144,7 @@ def table(
     from tvclin.base.errors import InputError
     from tvclin.base.files import called, read_text, tables_of
 
-    document = tables_of(read_text(columns, "a map of columns"), str(columns))
+    document = tables_of(read_text(columns, "a TOML file of columns"), str(columns))
     found = document.get("columns")
     if not isinstance(found, dict) or len(document) > 1:
         raise InputError(f"{called(columns)} must hold one table [columns] and nothing beside it")

@@ -67,18 +67,20 @@ def size(
     window: Annotated[
         float | None,
         typer.Option(
-            help="Length of a sounding that counts, about each flight time, in s.",
+            help="Length of the part of a sounding that counts, about each flight time, in s.",
             show_default="all of it",
         ),
     ] = None,
     gust: Gust = None,
     begin: Annotated[
         float | None,
-        typer.Option("--from", help="First flight time, in s.", show_default="as early as it goes"),
+        typer.Option(
+            "--from", help="First flight time, in s.", show_default="the earliest possible"
+        ),
     ] = None,
     end: Annotated[
         float | None,
-        typer.Option("--to", help="Last flight time, in s.", show_default="as late as it goes"),
+        typer.Option("--to", help="Last flight time, in s.", show_default="the latest possible"),
     ] = None,
     every: Annotated[
         float | None, typer.Option(help="Time between flight times, in s.", show_default="5")
@@ -102,49 +104,52 @@ def size(
     law: Annotated[
         str | None,
         typer.Option(
-            help="What the column 'no forecast' holds: bound, which no law without a forecast"
-            " undercuts, or flown, what such a law needs in flight (slow).",
+            help="Column 'no forecast': bound, the lower bound for all laws without a forecast, or"
+            " flown, what such a law needs in flight (slow).",
             show_default="bound",
         ),
     ] = None,
     varying: Annotated[
-        bool, typer.Option("--varying", help="Let parameters vary while the wind blows as well.")
+        bool,
+        typer.Option("--varying", help="Also size with parameters that vary while the wind blows."),
     ] = False,
     limit_deg: LimitDeg = None,
     count: Annotated[
         str | None,
         typer.Option(
-            help="Which column counts as the wind's in the total: 'K = 1', trim, 'K = 1, varying',"
-            " ...",
-            show_default="the largest dead band; in soundings alone with --varying, varying",
+            help="Column that enters the total for the wind: 'K = 1', trim, 'K = 1, varying', ...",
+            show_default="the largest dead band; varying, with --varying and soundings alone",
         ),
     ] = None,
     dispersion: Annotated[
         float | None,
         typer.Option(
-            help="What dispersions add, as a part of what the wind needs.", show_default="0"
+            help="What dispersions add, as a fraction of what the wind needs.", show_default="0"
         ),
     ] = None,
     disperse: Annotated[
         bool,
         typer.Option(
             "--disperse",
-            help="Find that part from 2000 cases at the worst time, as tvclin study --disperse.",
+            help="Find that fraction from 2000 cases at the worst time, as tvclin study"
+            " --disperse.",
         ),
     ] = False,
     thrust_offset_deg: Annotated[
         float | None,
-        typer.Option(help="Angle of the thrust off the nozzle's axis, in deg.", show_default="0"),
+        typer.Option(
+            help="Angle between the thrust and the nozzle's axis, in deg.", show_default="0"
+        ),
     ] = None,
     gravity_offset_m: Annotated[
         float | None,
         typer.Option(
-            help="Distance of the centre of gravity off the axis, in m.", show_default="0"
+            help="Distance of the centre of gravity from the axis, in m.", show_default="0"
         ),
     ] = None,
     reserve: Annotated[
         float | None,
-        typer.Option(help="Part of the limit that stays unused, from 0 to 1.", show_default="0"),
+        typer.Option(help="Fraction of the limit to keep unused, from 0 to 1.", show_default="0"),
     ] = None,
     as_json: AsJson = False,
     csv: Annotated[

@@ -31,8 +31,8 @@ def print_sizing(
         _print_planes(found, counted)
     if not (found.steady.all() and found.known.all()) or found.beyond_one_pole.any():
         typer.echo(
-            "1: beyond one pole; ~: parameters change meanwhile; +: beyond the schedule;"
-            " ?: a wind is not known"
+            "1: beyond the single-pole theory; ~: parameters change while the wind blows; +: beyond"
+            " the schedule; ?: a wind is not known"
         )
     if len(found.winds) > 1:
         _print_by_wind(found, frozen, counted)
@@ -114,7 +114,10 @@ def _print_total(total: "DeflectionTotal") -> None:
         for line in total.lines
     ]
     pairs.append(
-        ("total: systematic added, random in squares", f"{np.degrees(total.total):.4f} deg")
+        (
+            "total: systematic parts added, random by root of sum of squares",
+            f"{np.degrees(total.total):.4f} deg",
+        )
     )
     if total.reserve:
         said = f"{np.degrees(total.required):.4f} deg"

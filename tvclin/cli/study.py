@@ -69,8 +69,8 @@ def study(
     switch: Annotated[
         str | None,
         typer.Option(
-            help="What leaves the dead band of the boundaries shown: trim (literal) or the wind"
-            " (report).",
+            help="What is compared with the dead band, in the boundaries shown: trim (literal) or"
+            " the wind (report).",
             show_default="literal",
         ),
     ] = None,
@@ -78,8 +78,8 @@ def study(
         bool,
         typer.Option(
             "--disperse",
-            help="Also find the deflection that covers dispersed vehicles and winds; by assumed"
-            " amounts, where no study file gives them.",
+            help="Also find the deflection that covers dispersed vehicles and winds, with assumed"
+            " dispersions where no study file gives them.",
         ),
     ] = False,
     cases: Annotated[
@@ -87,7 +87,7 @@ def study(
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of --disperse.", show_default="0")] = None,
     explain: Annotated[
-        bool, typer.Option("--explain", help="Say in a line what each symbol means.")
+        bool, typer.Option("--explain", help="Explain each symbol in one line.")
     ] = False,
     as_json: AsJson = False,
     plot: Plot = None,

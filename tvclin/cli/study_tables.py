@@ -167,8 +167,8 @@ def _print_boundaries(result: "Study") -> None:
         of_it = f", {result.peak_of}" if result.peak_of and np.isfinite(largest) else ""
         typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}{of_it}")
     typer.echo(
-        "no forecast, bound: no law that does not know when the wind will stop can need less; wind"
-        " known: the least of all, appendix C; y_BR: over what trim takes"
+        "no forecast, bound: lower bound for laws that do not know when the wind will stop; wind"
+        " known: the minimum, appendix C; y_BR: limit over ideal trim"
     )
     for note in result.notes:
         typer.echo(f"Note: {note}.")

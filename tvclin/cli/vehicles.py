@@ -43,7 +43,7 @@ def init(
     ] = False,
     vehicle: Annotated[
         str | None,
-        typer.Option(help="Copy this vehicle of the package in its place (see: tvclin vehicles)."),
+        typer.Option(help="Copy this vehicle of the package instead (see: tvclin vehicles)."),
     ] = None,
 ) -> None:
     """Write a commented vehicle file to fill in, or with --study a whole study."""

@@ -1,1 +1,1 @@
-"""What decides of the deflection: autopilot, margins, laws, and how they compare with trim."""
+"""What commands the deflection: autopilot, margins, laws, and how they compare with trim."""

@@ -115,7 +115,7 @@ def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -
     limits = closed_loop_boundary(plant, control, wind, sample_rate=SAMPLE_RATE, highest=_HIGHEST)
     if not np.isfinite(limits.limit):
         raise InputError(
-            f"control must be one that {_HIGHEST:g} times the largest trim deflection lets survive"
+            f"control must survive with {_HIGHEST:g} times the largest trim deflection as its limit"
         )
     return abs(limits.deflection)
 

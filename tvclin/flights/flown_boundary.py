@@ -150,7 +150,7 @@ def flown_boundary(
     scale = abs(trim)
     if not survives(top * scale):
         raise InputError(
-            f"wind must be one that {top:g} times the largest trim deflection survives"
+            f"wind must be survived with {top:g} times the largest trim deflection as the limit"
         )
     lost, saved, flights = 0.0, top, 1
     while saved - lost > 2.0 * narrow:

@@ -31,8 +31,8 @@ FALLEN_OVER = np.pi / 2
 LET_GO, FALLEN, WHOLE = "let go", "fallen", "whole"
 """Why a response is shown no longer: the limit is let go, 90 degrees are exceeded, it was asked."""
 TURNED_OVER = (
-    "Held for ever this limit turns the vehicle over; it is enough for a control that lets go of it"
-    " in between, which this response does not show."
+    "Held for ever, this limit turns the vehicle over. It is enough for a control that"
+    " lets go of it in time, which this response does not show."
 )
 """Of a limit that is enough, and a response with it that exceeds 90 degrees."""
 

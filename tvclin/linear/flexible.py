@@ -1,4 +1,4 @@
-"""The flexible plant: a vehicle that bends, sloshes and swings its engine, in state space.
+"""The flexible plant: a vehicle with bending, slosh and engine inertia, in state space.
 
 `motions` has the equations of motion; here they get the flight path and the sensors,
 
@@ -62,7 +62,7 @@ class FlexiblePlant:
     vehicle : Vehicle
         The whole vehicle, liquid and engine included.
     structure : Structure
-        What bends, sloshes and swings in it, and the lags of its sensors.
+        Its bending, slosh and engine inertia, and the lags of its sensors.
     model : str
         "fixed-path", "drift-exact" or "drift-and-speed". In "fixed-path" the path angle is not
         part of the angle of attack, as at infinite speed; the vehicle still moves sideways.

@@ -159,8 +159,8 @@ def _frequency(tank: SloshTank, a: Any) -> Any:
         return tank.frequency
     if np.any(np.asarray(a) <= 0.0):
         raise InputError(
-            "a pendulum_length needs a thrust above the axial force, which pulls the pendulum"
-            " straight; give the tank a frequency"
+            "a pendulum_length needs a thrust above the axial force, whose difference"
+            " accelerates the tank; give the tank a frequency"
         )
     return np.sqrt(a / tank.pendulum_length)
 

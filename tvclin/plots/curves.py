@@ -133,5 +133,5 @@ def curves_of(plot: Any) -> Curves:
     """
     found = getattr(plot, "curves", None)
     if not isinstance(found, Curves):
-        raise InputError("plot must be a figure that was drawn from curves; this one was not")
+        raise InputError("plot must be a figure drawn from curves by tvclin; this one was not")
     return found

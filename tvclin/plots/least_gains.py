@@ -56,6 +56,8 @@ def least_gains_chart(fronts: Sequence[GainsFront]) -> ControlPlot:
         disk,
         tuple(columns),
     )
-    plot = draw(curves, Look("What margins cost", "deflection over |B alpha_w,max|", styles))
+    plot = draw(
+        curves, Look("Least deflection over disk margin", "deflection over |B alpha_w,max|", styles)
+    )
     plot.axes.flat[0].set_ylim(bottom=0.0)
     return plot

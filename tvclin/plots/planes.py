@@ -80,7 +80,7 @@ def plane_chart(
         f" alone {np.degrees(found.pitch_alone):.4f} deg"
     )
     curves = Curves("planes", words, "deflection in pitch [deg]", whole.real, tuple(columns))
-    title = called(plant.coefficients.name, f"What a wind asks of both planes\n{words}")
+    title = called(plant.coefficients.name, f"Deflection that a wind needs in both planes\n{words}")
     look = Look(title, "deflection in yaw [deg]", _styles())
     plot = draw(curves, look)
     axes, most = plot.axes[0, 0], (1.0 + _ROOM) * np.abs([whole.real, whole.imag]).max()

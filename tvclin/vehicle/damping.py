@@ -137,7 +137,7 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
     if np.any(found < 0.0):
         raise InputError(
             "mass_flow times exit_arm squared must be at least what the moment of inertia loses,"
-            f" -inertia_rate: the jet would drive, with {found.min():.6g} N m s/rad (check the"
+            f" -inertia_rate: the damping would be negative, {found.min():.6g} N m s/rad (check the"
             " units, and that exit_arm reaches to the nozzle's exit)"
         )
     return plain(found)

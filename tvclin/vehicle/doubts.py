@@ -1,4 +1,4 @@
-"""What in the numbers of a vehicle is rather a slip of the pen than meant."""
+"""Numbers of a vehicle that are probably slips of the pen."""
 
 from __future__ import annotations
 

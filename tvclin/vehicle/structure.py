@@ -1,4 +1,4 @@
-"""What bends, sloshes and swings in a vehicle, and the lags of its sensors: all optional.
+"""Bending, slosh and engine inertia of a vehicle, and the lags of its sensors: all optional.
 
 Stations are measured forward from the centre of gravity of the whole vehicle, liquid frozen and
 engine straight; displacements are positive up and slopes are per metre forward. Mass, inertia and
@@ -187,7 +187,7 @@ class Engine:
 
 @dataclass(frozen=True, kw_only=True)
 class Structure:
-    """All that a vehicle adds to the rigid one, or a batch of it.
+    """All that a flexible vehicle adds to the rigid one, or a batch of it.
 
     Parameters
     ----------

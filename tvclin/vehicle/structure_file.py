@@ -58,7 +58,7 @@ SLOSH_TABLE = Table(
 
 
 def load_structure(source: str | PathLike[str]) -> Structure:
-    """Return what bends, sloshes and swings, by the name of a vehicle or from its file.
+    """Return bending, slosh, engine and sensors, by the name of a vehicle or from its file.
 
     It stands in the file beside [vehicle], under headings of its own: [structure], [engine],
     [sensors], and one [[bending]] and [[slosh]] for each mode and tank. All are optional; a file

@@ -68,6 +68,6 @@ def _check_area(
     if np.any(bad):
         which = int(np.argmax(bad))
         raise InputError(
-            "wind must have an area with the sign of its peak; got"
-            f" {area.flat[which]:.6g} rad s with a peak of {peak.flat[which]:.6g} rad"
+            f"wind must have a time integral with the sign of its peak; got {area.flat[which]:.6g}"
+            f" rad s with a peak of {peak.flat[which]:.6g} rad"
         )

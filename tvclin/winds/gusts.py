@@ -25,7 +25,7 @@ _CALM = [0.0, 0.0, 0.0]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OneMinusCosineGust(History):
-    """A gust that swells from t = 0 to its peak at T/2 and dies down to T, both smoothly.
+    """A gust that rises from t = 0 to its peak at T/2 and falls until T, both smoothly.
 
         alpha_w = (peak/2) (1 - cos(2 pi t/T)),    0 <= t <= T
 
@@ -64,7 +64,7 @@ class OneMinusCosineGust(History):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LayeredGust(History):
-    """A gust that swells smoothly to its peak, stays there, and dies down as it swelled.
+    """A gust that rises smoothly to its peak, stays there, and falls as it rose.
 
     The rise is (peak/2) (1 - cos(pi t/blend)), and the fall is its mirror image.
 

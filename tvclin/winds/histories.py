@@ -175,7 +175,7 @@ class History(ABC):
             carried = np.all(np.isfinite(den / den[..., :1]))
             answer = _cascade(self.pieces, num, den) if carried else None
         if answer is None or not np.all(np.isfinite(answer.pieces.coefficients)):
-            raise InputError("denominator has poles beyond what numbers can carry; scale it")
+            raise InputError("denominator has poles too large for floating-point numbers; scale it")
         return answer
 
     def one(self, case: int, shape: tuple[int, ...]) -> History:
@@ -388,7 +388,7 @@ def _laplace_variable(s: ArrayLike) -> NDArray[Any]:
 def _carried(values: NDArray[Any], s: NDArray[Any]) -> NDArray[Any]:
     """The values; `InputError` where e^(-s t) has outgrown every number and left none."""
     if np.any(np.isnan(values)):
-        raise InputError(f"s must be such that e^(-s t) can be carried; got {shown(s)}")
+        raise InputError(f"s must be such that e^(-s t) does not overflow; got {shown(s)}")
     return values
 
 

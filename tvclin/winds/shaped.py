@@ -93,8 +93,8 @@ class ShapedWind:
         peak = self.peaks(attitude)[one_of("plane", plane, PLANES)]
         if peak == 0.0:
             raise InputError(
-                f"this wind does nothing in {plane}, it blows in the other plane alone; ask for"
-                " that one, or for both"
+                f"this wind has no part in {plane}, it blows in the other plane alone; take that"
+                " plane, or both"
             )
         return ShapedWind(self.shape, peak, self.duration)
 
@@ -108,8 +108,8 @@ class ShapedWind:
         """
         if self.heading is None:
             raise InputError(
-                "a question about both planes needs a wind with a direction: give where it blows"
-                " from, and the azimuth of the flight"
+                "both planes need a wind with a direction: give where it blows from, and the"
+                " azimuth of the flight"
             )
         return dict(zip(PLANES, angles_of_vector(self.peak, self.heading, attitude), strict=True))
 

@@ -72,7 +72,9 @@ class AvailabilityAsked:
         instance("flight", self.flight, FlightSchedule, "see load_schedule")
         instance("soundings", self.soundings, Soundings, "see read_soundings")
         if not len(self.soundings):
-            raise InputError("soundings must hold one or more of what is asked for; there are none")
+            raise InputError(
+                "soundings must hold one or more; got none (check month, years and station)"
+            )
         for name, names in {"plane": (BOTH, *PLANES), "stop": STOPS, "model": MODELS}.items():
             one_of(f"{name} of availability", getattr(self, name), names)
         bearing("azimuth", self.azimuth)

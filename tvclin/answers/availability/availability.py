@@ -116,7 +116,9 @@ def availability(
     one_of("plane", plane, (BOTH, *PLANES))
     one_of("model", model, MODELS)
     if not len(soundings):
-        raise InputError("soundings must hold one or more; there are none of what was asked for")
+        raise InputError(
+            "soundings must hold one or more; got none (check month, years and station)"
+        )
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
     checked_gust(gust)
@@ -176,7 +178,9 @@ def _flown_where_that_decides(
     found = judge.needs(soundings[again], flown=True)
     least, most = needs.least.copy(), needs.most.copy()
     least[:, again], most[:, again] = found.least, found.most
-    told = f"in {again.size} soundings near the limit, which meet it more than once, trim was flown"
+    told = (
+        f"{again.size} soundings whose trim reaches the limit more than once were flown with trim"
+    )
     return replace(needs, least=least, most=most), [told]
 
 
@@ -188,15 +192,15 @@ def _added(
 ) -> tuple[FloatArray, list[str]]:
     """The angle [rad] that persistence adds, for each azimuth, and what is to be said of it."""
     if isinstance(growth, WindGrowth):
-        return np.zeros(least.shape[0]), ["each need holds a wind that may still come"]
+        return np.zeros(least.shape[0]), ["each need includes the wind that may still come"]
     if isinstance(growth, PairGrowth):
         clear = most - least <= _CLOSE * most
         added, pairs = grown_by(growth, np.where(clear, least, np.nan), soundings.times)
         added = np.maximum(added, 0.0)
         words = ", ".join(f"{one:.4f}" for one in np.degrees(added).tolist())
         return added, [
-            f"persistence: {words} deg are added, {100 * growth.quantile:g} % of {pairs} pairs"
-            f" {HALF_DAY:g} h apart grew by less, taken to {growth.hours:g} h"
+            f"persistence: {words} deg are added; the needs of {100 * growth.quantile:g} % of"
+            f" {pairs} pairs {HALF_DAY:g} h apart grew by less, scaled to {growth.hours:g} h"
         ]
     told = [f"persistence: {np.degrees(growth):.4f} deg are added"] if growth else []
     return np.full(least.shape[0], growth), told
@@ -210,8 +214,8 @@ def _too_fast(judge: Judge, why: list[str]) -> list[str]:
     speed, time = judge.path.speed[slowest], judge.path.time[slowest]
     return [
         f"{count} of {len(why)} soundings are unknown: somewhere their wind is faster than the"
-        f" flight, which has {speed:.4g} m/s at {time:.4g} s; near lift-off any wind is faster, and"
-        " a schedule that begins later leaves that out"
+        f" vehicle, which has {speed:.4g} m/s at {time:.4g} s; near lift-off any wind is faster, so"
+        " begin the schedule later"
     ]
 
 
@@ -221,5 +225,5 @@ def _seasons(soundings: Soundings, why: list[str]) -> list[str]:
     years = np.unique(soundings.years[judged & (soundings.years > 0)]).size
     if not 0 < years < _FEW_YEARS:
         return []
-    seasons = "one season shows that season" if years == 1 else "two seasons show these two"
-    return [f"{seasons}; other years may be windier, and no interval here knows it"]
+    seasons = "one season" if years == 1 else "two seasons"
+    return [f"the soundings are of {seasons}: other years may be windier than the intervals say"]

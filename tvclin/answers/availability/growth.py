@@ -67,7 +67,7 @@ class WindGrowth:
 
 @dataclass(frozen=True)
 class PairGrowth:
-    """What the archive's own pairs of soundings say: by how much a need grew in twelve hours.
+    """Growth of the need until launch, from the archive's own pairs of soundings 12 h apart.
 
     The quantile of need(later) - need(earlier) over all pairs 12 h apart, times (hours/12)^(1/3):
     differences of winds grow with the interval as a spectrum with the power -5/3 has it.

@@ -1,4 +1,4 @@
-"""What each sounding of an archive asks of a flight: between two needs, or one of them twice.
+"""The need of each sounding of an archive: its bounds, equal where all of its wind is known.
 
 Where a sounding does not know the wind it is taken as calm; and as blowing against the vehicle, as
 strong as where it was known last, or as 95 % of the archive have at that height, if that is more.
@@ -36,7 +36,7 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
     "it cannot be used",
     "it ends below the height of the largest dynamic pressure",
     "it begins above the height of the largest dynamic pressure",
-    "its wind is faster than the flight can meet",
+    "its wind is faster than the vehicle",
     "it ends below known_to",
 )
 _AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000

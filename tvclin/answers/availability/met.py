@@ -1,4 +1,4 @@
-"""The wind that a flight meets in each sounding of an archive, and where nobody measured it."""
+"""The wind that a flight meets in each sounding of an archive, and where it was not measured."""
 
 from __future__ import annotations
 

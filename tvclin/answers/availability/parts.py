@@ -1,4 +1,4 @@
-"""How many of the soundings fly, with an interval that knows that one day is like the next."""
+"""How many of the soundings fly, with a confidence interval for correlated days."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NEAR = 0.25
 
 @dataclass(frozen=True)
 class Part:
-    """How many of some soundings fly.
+    """The part of soundings in which a limit is enough, with its confidence interval.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_BETWEEN = "it meets the limit more than once, and trim was not flown: ask for this limit"
+_BETWEEN = "its trim reaches the limit more than once, and was not flown: ask for this limit"
 _LESS = 1.0 - 1e-9
 """Needs that differ by less than this part are the same."""
 PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
@@ -81,7 +81,7 @@ class Today:
 
 @dataclass(frozen=True, eq=False)
 class Availability:
-    """What the soundings of an archive ask of a nozzle; make it with `availability`.
+    """The deflections that the soundings of an archive need; make it with `availability`.
 
     With several azimuths arrays have a leading axis for them, and methods give a tuple.
 
@@ -147,7 +147,7 @@ class Availability:
         open_: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
         both = zip(self.reasons, open_, strict=True)
         known = np.all(np.atleast_2d(self.known), axis=0).tolist()
-        words = [_BETWEEN if one else "it does not know the wind far enough" for one in known]
+        words = [_BETWEEN if one else "its wind is not known far enough" for one in known]
         return tuple(one or said * lost for (one, lost), said in zip(both, words, strict=True))
 
     def part(self) -> Any:

@@ -1,4 +1,4 @@
-"""What a flight makes of any wind, integrated once: a wind is then a sum over its straight lines.
+"""The needs of a flight in any wind, integrated once: a wind is a sum over its straight lines.
 
 With p = m l of `GrowingMode`, m' = -l_1 m, the wind still to come at the time a is
 

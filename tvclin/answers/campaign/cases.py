@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 _TOGETHER = 4096
 """Cases that are held in memory at a time."""
 OK, IMPOSSIBLE, STABLE = "ok", "impossible vehicle or wind", "no unstable pole"
-PAIRED = "two unstable modes grow together: the dead band must never be left"
+PAIRED = "two unstable poles are a pair or equal: the dead band must never be left"
 UNDECIDED = "undecided: the flight was neither lost nor settled when it ended"
 
 

@@ -42,7 +42,7 @@ def run_campaign(
     compiled: bool | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
-    """Run a campaign into a folder, or go on where it stopped.
+    """Run a campaign into a folder, or continue it there.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def resume_campaign(
     shard: str | None = None,
     progress: Progress | None = None,
 ) -> CampaignResults:
-    """Go on with the campaign in a folder; damaged and foreign chunks are computed anew.
+    """Continue the campaign in a folder; chunks damaged or of another one are computed again.
 
     Parameters
     ----------
@@ -161,7 +161,9 @@ def _work(
 ) -> CampaignResults:
     campaign = manifest.campaign
     if shard is not None and campaign.until is not None:
-        raise InputError("a shard cannot see when the whole has converged; leave one of them out")
+        raise InputError(
+            "a shard does not know when the whole campaign has converged; give one of the two"
+        )
     check_versions(manifest)
     sweep(folder)
     first, step = _shard(shard)

@@ -68,7 +68,7 @@ def cluster(address: str) -> Iterator[Executor]:
         client = connect(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         reason = " ".join(str(error).split())
-        raise InputError(f"no Dask scheduler answers at {address}: {reason}") from None
+        raise InputError(f"there is no Dask scheduler at {address}: {reason}") from None
     with client:
         try:
             yield client.get_executor(pure=False)

@@ -197,7 +197,7 @@ class CampaignResults:
             if limit is None:
                 return None
             others = " or ".join(self.deflections)
-            raise InputError(f"limit is a deflection, and {name} is none; ask it of {others}")
+            raise InputError(f"limit is a deflection, and {name} is none; use the output {others}")
         asked = self.campaign.limit if limit is None else limit
         if asked is None:
             return None

@@ -59,14 +59,15 @@ class GainsFront:
             for asked, value in zip(self.disk_margin, self.relative, strict=True)
         ]
         return card(
-            "What margins cost", [*rows, *((k, v, "of trim") for k, v in self.limits.items())]
+            "Least deflection over disk margin",
+            [*rows, *((k, v, "of trim") for k, v in self.limits.items())],
         )
 
 
 def least_gains_front(
     found: LeastGains, disk_margin: ArrayLike = (0.4, 0.6, 0.8, 1.0, 1.2)
 ) -> GainsFront:
-    """Return what the same gains need when more disk margin is asked for.
+    """Return the least deflection of gains over the disk margin that is required.
 
     Parameters
     ----------

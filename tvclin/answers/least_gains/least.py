@@ -273,21 +273,21 @@ def _notes(
         if ratio < _LEANS:
             notes.append(
                 f"these gains leave {ratio:.2f} of a steady wind as angle of attack: below {_LEANS}"
-                " the lean asks for more when a wind suddenly ends; see with stops"
+                " the vehicle leans so far into the wind that a sudden end of it needs more; try"
+                " with stops"
             )
         if question.plant.rigid.model == "fixed-path":
             notes.append(
-                "on a fixed path nothing forbids to give up the attitude: judge three gains on"
-                " drift-exact"
+                "a fixed path sets no price on the attitude error: judge three gains on drift-exact"
             )
     if len(question.winds) == 1:
-        notes.append("one wind alone is overfitted: try shorter and longer ones as well")
+        notes.append("the gains are fitted to one wind alone: give shorter and longer ones as well")
     if np.any((point < _TIGHT) | (point > 1.0 - _TIGHT)) and len(question.gains) == 2:
-        notes.append("the gains lie at the edge of what was searched")
+        notes.append("the gains lie at the edge of the search range")
     if unseen is not None and unseen > (1.0 + _TIGHT) * float(each.max()):
         notes.append(
-            f"with {_UNSEEN} sudden ends of each wind, most of which the search did not know, the"
-            f" boundary is {unseen / trim:.3f} of trim"
+            f"with {_UNSEEN} sudden ends of each wind, most of them new to the search, the boundary"
+            f" is {unseen / trim:.3f} of trim"
         )
     return tuple(notes)
 
@@ -312,8 +312,8 @@ def _none(question: Question, point: FloatArray) -> str:
     elif lack > 0.0:
         label, unit, _ = MARGINS[one.margin]
         value, limit = (factor_to(unit) * x for x in (getattr(margins, one.margin), one.limit))
-        said += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is asked"
+        said += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
     else:
-        said += " miss what is asked of modes or the crossover"
+        said += " miss the required margins of modes or the crossover"
     bounds = margin_bounds(question.plant, actuator=question.actuator, delay=question.delay)
     return "; ".join(part for part in (said, bounds.sentence) if part)

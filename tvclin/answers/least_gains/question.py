@@ -103,12 +103,12 @@ class Question:
         if mu_alpha <= 0.0:
             raise InputError(
                 "gains for the least nozzle are sought for an aerodynamically unstable vehicle,"
-                f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (the least of a stable one is none)"
+                f" mu_alpha > 0; got {mu_alpha:.6g} 1/s^2 (a stable one needs no deflection)"
             )
         if not np.isfinite(self.fastest):
             raise InputError(
-                "with an ideal nozzle and no delay gains have no end, and the least deflection is"
-                " that of endless gains: give an actuator, a delay or a crossover"
+                "without actuator, delay and crossover the gains for the least deflection are"
+                " infinite: give one of these"
             )
         _ = self.autopilot(np.full((1, len(free)), 0.5))  # checks actuator, delay and filters
 

@@ -1,4 +1,4 @@
-"""What rows of gains need with a stop, flown: each only as closely as it deserves.
+"""What rows of gains need with a stop, flown: each only as closely as the search needs it.
 
 A row is flown with falling limits until one is lost, so that what counts is the highest limit that
 is lost, as in `closed_loop_boundary`. A row that loses above what is already known is left there.

@@ -78,7 +78,7 @@ class LeastGains:
             ("alpha gain b0", a.alpha_gain, "-"),
             (f"{self.meaning} deflection", np.degrees(self.deflection), "deg"),
             ("over trim", self.relative, "-"),
-            ("held by", ", ".join(self.active) or "nothing: a valley", ""),
+            ("held by", ", ".join(self.active) or "no constraint: a flat minimum", ""),
             ("disk margin", self.margins.disk_margin, "-"),
             *(("note", one, "") for one in self.notes),
         ]

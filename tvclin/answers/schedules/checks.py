@@ -1,4 +1,4 @@
-"""What would be silently wrong in the numbers of a flight, refused with the row where it shows."""
+"""Checks of the numbers of a flight: what would be silently wrong is refused, with its row."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Flight schedules from any table with a line of column names, by a map from our names to them."""
+"""Flight schedules from any table with a line of column names, by a map from quantities to them."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def read_table(
     stop: float | None = None,
     most_rows: int = MOST_ROWS,
 ) -> FlightSchedule:
-    """Return the flight schedule of any table, by a map from our names to its columns.
+    """Return the flight schedule of any table, by a map from quantities to its columns.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ Wanted = dict[str, tuple[str, float | None, str | float]]
 def _wanted(columns: Mapping[str, str | float]) -> Wanted:
     if not isinstance(columns, Mapping):
         raise InputError(
-            "columns must be a dict from our names to those of the table, as"
+            "columns must be a dict of quantities and the names of their columns, as"
             f" {{'time': 'Time (s)'}}; got {shown(columns)}"
         )
     known = {
@@ -209,13 +209,13 @@ def _column(table: Table, name: str, key: str, factor: float | None, source: str
     if heading.unit and theirs is None:
         raise InputError(
             f"{table.text.source}: the unit of the column {shown(heading.text)}, which columns has"
-            f" for {key}, is not known; known are {', '.join(filter(None, known)) or 'none'}; if it"
-            " is none, take it off the name"
+            f" for {key}, is not known; known are {', '.join(filter(None, known)) or 'none'}; if"
+            " the bracket is no unit, leave it out of the name"
         )
     if theirs is not None and not np.isclose(theirs.factor, factor):
         raise InputError(
             f"{table.text.source}: {heading.text} is not in the unit of {key}; write {name} with"
-            " the unit of the column, or without one where the column has it in full"
+            " the unit of the column, or without a unit where the column names its own"
         )
     values = table.numbers(replace(heading, unit=""), "number").values
     return Column(values * factor, f"column {heading.text}, read as {key}")

@@ -156,7 +156,7 @@ def unread(table: Table) -> list[str]:
     one = table.find(_UNREAD)
     if one is None:
         return []
-    return [f"not read: column {one.text}, for it does not say per which rate it is"]
+    return [f"not read: column {one.text}, for its name does not say which rate it refers to"]
 
 
 def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
@@ -179,15 +179,15 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
     if found.values[least] < 0.0:
         return {}, [
             f"not read: {found.origin}, for it is negative at {flight['time'][least]:g} s:"
-            " OpenRocket before August 2026 takes the damping of the jet away where it adds; the"
+            " OpenRocket before August 2026 subtracts the jet damping instead of adding it; the"
             " damping is left out"
         ]
     doubted = ""
     if np.median(found.values - jet) < 0.0:
         doubted = ", and here it is mostly less than that of the jet alone: take a newer one"
     return {"pitch_damping": found}, [
-        f"the damping is that of {found.origin}; OpenRocket before August 2026 takes that of the"
-        f" jet away where it adds{doubted}"
+        f"the damping is that of {found.origin}; OpenRocket before August 2026 subtracts the jet"
+        f" damping instead of adding it{doubted}"
     ]
 
 

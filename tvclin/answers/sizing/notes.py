@@ -24,8 +24,8 @@ def _unknown(found: Sizing) -> list[str]:
     begin, end = found.schedule.span
     place = found.schedule.place
     return [
-        f"{wind} is known from {place(first)} to {place(last)} only; beyond it is unknown, not"
-        " calm: what it does there is not counted, and no flight time there is sized"
+        f"{wind} is known from {place(first)} to {place(last)} only; beyond, it is unknown, not"
+        " calm: it is not counted, and no flight time there is sized"
         for wind, (first, last) in zip(found.winds, found.known_times.tolist(), strict=True)
         if begin < first or last < end
     ]
@@ -42,7 +42,7 @@ def _beyond_one_pole(found: Sizing) -> list[str]:
             notes.append(
                 f"{wind} ({lasts:.4g} s at {found.times[i]:.6g} s) is beyond the single-pole"
                 f" theory, which holds for {holds} there: the minimum is the two-pole result, and"
-                " no dead band counts for less"
+                " each dead band needs at least that"
             )
     return notes
 
@@ -81,6 +81,6 @@ def _at_the_ends(found: Sizing) -> list[str]:
         if values[-1] > (1.0 + _SAME) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
     return [
-        f"largest at the {end} it there may be more: {'; '.join(names)}"
+        f"largest at the {end} it, more may be needed: {'; '.join(names)}"
         for end, names in ends.items()
     ]

@@ -63,7 +63,7 @@ def size(
     stop: Stop | str = "round",
     progress: Callable[[int, int], None] | None = None,
 ) -> Sizing:
-    """Return the deflection that each wind asks for at each flight time.
+    """Return the deflection that each wind needs at each flight time.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ class Line:
 
 @dataclass(frozen=True)
 class DeflectionTotal:
-    """All that a nozzle must turn, against what it can; make it with `total_deflection`.
+    """The total deflection that a nozzle needs, and its limit; make it with `total_deflection`.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class DeflectionTotal:
         if self.limit is not None:
             rows += [("limit", "available", np.degrees(self.limit))]
         return table(
-            "All that the nozzle must turn",
+            "Total deflection needed",
             ("what takes deflection", "how it adds up", "deg"),
             rows,
         )
@@ -170,7 +170,7 @@ def total_deflection(
     reserve: float = 0.0,
     limit: float | None = None,
 ) -> DeflectionTotal:
-    """Return all that a nozzle must turn at one time of the flight.
+    """Return the total deflection that a nozzle needs at one time of the flight.
 
     Parameters
     ----------

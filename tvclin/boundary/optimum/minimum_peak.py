@@ -1,4 +1,4 @@
-"""The deflection with the smallest peak that survives a known wind, and the proof that it is it."""
+"""The deflection with the smallest peak that survives a known wind, and the proof."""
 
 from __future__ import annotations
 

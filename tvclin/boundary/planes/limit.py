@@ -47,10 +47,13 @@ _HALVINGS = 60
 _SLACK = 1e-12
 _FALLEN = 1e-9
 TURNS = (
-    "the wind turns, and what is held must know where to: a law that only keeps the direction of"
-    " its command when it limits it may need more in flight"
+    "the wind turns, and the deflection held presumes how: a law that limits its command"
+    " without changing its direction may need more in flight"
 )
-POLYGON = "the dead band of the cluster is that of a polygon inside its shape, a little too much"
+POLYGON = (
+    "the dead band of the cluster is that of a polygon inside its shape: the limit is a"
+    " little too large"
+)
 
 
 @dataclass(frozen=True, eq=False)

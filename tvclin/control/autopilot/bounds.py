@@ -1,4 +1,4 @@
-"""What no autopilot can have: margins bounded by the growth of the vehicle during the delay."""
+"""Bounds on the margins of any autopilot, by the growth of the vehicle during the delay."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class MarginBounds:
-    """The margins that an unstable plant and a delay leave to any linear autopilot at all.
+    """Upper bounds of the margins of any linear autopilot, by an unstable pole and a delay.
 
-    With M = e^(p delay): what grows with p has grown so far before any answer arrives.
+    With M = e^(p delay), the growth of the unstable mode during the delay.
 
     Attributes
     ----------
@@ -75,8 +75,8 @@ class MarginBounds:
         if 0.0 < self.rule_disk_margin < 2.0:
             a = self.rule_disk_margin
             said.append(
-                f"with this nozzle attitude and rate gains reach a disk margin of about {a:.3g} (a"
-                f" fitted rule; {decibels((2.0 + a) / (2.0 - a)):.3g} dB,"
+                f"with this actuator, attitude and rate gains reach a disk margin of about {a:.3g}"
+                f" (a fitted rule; {decibels((2.0 + a) / (2.0 - a)):.3g} dB,"
                 f" {np.degrees(2.0 * np.arctan(a / 2.0)):.3g} deg)"
             )
         return "; ".join(said)
@@ -89,7 +89,7 @@ class MarginBounds:
             ("gain range at most", decibels(self.gain_range), "dB"),
             ("disk margin of attitude and rate gains, about", self.rule_disk_margin, "-"),
         ]
-        return card("What no autopilot can have", rows)
+        return card("Bounds on the margins of any autopilot", rows)
 
 
 def margin_bounds(
@@ -143,7 +143,7 @@ def margin_bounds(
     grows = np.where(grows > _ROUNDING * np.abs(np.nan_to_num(poles)).max(initial=0.0), grows, 0.0)
     pole = float(np.nan_to_num(grows, nan=0.0).max(initial=0.0))
     if pole <= 0.0:
-        raise InputError("margins are bounded by what grows, and this plant has no unstable pole")
+        raise InputError("margins are bounded by unstable poles only, and this plant has none")
     most = float(np.exp(min(pole * late, 700.0)))
     lag = pole * (late + slow)
     root = float(np.sqrt(min(lag, 1.0)))

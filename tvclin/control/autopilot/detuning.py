@@ -1,4 +1,4 @@
-"""What becomes of a loop whose modes are not where they are thought to be.
+"""The margins of a loop whose modes have other frequencies, damping or slopes than assumed.
 
 A mode's frequency is moved and its displacements, slopes and modal mass kept, so that what it gives
 at low frequencies falls as 1/omega^2. Texts that keep a modal gain find other numbers.
@@ -50,7 +50,7 @@ class Edge:
 
 @dataclass(frozen=True, eq=False)
 class Detuned:
-    """A loop with modes off their places; one row for each change, the first without any.
+    """Margins of a loop with detuned modes; one row for each change, the first without any.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ def detuned(
     factors: ArrayLike = (0.8, 0.9, 1.1, 1.2),
     criteria: Criteria = CRITERIA["classic"],
 ) -> Detuned:
-    """Return the margins with each mode off its frequency, with half its damping, and turned.
+    """Return the margins with each mode's frequency off, damping halved, or slopes reversed.
 
     Parameters
     ----------

@@ -136,7 +136,7 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     They are `relief_gains` with a natural frequency of 2.4 p, a damping ratio of 1.2 and an alpha
     ratio of one half, p being the unstable pole on a fixed path. Behind a stop (`SaturatedLaw`)
     they need hardly more than one half of trim in winds that rise and fall, also where these stop
-    at any instant; gusts that reverse are their price.
+    at any instant; in gusts that reverse they need more.
 
     Parameters
     ----------
@@ -228,9 +228,9 @@ def drift_minimum_gains(
     worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
     if thrust[worst] <= 0.0 or lift[worst] < 0.0:
         raise InputError(
-            "there are no drift-minimum gains: no lean into the wind keeps the path of this"
-            f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s"
-            " (w = C2/mu_alpha) would have to be positive; use design_gains instead"
+            "there are no drift-minimum gains: no attitude in a steady wind keeps the path of this"
+            f" vehicle, whose b1 + w = {thrust[worst]:.6g} and b2 + w = {lift[worst]:.6g} 1/s (w ="
+            " C2/mu_alpha) would have to be positive; use design_gains instead"
         )
     _stiffen(c, natural_frequency)
     return relief_gains(

@@ -122,7 +122,7 @@ def vehicle_steps(autopilot: Feedback, plant: AnyPlant) -> Steps:
     growth = np.linalg.eigvals(A).real.max(axis=-1) * period
     if np.any(growth > _MOST_GROWTH):
         raise InputError(
-            f"sample_rate = {np.min(1.0 / period):.6g} Hz is too low for a vehicle that"
+            f"sample_rate = {np.min(1.0 / period):.6g} Hz is too low for a vehicle whose motion"
             f" grows by e^{np.max(growth):.3g} from one sample to the next"
         )
     periods = np.asarray(autopilot.delay) / period

@@ -1,4 +1,4 @@
-"""What is legal in an autopilot and hardly ever meant."""
+"""Warnings of numbers of an autopilot that are legal but hardly ever meant."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
         which = ", ".join(name for name, is_slow in zip(names, slow, strict=True) if is_slow)
         warnings.warn(
             f"sample_rate = {np.min(rate):.6g} Hz is below twice the frequency of {which}, which"
-            " the law sees at another frequency (see band_margins)",
+            " sampling aliases to another frequency (see band_margins)",
             stacklevel=3,
         )
 

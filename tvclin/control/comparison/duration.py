@@ -1,4 +1,4 @@
-"""The wind of a family that asks the largest deflection of an autopilot."""
+"""The wind of a family in which an autopilot needs the largest deflection."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True)
 class WorstDuration:
-    """The wind of a family that asks the largest deflection of an autopilot.
+    """The wind of a family in which an autopilot needs the largest deflection.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def worst_duration(
     longest: float,
     shape: Callable[..., History],
 ) -> WorstDuration:
-    """Return the duration of a family of winds that asks the largest deflection.
+    """Return the duration in a family of winds that needs the largest deflection.
 
     Parameters
     ----------

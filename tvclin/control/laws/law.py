@@ -28,7 +28,7 @@ _SHOWN = 3
 
 
 class Measurement(NamedTuple):
-    """What a law is shown, each a number or an array of flights [rad, rad/s]."""
+    """What a law measures, each a number or an array of flights [rad, rad/s]."""
 
     attitude: Any
     attitude_rate: Any
@@ -122,7 +122,7 @@ def seen_coordinates(plant: Plant) -> UnstableCoordinates:
     modes = unstable_coordinates(plant)
     if np.any(modes.rows[:, _SHOWN:]):
         raise InputError(
-            f'a law is not shown the speed, which model "{plant.model}" needs; design the law on'
-            ' "drift-exact"'
+            f'a law does not measure the speed, which model "{plant.model}" needs; design the law'
+            ' on "drift-exact"'
         )
     return replace(modes, rows=modes.rows[:, :_SHOWN])

@@ -1,4 +1,4 @@
-"""Lean into the felt wind as far as one can still return from, and no further."""
+"""The recoverable-attitude law: lean into the wind, but only as far as can be recovered."""
 
 from __future__ import annotations
 

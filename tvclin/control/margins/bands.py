@@ -29,7 +29,7 @@ GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable
 
 @dataclass(frozen=True, eq=False)
 class RigidBand(InDecibels):
-    """Margins of a stable loop at the crossings that the rigid body owns; ``(...)``.
+    """Margins of a stable loop at the crossings of the rigid body; ``(...)``.
 
     NaN for a loop that is not stable; infinite, and the frequency NaN, where there is none.
 

@@ -77,7 +77,7 @@ class Loop:
             above = above[..., 1:]
         if above.shape[-1] >= below.shape[-1]:
             raise InputError(
-                "this is an algebraic loop: its command comes back at once (numerator of degree"
+                "this is an algebraic loop: its command feeds back without lag (numerator of degree"
                 f" {above.shape[-1] - 1} over {below.shape[-1] - 1}); put an actuator into it"
             )
         shape = broadcast(
@@ -157,7 +157,7 @@ class Loop:
                 )
         if np.any(through):
             raise InputError(
-                "this is an algebraic loop: its command comes back at once (D ="
+                "this is an algebraic loop: its command feeds back without lag (D ="
                 f" {through[through != 0.0].flat[0]:.6g}); put an actuator into it"
             )
         shape = broadcast(

@@ -1,4 +1,4 @@
-"""A sampled loop, whose margins are found in the w plane and told in the s plane."""
+"""A sampled loop, whose margins are found in the w plane and given in the s plane."""
 
 from __future__ import annotations
 

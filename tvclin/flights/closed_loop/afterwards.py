@@ -1,4 +1,4 @@
-"""Whether an oscillation lives on between the limits after a flight has been brought back.
+"""Whether an oscillation persists between the limits after a flight has been brought back.
 
 Where the loop is damped near rest it may still swing for ever once it is large enough: a nozzle at
 its rate limit lags, and one at its stop does less than is asked of it. That is seen only by flying

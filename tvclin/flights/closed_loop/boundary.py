@@ -228,7 +228,7 @@ def closed_loop_boundary(
             f"near rest an oscillation of {worst.imag:.3g} rad/s grows with {growth:+.3g} 1/s"
         )
     elif creeps:
-        words.append(f"near rest the law lets a mode of {growth:+.3g} 1/s creep away")
+        words.append(f"near rest a real mode grows with {growth:+.3g} 1/s")
     return ClosedLoopBoundary(
         limit=edge.limit,
         deflection=-edge.limit * float(plant.coefficients.B) * float(wind.peak),

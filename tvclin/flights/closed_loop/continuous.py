@@ -1,4 +1,4 @@
-"""One flight of a law that is computed without pause: event-exact.
+"""One flight of a continuous law: event-exact.
 
 Breakpoints of the wind, the limit and the switches of the law, the rate limit and the stop of an
 actuator are hit, not stepped over: scipy's DOP853 runs from each to the next, and what it did

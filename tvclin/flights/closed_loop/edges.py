@@ -1,4 +1,4 @@
-"""Above which value all that was tried survives: a scan, and its edge looked at ever more finely.
+"""Above which value all that was tried survives: a scan, and its edge refined.
 
 Survival need not be even: windows of loss lie above values that survive. The edge is that above
 the highest value that does not; the steps above it are looked at again, in finer steps, and the

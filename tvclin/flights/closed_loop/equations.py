@@ -1,4 +1,4 @@
-"""The equations of what flies, as a flight without pause asks for them."""
+"""The equations of what flies, for a flight of a continuous law."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ def flown_margins(
     level = number("limit", limit, positive, "rad")
     if law.rate_noise[0]:
         raise InputError(
-            "law must be without rate_noise: a margin of one random flight is none; got"
+            "law must be without rate_noise: one random flight gives no margin; got"
             f" {law.rate_noise[0]:.6g} rad/s"
         )
     nozzle: dict[str, Any] = {"rate_limit": rate_limit, "actuator": actuator}

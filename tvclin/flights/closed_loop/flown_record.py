@@ -1,4 +1,4 @@
-"""The answer of `flown_margins`: how far each thing may change, and what comes first then."""
+"""The answer of `flown_margins`: how far each quantity may change, and what fails then."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ class NearRest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FlownMargin:
-    """How far one thing may change.
+    """How far one quantity may change.
 
     Attributes
     ----------
     value : float
         A factor above one, or a further delay [s]; infinite if nothing fails.
     cause : str
-        What comes first: "lost" (or "undecided", where a flight is neither lost nor saved),
+        What comes first: "lost" (or "undecided", where a flight is neither lost nor settled),
         "rings" (the loop grows near rest; on the side of the aerodynamic moment it need not
         oscillate), or "nothing".
     again : bool

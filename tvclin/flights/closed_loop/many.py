@@ -52,7 +52,7 @@ _RINGING = 1e-5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownCases:
-    """What came of many flights, each field in the shape of the batch.
+    """The outcomes of many flights, each field in the shape of the batch.
 
     The largest values are those at samples, and rates of the nozzle are means over a step. All
     are sizes, and NaN where there was no flight.
@@ -73,7 +73,7 @@ class FlownCases:
         Part of the flight in which the whole limit was asked for.
     status : ndarray of str
         "survived", "lost", "undecided", or "no flight" where a case cannot be flown; "rings" where
-        a vehicle is brought back and its nozzle goes on swinging, see `fly_many`.
+        a vehicle is brought back and its nozzle keeps oscillating, see `fly_many`.
     """
 
     peak_attitude: FloatArray
@@ -119,7 +119,7 @@ def fly_many(
     gain: ArrayLike = 1.0,
     until: float | None = None,
 ) -> FlownCases:
-    """Return what comes of many flights of laws with limits, each from rest.
+    """Return the outcomes of many flights of laws with limits, each from rest.
 
     Plants, laws, winds, limits and actuators broadcast: one law, designed on the nominal plant,
     for a thousand dispersed plants and winds, or a thousand limits for one plant.

@@ -1,4 +1,4 @@
-"""When a flight is lost or saved, for a batch of plants: the recoverable set of each."""
+"""When a flight is lost or settled, for a batch of plants: the recoverable set of each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 SETTLING = 5.0
 """Saved: settled for so long, over the fastest pole."""
 WAITING = 60.0
-"""A flight that is neither lost nor saved by so long after the wind, over the slowest pole."""
+"""A flight that is neither lost nor settled by so long after the wind, over the slowest pole."""
 
 
 class Judging(NamedTuple):

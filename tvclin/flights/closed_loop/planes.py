@@ -39,7 +39,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownPlanes:
-    """What came of flights of both planes, each field in the shape of the limits.
+    """The outcomes of flights of both planes, each field in the shape of the limits.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ def fly_planes(
     delay: float = 0.0,
     yaw_plant: Plant | None = None,
 ) -> FlownPlanes:
-    """Return what comes of flights of a law in pitch and yaw, whose nozzle has one stop.
+    """Return the outcomes of flights of a law in pitch and yaw, whose nozzle has one stop.
 
     Parameters
     ----------

@@ -122,8 +122,8 @@ class Loop:
         command = float(self.command(states, measured, regime))
         if not isfinite(command):
             raise InputError(
-                f"the flight lost its numbers near t = {t:.6g} s: the deflection that the law asks"
-                " for is not finite"
+                f"the flight fails near t = {t:.6g} s: the deflection that the law commands is not"
+                " finite"
             )
         deflection = command
         rates = np.zeros(states.size)

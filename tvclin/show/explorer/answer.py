@@ -13,8 +13,8 @@ from tvclin.show.explorer.choices import DEAD_BAND, GAINS, REPORT, Choices
 FloatArray = NDArray[np.float64]
 
 _HELD = (
-    "the report's control holds the limit for ever, and more than the boundary then throws the"
-    " vehicle to the other side; a law lets go"
+    "the report's control holds the limit for ever, and a limit above the boundary then turns"
+    " the vehicle over to the other side; a law lets go of it"
 )
 
 

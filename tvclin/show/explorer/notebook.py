@@ -3,7 +3,7 @@
 import json
 
 _WORDS = """\
-**How much deflection must this booster have?** Move anything: picture, margins and verdict
+**How much deflection must this booster have?** Change any value: figure, margins and verdict
 follow."""
 
 

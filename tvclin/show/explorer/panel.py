@@ -172,7 +172,7 @@ class Panel:
 
 
 def explore(vehicle: str | Vehicle = "configuration-i") -> Any:
-    """Return a panel for a notebook, in which everything can be moved by hand.
+    """Return a panel for a notebook, in which all values can be changed by hand.
 
     Parameters
     ----------

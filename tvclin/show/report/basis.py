@@ -64,7 +64,7 @@ def assumptions(found: Findings) -> Section:
         _left_out(found),
     ]
     if found.dispersed is not None:
-        assumed.append("the dispersions are those of the input, and as good as it is")
+        assumed.append("the dispersions are those given, and not checked")
     return Section(
         "assumptions", "Assumptions", (Checks((_one_pole(found),)), *checks(odd, assumed))
     )

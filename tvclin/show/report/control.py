@@ -44,7 +44,7 @@ _CHANGES = {
     "delay": "further delay",
 }
 _CAUSES = {"lost": "the flight is lost", "rings": "the loop is unstable near rest"}
-_CAUSES |= {"undecided": "the flight is neither lost nor saved"}
+_CAUSES |= {"undecided": "the flight is neither lost nor settled"}
 
 
 def laws(found: Findings) -> Section | None:
@@ -164,13 +164,13 @@ def _flown(found: Findings) -> list[Block]:
         ]
         rows.append(((_CHANGES[name],), cells[0], (_CAUSES.get(one.cause, one.cause),), cells[1]))
     words = (
-        "By so much one thing may change before a flight through this wind, with the limit as its"
-        " stop, is lost, or the loop becomes unstable near rest. The limit is ",
+        "How much each quantity alone may change before a flight through this wind, with the limit"
+        " as its stop, is lost, or the loop becomes unstable near rest. The limit is ",
         *number("flown.spare", f.spare, 2),
         " times the least with which this autopilot survives.",
     )
     title = "Margins that the limit leaves in this wind"
-    head = ("change", "margin", "what fails then", "margin near rest")
+    head = ("change", "margin", "failure", "margin near rest")
     return [Table(title, head, tuple(rows)), Paragraph(words), *checks(f.notes)]
 
 

@@ -99,7 +99,7 @@ def _words(plant: FlexiblePlant) -> Line:
         return (f"{said}.",)
     pole = number("flexible.shift.fast_pole", moved.fast_pole, 1, "%")
     price = number("flexible.shift.trim_price", moved.trim_price, 1, "%")
-    ask = ", and the deflection that a wind asks for by "
+    ask = ", and the deflection that a wind needs by "
     return (f"{said}; the structure would move its fast pole by ", *pole, ask, *price, ".")
 
 
@@ -198,7 +198,7 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
         said: Line = ("The loop becomes unstable with ", *line[:-1], " times its frequency.")
     else:
         said = ("At no frequency between these does the loop become unstable.",)
-    table = Table("Margins with one mode off its place", head, tuple(rows))
+    table = Table("Margins with one mode detuned", head, tuple(rows))
     return [table, Paragraph(said)]
 
 

@@ -43,14 +43,16 @@ def both_planes(found: Findings) -> Section | None:
 
 def _figure(found: Findings) -> list[Block]:
     """The demand against the stop; nothing where it has no vector, as with a pair of poles."""
-    label = "Trim deflection and its mean still to come, in pitch and yaw, against the stop"
+    label = (
+        "Trim deflection and the discounted mean of its future, in pitch and yaw, against the stop"
+    )
     try:
         drawn = study_planes_chart(found.study)
     except InputError:
         return []
     caption = (
         "Trim deflection in pitch and yaw while the wind blows, and the stop at the boundary (4b)"
-        " of both planes together. Where the dead band is left, the engine holds the mean of the"
-        " trim still to come."
+        " of both planes together. Where the dead band is left, the engine holds the discounted"
+        " mean of the future trim."
     )
     return [Figure(label, caption, inline_svg(drawn, "planes", label))]

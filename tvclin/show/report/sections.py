@@ -107,9 +107,8 @@ def boundaries(found: Findings) -> Section:
         "Ideal trim cancels the moment of the wind at every instant. With a dead band K the engine"
         " follows trim up to K times the limit and then uses the whole limit: K = 1 needs no"
         " forecast of the wind, K = 0 a certain one. A law that does not know when the wind stops"
-        ' needs at least what stands beside "no forecast" (with drift a lower bound), and any'
-        ' control at all what stands beside "minimum". The marked row has the dead band of the'
-        " verdict."
+        ' needs at least the limit of "no forecast" (with drift a lower bound), and any control at'
+        ' least the "minimum". The marked row has the dead band of the verdict.'
     )
     return Section(
         "boundaries", "Boundaries", (Table(caption, head, tuple(rows)), figure, Paragraph((words,)))

@@ -11,7 +11,7 @@ from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section, Table
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
-_NONE = "Not enough: with this dead band no limit is, see Assumptions."
+_NONE = "Not enough: no limit is, with this dead band, see Assumptions."
 _SENSIBLE = 1000.0
 """Above this many percent a percentage says nothing."""
 _LEAST_SHOWN = 0.001
@@ -128,8 +128,8 @@ def _meets_the_stop(found: Findings) -> Line:
         return ()
     peak = degrees("basis.autopilot", turns, unit="deg")
     met = (
-        ", more than the limit. Flown with the limit as its stop it meets the stop and survives"
-        " this wind. The stop leaves less of its margins, see Autopilot and margins."
+        ", more than the limit. Flown with the limit as its stop it reaches the stop and survives"
+        " this wind, with smaller margins, see Autopilot and margins."
     )
     return (" Beware: without a stop the autopilot would turn the nozzle by ", *peak, met)
 

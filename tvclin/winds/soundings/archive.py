@@ -86,7 +86,7 @@ class Soundings:
             why = tuple("" if n > 1 else TOO_FEW for n in self.counts.tolist())
         set_(self, "why", why)
         if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
-            raise InputError("why must say of each sounding with fewer than two levels why it has")
+            raise InputError("why must hold a reason for each sounding with fewer than two levels")
 
     def _check_shapes(self) -> None:
         size, offsets = self.height.size, self.offsets

@@ -157,7 +157,7 @@ class _Stream:
         try:
             time = np.datetime64(date, "m") + np.timedelta64(minutes, "m")
         except ValueError:
-            self.found.count("headers with a date that is none", f"line {self.number}")
+            self.found.count("headers with an impossible date", f"line {self.number}")
             return None
         if note and self.wanted.takes(None, time):
             self.found.count(note, f"line {self.number}")

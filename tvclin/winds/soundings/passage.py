@@ -1,4 +1,4 @@
-"""Through heights in time: when a flight meets a level, and at which wind angle."""
+"""When a flight meets each level of a wind, and at which wind angle."""
 
 from __future__ import annotations
 

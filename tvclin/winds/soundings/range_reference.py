@@ -47,7 +47,7 @@ _RAREST = 1e-6
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class RangeReference:
-    """The wind of one month above a site, in numbers of many soundings; all arrays ``(n,)``.
+    """The wind of one month above a site, as statistics of many soundings; all arrays ``(n,)``.
 
     Attributes
     ----------
