@@ -357,7 +357,7 @@ def test_how_many_winds_are_faster_is_told_with_the_slowest_of_the_flight(archiv
     ]
     some = tv.Soundings.from_profiles(winds, days("2023-02-01T00", 3))
     found = tv.availability(slow, some, limit=1.0, **PITCH)
-    fast = ["faster than the flight" in why for why in found.why]
+    fast = ["faster than the vehicle" in why for why in found.why]
     assert fast == [False, False, True]
     (note,) = [one for one in found.notes if "faster" in one]
     assert note.startswith("1 of 3 soundings are unknown")

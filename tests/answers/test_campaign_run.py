@@ -409,7 +409,9 @@ def test_a_shard_cannot_see_convergence(plan, tmp_path):
         lambda: tv.run_campaign(until, tmp_path, shard="1/2"),
         lambda: tv.resume_campaign(tmp_path, shard="1/2"),
     ):
-        with pytest.raises(tv.InputError, match="cannot see when the whole has converged"):
+        with pytest.raises(
+            tv.InputError, match="does not know when the whole campaign has converged"
+        ):
             attempt()
 
 

@@ -260,7 +260,7 @@ def test_the_search_finds_the_corner_of_two_walls():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"actuator": None, "delay": 0.0}, "give an actuator, a delay or a crossover"),
+        ({"actuator": None, "delay": 0.0}, "without actuator, delay and crossover"),
         ({"stops": 6}, "give limits=True"),
         ({"gains": ("rate", "attitude")}, "gains must be"),
         ({"gains": ("attitude", "rate", "integral")}, "gains must be"),

@@ -134,7 +134,7 @@ def test_a_wind_without_a_direction_has_no_answer_in_two_planes(flight) -> None:
     with pytest.raises(tv.InputError, match="stop must be one of round"):
         tv.size(flight, GUST, times=TIMES, plane="both", stop="oval")
     shaped = tv.ShapedWind("triangular", 0.08, 7.5)
-    with pytest.raises(tv.InputError, match="needs a wind with a direction"):
+    with pytest.raises(tv.InputError, match="both planes need a wind with a direction"):
         shaped.peaks(0.8)
-    with pytest.raises(tv.InputError, match="does nothing in pitch"):
+    with pytest.raises(tv.InputError, match="has no part in pitch"):
         tv.ShapedWind("triangular", 0.08, 7.5, heading=np.pi / 2).in_plane("pitch", 0.8)

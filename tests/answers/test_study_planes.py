@@ -113,7 +113,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
     said = {
         ("--stop", "round"): "a stop of both planes needs a wind with a direction",
         ("--azimuth-deg", "9"): "--azimuth-deg needs --wind-direction-deg",
-        ("--wind-direction-deg", "0", "--azimuth-deg", "90"): "does nothing in pitch",
+        ("--wind-direction-deg", "0", "--azimuth-deg", "90"): "has no part in pitch",
         (*JET, "--stop", "oval"): "stop must be one of round",
     }
     for options, words in said.items():

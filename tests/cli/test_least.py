@@ -86,7 +86,7 @@ def test_the_keys_of_a_box_carry_their_units():
         (["autopilot", "--least", "--stops", "3"], "give limits=True"),
         (["autopilot", "--least", "--design", "lqr"], "not both"),
         (["autopilot", "--least", "--damping", "0.7"], "give no damping"),
-        (["autopilot", "--least", "--actuator-frequency", "0"], "give an actuator, a delay"),
+        (["autopilot", "--least", "--actuator-frequency", "0"], "give one of these"),
         (["margins", "--design", "least-nozzle"], "needs a wind"),
         (["margins", "--box", "delay"], "KEY=LO..HI"),
         (["margins", "--box", "delay_ms=a..b"], "two numbers beside the dots"),

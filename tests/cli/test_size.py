@@ -377,7 +377,7 @@ def test_both_planes_stand_beside_each_plane_alone() -> None:
 
 def test_both_planes_need_a_direction() -> None:
     for given, said in {
-        ("--plane", "both"): "needs a wind with a direction",
+        ("--plane", "both"): "both planes need a wind with a direction",
         ("--azimuth-deg", "9"): "give --wind-direction-deg",
         ("--wind-direction-deg", "9"): "--wind-direction-deg needs --azimuth-deg",
         ("--plane", "both", "--stop", "oval"): "stop must be one of round",

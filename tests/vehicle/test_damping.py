@@ -89,7 +89,7 @@ PER_V = "pitch_damping_coefficient_per_qL_over_V"
         ([LENGTH], "reference_length in .* needs pitch_damping_coefficient_per_qL_over_V or"),
         ([RATE], "inertia_rate in .* needs jet_mass_flow_kg_per_s"),
         ([JET], "jet_mass_flow in .* needs inertia_rate_kg_m2_per_s .*0 for an upper bound"),
-        ([JET, "inertia_rate_kg_m2_per_s = -1e6"], "the jet would drive"),
+        ([JET, "inertia_rate_kg_m2_per_s = -1e6"], "damping would be negative"),
         ([JET, RATE, "pitch_damping_N_m_s_per_rad = 1"], "both pitch_damping and jet_mass_flow"),
     ],
 )

@@ -14,7 +14,7 @@ from tvclin.flights.closed_loop.growth import chosen
 from tvclin.flights.closed_loop.law_batch import LawBatch
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING
 from tvclin.flights.closed_loop.sampled import finish
-from tvclin.kernels.flights import NEVER, SURVIVED, UNDECIDED, Flights
+from tvclin.kernels.flight_arrays import NEVER, SURVIVED, UNDECIDED, Flights
 
 _STRETCH = 0.5
 """A stretch is this part of the time in which a flight settles."""

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tvclin.flights.closed_loop.outcomes import SETTLING
 from tvclin.flights.closed_loop.sampled import Batch, finish, flights
-from tvclin.kernels.flights import Flights
+from tvclin.kernels.flight_arrays import Flights
 
 FloatArray = NDArray[np.float64]
 

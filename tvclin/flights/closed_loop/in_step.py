@@ -15,7 +15,8 @@ from tvclin.control.laws.planes import LawInPlanes
 from tvclin.flights.closed_loop.law_batch import law_batch
 from tvclin.flights.closed_loop.many import LOST, STATUS, SURVIVED, UNDECIDED
 from tvclin.flights.closed_loop.sampled import Batch, Stepper, flights
-from tvclin.kernels.flights import LOOK, Flights
+from tvclin.kernels.flight_arrays import Flights
+from tvclin.kernels.flights import LOOK
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind

@@ -13,7 +13,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.sampled import filter_steps
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import MEASURED
+from tvclin.kernels.flight_arrays import MEASURED
 from tvclin.kernels.propagation import driven, exponentials
 
 FloatArray = NDArray[np.float64]

@@ -36,7 +36,7 @@ from tvclin.flights.closed_loop.growth import swing_near_rest
 from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Batch, flown
-from tvclin.kernels.flights import Flights
+from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.winds.histories import History
 

@@ -31,7 +31,7 @@ from tvclin.flights.closed_loop.step_matrices import (
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
 from tvclin.kernels.control_laws import LawNumbers
-from tvclin.kernels.flights import MEASURED, NEVER, PEAKS, Flights
+from tvclin.kernels.flight_arrays import MEASURED, NEVER, PEAKS, Flights
 from tvclin.kernels.threads import in_slices
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
@@ -114,7 +114,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     vehicle = _places(own, shape)
     A, inputs, C, D = (_spread(a, own, 2) for a in batch.plant.matrices())
     n = A.shape[-1]
-    knots, pieces = polynomial_pieces(batch.wind)
+    knots, pieces = (np.ascontiguousarray(one) for one in polynomial_pieces(batch.wind))
     wind = _places(batch.wind.batch, shape)
     length, delay = (_spread(a, own, 0) for a in (batch.length, batch.delay))
     late, lengths = parts_of(length, delay)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tvclin.control.autopilot.actuated import Actuated, actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
-from tvclin.kernels.flights import Flights
+from tvclin.kernels.flight_arrays import Flights
 from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS

@@ -161,7 +161,7 @@ class SixDof:
         lost = np.argwhere(~np.isfinite(rows))
         if lost.size:
             raise InputError(
-                f"the flight lost its numbers at t = {air.times[lost[0, 0]]:.6g} s:"
+                f"the flight fails at t = {air.times[lost[0, 0]]:.6g} s:"
                 f" {OUTPUTS[lost[0, 1]]} is not finite"
             )
         return rows
