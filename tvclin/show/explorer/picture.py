@@ -117,9 +117,9 @@ def new_picture() -> Picture:
         "deflection": figure.add_subplot(grid[1, 1]),
     }
     headings = {
-        "boundary": "needed (curve), limit (broken) [deg]",
+        "boundary": "needed (curve), limit (dashed) [deg]",
         "attitude": "attitude, wind (dotted) [deg]",
-        "deflection": "deflection, limits (broken) [deg]",
+        "deflection": "deflection, limits (dashed) [deg]",
     }
     for name, one in axes.items():
         tall = one.get_position().height
