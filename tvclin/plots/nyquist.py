@@ -66,7 +66,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
         axes.set(xlabel="real part of L [-]", ylabel="imaginary part of L [-]")
         axes.margins(0.08)
         axes.set_aspect("equal", adjustable="datalim" if axes is panels[0] else "box")
-    panels[0].set_title("the whole curve; broken line: negative frequencies", fontsize="medium")
+    panels[0].set_title("the whole curve; dashed: negative frequencies", fontsize="medium")
     panels[1].set_title("near -1", fontsize="medium")
     _frame_near(panels[1], samples, marks)
     for axes in panels:
