@@ -120,6 +120,23 @@ def test_a_case_does_not_depend_on_its_batch(name, options, compiled):
     np.testing.assert_array_equal(fields(few), fields(whole)[:, [size - 4, 2, 5]])
 
 
+def test_arrays_have_one_layout_whatever_the_wind(monkeypatch):
+    """Of another layout the kernel would be compiled once more, for half a minute."""
+    made, flights = [], sampled.flights
+    monkeypatch.setattr(
+        sampled,
+        "flights",
+        lambda *given, **asked: made.append(flights(*given, **asked)) or made[-1],
+    )
+    plant, law, _, limit = case("gains", 2)
+    wind = tv.TriangularWind(peak=PEAK, duration=7.5).before([np.inf, 3.0])
+    flown((plant, law, wind, limit))
+
+    arrays = [one for one in made[0] if isinstance(one, np.ndarray)]
+    assert len(arrays) > 30
+    assert all(one.flags.c_contiguous for one in arrays)
+
+
 def test_threads_change_nothing(monkeypatch):
     pytest.importorskip("numba")
     every = case("gains", 900)
