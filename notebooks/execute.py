@@ -8,6 +8,8 @@ import base64
 import io
 import re
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,8 @@ COLOURS = 64
 ROUNDING = 1e-9
 """Relative, what processors may differ by; and what a number of order one leaves at zero."""
 
+_FORGET = "get_ipython().reset(); get_ipython().execution_count = 0"
+"""Lets a kernel be as at its beginning, but for the modules that it has loaded."""
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 
 
@@ -40,30 +44,45 @@ def cells_of(source: Path) -> Any:
     return notebook
 
 
-def executed(source: Path) -> Any:
-    """Return a notebook with its outputs, without times and with small figures.
+@contextmanager
+def kernel() -> Iterator[Callable[[Path], Any]]:
+    """Give what executes notebooks, one after another, each as if it were the first.
 
-    Parameters
-    ----------
-    source : Path
-        The text.
+    One kernel runs them all, which takes seconds to begin; it forgets all names in between.
 
-    Raises
+    Yields
     ------
-    nbclient.exceptions.CellExecutionError
-        When a cell fails.
+    callable
+        Takes the text of a notebook and returns the notebook with its outputs, without times and
+        with small figures; raises `nbclient.exceptions.CellExecutionError` when a cell fails.
     """
     from nbclient import NotebookClient
+    from nbformat import NotebookNode
+    from nbformat.v4 import new_code_cell, new_notebook
 
-    notebook = cells_of(source)
-    NotebookClient(
-        notebook, timeout=600, kernel_name="python3", record_timing=False, coalesce_streams=True
-    ).execute()
-    notebook.metadata.language_info = {"name": "python"}  # else with the version that ran it
-    for cell in notebook.cells:
-        for output in cell.get("outputs", []):
-            reduce(output.get("data", {}))
-    return notebook
+    client: Any = NotebookClient(
+        new_notebook(),
+        timeout=600,
+        kernel_name="python3",
+        record_timing=False,
+        coalesce_streams=True,
+    )
+
+    def executed(source: Path) -> Any:
+        notebook = cells_of(source)
+        whole = [new_code_cell(_FORGET), *notebook.cells]
+        client.nb = NotebookNode(notebook | {"cells": whole})
+        client.reset_execution_trackers()
+        for number, cell in enumerate(whole):
+            client.execute_cell(cell, number)
+        notebook.metadata.language_info = {"name": "python"}  # else with the version that ran it
+        for cell in notebook.cells:
+            for output in cell.get("outputs", []):
+                reduce(output.get("data", {}))
+        return notebook
+
+    with client.setup_kernel():
+        yield executed
 
 
 def reduce(data: dict[str, str]) -> None:
@@ -147,16 +166,17 @@ def _last_digit(number: str) -> float:
     return float(10.0 ** (int(power or 0) - len(decimals)))
 
 
-def write(source: Path) -> Path:
-    """Execute a notebook and write it beside its source; return the file."""
+def write(chosen: list[Path]) -> Iterator[Path]:
+    """Execute notebooks and write them beside their sources; give each file as it is written."""
     import nbformat
 
-    path = source.with_suffix(".ipynb")
-    path.write_text(nbformat.writes(executed(source), indent=1) + "\n", encoding="utf-8")
-    return path
+    with kernel() as executed:
+        for source in chosen:
+            path = source.with_suffix(".ipynb")
+            path.write_text(nbformat.writes(executed(source), indent=1) + "\n", encoding="utf-8")
+            yield path
 
 
 if __name__ == "__main__":
-    wanted = [Path(name) for name in sys.argv[1:]] or sources()
-    for one in wanted:
-        sys.stdout.write(f"{write(one)}\n")
+    for written in write([Path(name) for name in sys.argv[1:]] or sources()):
+        sys.stdout.write(f"{written}\n")

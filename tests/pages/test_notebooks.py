@@ -3,11 +3,13 @@
 import base64
 import io
 import os
+from collections.abc import Callable, Iterator
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,10 +23,20 @@ SOURCES = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
 every = pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.stem)
 
 
-@pytest.fixture
-def notebooks(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    monkeypatch.syspath_prepend(ROOT / "notebooks")
-    return import_module("execute")
+@pytest.fixture(scope="module")
+def notebooks() -> Iterator[ModuleType]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT / "notebooks")
+        yield import_module("execute")
+
+
+@pytest.fixture(scope="module")
+def executed(notebooks: ModuleType) -> Iterator[Callable[[Path], Any]]:
+    path = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.pathsep.join(path))
+        with notebooks.kernel() as run:
+            yield run
 
 
 @cache
@@ -36,11 +48,9 @@ def stored(source: Path):
 
 @every
 def test_a_notebook_says_what_it_said_when_it_was_stored(
-    notebooks: ModuleType, source: Path, monkeypatch: pytest.MonkeyPatch
+    notebooks: ModuleType, executed: Callable[[Path], Any], source: Path
 ) -> None:
-    path = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(path))
-    new = notebooks.executed(source)
+    new = executed(source)
 
     said = [o for cell in new.cells for o in cell.get("outputs", [])]
     warned = [o.text for o in said if o.output_type == "stream" and o.name == "stderr"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
+from importlib import import_module
 from os import PathLike, fspath
 from pathlib import Path
 from reprlib import Repr
@@ -43,6 +44,17 @@ def naming(what: str) -> Iterator[None]:
 def missing(needs: str, extra: str) -> InputError:
     """Return the error that says what needs a package that is not installed, of an extra."""
     return InputError(f"{needs}, which is not installed: {install(extra)}")
+
+
+def imported(package: str, needs: str, extra: str) -> Any:
+    """Return a package of an extra; `InputError` where it is not installed, with what `needs` it.
+
+    It is imported when it is needed and not before: many of them take half a second.
+    """
+    try:
+        return import_module(package)
+    except ImportError:
+        raise missing(needs, extra) from None
 
 
 def install(*extras: str) -> str:

@@ -1,14 +1,18 @@
 """Files: texts and tables read, and everything written whole or not at all."""
 
+import csv
+import io
 import os
 import sys
 import tempfile
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from tvclin.base.errors import InputError, shown
+from tvclin.base.errors import path as a_path
 
 _DEEPEST = 8
 """Of tables and lists in each other: no file that is read here needs more than four levels."""
@@ -60,6 +64,15 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write a text as UTF-8; see `write_whole`."""
     write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
+
+
+def write_rows(rows: Iterable[Iterable[Any]], path: str | PathLike[str] | None = None) -> str:
+    """Return rows of cells as CSV, and write it where a path is given; see `write_whole`."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    if path is not None:
+        write_text(a_path("path", path), text.getvalue())
+    return text.getvalue()
 
 
 def write_new(path: Path, text: str) -> None:

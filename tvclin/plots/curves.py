@@ -1,7 +1,5 @@
 """The numbers of a figure: one record, from which the figure is drawn and its CSV written."""
 
-import csv
-import io
 from collections import Counter
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError
+from tvclin.base.files import write_rows
 
 FloatArray = NDArray[np.float64]
 
@@ -109,13 +108,9 @@ class Curves:
 
         Every number is written so that it reads back as the same one.
         """
-        text = io.StringIO()
-        text.write(f"# {self.name}: {self.parameters}\n")
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([self.abscissa_label, *self.headings])
-        rows = np.stack([self.abscissa, *(column.values for column in self.columns)], axis=-1)
-        writer.writerows([map(repr, row) for row in rows.tolist()])
-        return text.getvalue()
+        values = np.stack([self.abscissa, *(column.values for column in self.columns)], axis=-1)
+        rows = [[self.abscissa_label, *self.headings], *(map(repr, row) for row in values.tolist())]
+        return f"# {self.name}: {self.parameters}\n{write_rows(rows)}"
 
 
 def curves_of(plot: Any) -> Curves:

@@ -12,6 +12,7 @@ from tvclin.base.errors import nonnegative
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.histories import History
+from tvclin.winds.pulses import Pulse
 
 FloatArray = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ _CALM = [0.0, 0.0, 0.0]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OneMinusCosineGust(History):
+class OneMinusCosineGust(Pulse):
     """A gust that rises from t = 0 to its peak at T/2 and falls until T, both smoothly.
 
         alpha_w = (peak/2) (1 - cos(2 pi t/T)),    0 <= t <= T
@@ -47,12 +48,6 @@ class OneMinusCosineGust(History):
     -----
     The shape is that of 14 CFR 25.341(a)(2).
     """
-
-    peak: float | FloatArray = field()  # type: ignore[assignment]
-    duration: float | FloatArray
-
-    def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
 
     @cached_property
     def pieces(self) -> Pieces:

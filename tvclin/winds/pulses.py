@@ -18,7 +18,18 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RectangularWind(History):
+class Pulse(History):
+    """A wind that is known by its peak and its duration; each shape says what becomes of them."""
+
+    peak: float | FloatArray = field()  # type: ignore[assignment]
+    duration: float | FloatArray
+
+    def __post_init__(self) -> None:
+        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RectangularWind(Pulse):
     """A wind that starts at t = 0, keeps one angle, and stops (report, sketch (a)).
 
     Parameters
@@ -35,12 +46,6 @@ class RectangularWind(History):
         not broadcast.
     """
 
-    peak: float | FloatArray = field()  # type: ignore[assignment]
-    duration: float | FloatArray
-
-    def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
-
     @cached_property
     def pieces(self) -> Pieces:
         """The pieces as arrays."""
@@ -48,7 +53,7 @@ class RectangularWind(History):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TriangularWind(History):
+class TriangularWind(Pulse):
     """A wind that rises evenly from t = 0 to its peak at tau/2 and falls evenly to tau.
 
     It is the report's stand-in for synthetic winds (sketch (b)).
@@ -66,12 +71,6 @@ class TriangularWind(History):
         For a peak of zero or beyond 90 degrees, a duration not above zero, or shapes that do
         not broadcast.
     """
-
-    peak: float | FloatArray = field()  # type: ignore[assignment]
-    duration: float | FloatArray
-
-    def __post_init__(self) -> None:
-        keep(self, peak=checked_peak(self.peak), duration=checked_span("duration", self.duration))
 
     @cached_property
     def pieces(self) -> Pieces:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -19,15 +17,14 @@ from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import (
     between,
     finite,
+    imported,
     instance,
-    missing,
     nonnegative,
     number,
     one_row,
     within,
 )
-from tvclin.base.errors import path as a_path
-from tvclin.base.files import write_text
+from tvclin.base.files import write_rows
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 
@@ -233,21 +230,16 @@ class Availability:
         InputError
             When the file cannot be written.
         """
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(
-            ["time_utc", "azimuth_deg", "need_deg", "least_deg", "most_deg", "flies", "why"]
-        )
+        names = ["time_utc", "azimuth_deg", "need_deg", "least_deg", "most_deg", "flies", "why"]
+        rows: list[list[str]] = [names]
         degrees = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
         flies = np.atleast_2d(self.flies)
         for a, azimuth in enumerate(np.degrees(np.atleast_1d(self.azimuth)).tolist()):
             for i, (time, why) in enumerate(zip(self.soundings.times, self.why, strict=True)):
                 said = "" if np.isnan(flies[a, i]) else str(int(flies[a, i]))
                 cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in degrees)
-                writer.writerow([str(time), f"{azimuth:.10g}", *cells, said, why])
-        if path is not None:
-            write_text(a_path("path", path), text.getvalue())
-        return text.getvalue()
+                rows.append([str(time), f"{azimuth:.10g}", *cells, said, why])
+        return write_rows(rows, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return all numbers as an `xarray.Dataset` over azimuth and time [UTC]; angles in radians.
@@ -257,16 +249,14 @@ class Availability:
         InputError
             Where xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise missing("a Dataset needs xarray", "campaign") from None
+        of = imported("xarray", "a Dataset needs xarray", "campaign")
+        make: type[xarray.Dataset] = of.Dataset
         data: dict[str, Any] = {
             name: (("azimuth", "time"), np.atleast_2d(getattr(self, name)), {"units": unit})
             for name, unit in {"need": "rad", "least": "rad", "most": "rad", "flies": "1"}.items()
         }
         data["why"] = ("time", np.array(self.why, dtype=str))
-        return xarray.Dataset(
+        return make(
             data,
             coords={
                 "azimuth": ("azimuth", np.atleast_1d(self.azimuth), {"units": "rad"}),

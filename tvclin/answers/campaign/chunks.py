@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.campaign.manifest import Manifest, check_versions, read_manifest
-from tvclin.base.errors import InputError, missing
+from tvclin.base.errors import InputError, imported
 from tvclin.base.files import make_directory, write_whole
 from tvclin.kernels.choice import pinned
 
@@ -165,11 +165,7 @@ def _manifest(folder: str, seal: str) -> Manifest:
 
 def arrow() -> Any:
     """Return pyarrow; `InputError` where it is not installed."""
-    try:
-        import pyarrow
-    except ImportError:
-        raise missing("campaigns need pyarrow", "campaign") from None
-    return pyarrow
+    return imported("pyarrow", "campaigns need pyarrow", "campaign")
 
 
 def _parquet() -> Any:

@@ -7,9 +7,8 @@ from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process, resource_tracker
 from threading import Thread
-from typing import Any
 
-from tvclin.base.errors import InputError, missing, whole_number
+from tvclin.base.errors import InputError, imported, whole_number
 from tvclin.kernels.threads import VARIABLE
 
 _PATIENCE = 5.0
@@ -59,13 +58,9 @@ def cluster(address: str) -> Iterator[Executor]:
         When no scheduler answers there within five seconds, or it or its workers are lost for
         good.
     """
+    distributed = imported("distributed", "a scheduler needs distributed", "campaign")
     try:
-        import distributed
-    except ImportError:
-        raise missing("a scheduler needs distributed", "campaign") from None
-    connect: Any = distributed.Client
-    try:
-        client = connect(address, timeout=_PATIENCE, set_as_default=False)
+        client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"there is no Dask scheduler at {address}: {reason}") from None

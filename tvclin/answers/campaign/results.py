@@ -28,7 +28,7 @@ from tvclin.answers.campaign.statistics import (
 from tvclin.base.cards import shows
 from tvclin.base.errors import (
     InputError,
-    missing,
+    imported,
     number,
     one_of,
     path,
@@ -286,10 +286,8 @@ class CampaignResults:
 
         Units are in the attributes of each variable.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise missing("a Dataset needs xarray", "campaign") from None
+        of = imported("xarray", "a Dataset needs xarray", "campaign")
+        make: type[xarray.Dataset] = of.Dataset
         units = UNITS_OF | columns(self.campaign)
         data = {
             name: ("case", self.column(name), {"units": units[name]} if name in units else {})
@@ -303,7 +301,7 @@ class CampaignResults:
             "seed": self.campaign.seed,
             "sha256": self.manifest.seal,
         }
-        return xarray.Dataset(data, coords={"case": self.column("case")}, attrs=about)
+        return make(data, coords={"case": self.column("case")}, attrs=about)
 
     def answers(self, output: str | None = None) -> FloatArray:
         """Return an output of the cases that have an answer, in the order of the cases."""

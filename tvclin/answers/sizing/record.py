@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,9 +14,8 @@ from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.cards import table
 from tvclin.base.documents import keyed, picked
-from tvclin.base.errors import missing, one_of
-from tvclin.base.errors import path as a_path
-from tvclin.base.files import write_text
+from tvclin.base.errors import imported, one_of
+from tvclin.base.files import write_rows
 from tvclin.boundary.stops import Stop
 
 if TYPE_CHECKING:
@@ -260,17 +257,13 @@ class Sizing:
         InputError
             When the file cannot be written.
         """
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         columns = self._columns()
-        writer.writerow(["time_s", "wind", *columns])
-        for i, time in enumerate(self.times.tolist()):
-            for j, wind in enumerate(self.winds):
-                cells = [values[i, j].item() for values in columns.values()]
-                writer.writerow([repr(time), wind, *(repr(cell) for cell in cells)])
-        if path is not None:
-            write_text(a_path("path", path), text.getvalue())
-        return text.getvalue()
+        rows = [
+            [repr(time), wind, *(repr(values[i, j].item()) for values in columns.values())]
+            for i, time in enumerate(self.times.tolist())
+            for j, wind in enumerate(self.winds)
+        ]
+        return write_rows([["time_s", "wind", *columns], *rows], path)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return all numbers as an `xarray.Dataset` over time and wind, dead bands apart.
@@ -282,10 +275,8 @@ class Sizing:
         InputError
             Where xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise missing("a Dataset needs xarray", "campaign") from None
+        of = imported("xarray", "a Dataset needs xarray", "campaign")
+        make: type[xarray.Dataset] = of.Dataset
         data: dict[str, Any] = {}
         for name, values in self.required.items():
             if not name.startswith("K = "):
@@ -300,7 +291,7 @@ class Sizing:
             data[name] = (("time", "wind"), values, {"units": unit})
         data["single_pole_edge"] = ("time", self.edge, {"units": "s"})
         about = {k: getattr(self, k) for k in ("model", "plane", "law")}
-        return xarray.Dataset(
+        return make(
             data,
             coords={
                 "time": ("time", self.times, {"units": "s"}),
