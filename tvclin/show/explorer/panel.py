@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.flexible import flexible_plant, shift_words
-from tvclin.base.errors import InputError, imported
+from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.show.explorer.answer import Answer, answer
@@ -272,7 +272,11 @@ def _sizes(vehicle: Vehicle) -> tuple[float, float]:
 
 
 def _widgets() -> Any:
-    return imported("ipywidgets", "the panel needs ipywidgets", "notebook")
+    try:
+        import ipywidgets
+    except ImportError:
+        raise missing("the panel needs ipywidgets", "notebook") from None
+    return ipywidgets
 
 
 def _paragraphs(*texts: str, weight: str = "normal") -> str:
