@@ -35,13 +35,12 @@ _TERMS = 24
 def fly(f: Flights, first: int, last: int) -> None:
     """Fly the cases from `first` up to `last`, each to its end."""
     for i in range(first, last):
-        k = 0
         law = f.laws[f.law[i]]
-        while looked(f, i, k):
-            stepped(
-                f, i, k, asked(law, f.measured[i], f.states[i], f.limit[i]), law.engage, law.release
-            )
-            k += 1
+        for k in range(NEVER):
+            if not looked(f, i, k):
+                break
+            demand = asked(law, f.measured[i], f.states[i], f.limit[i])
+            stepped(f, i, k, demand, law.engage, law.release)
 
 
 @bare
@@ -189,16 +188,15 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     begin = f.start[i] + f.lengths[p, 0] * k
     end = f.start[i] + f.lengths[p, 0] * (k + 1)
     parts, ring, since = f.joint.shape[1], f.commands.shape[1], k - f.late[p]
-    now = command
     if ring > 1:
         f.commands[i, k % ring] = command
-        now = f.commands[i, since % ring]
-    if parts > 1:
-        middle = begin + f.lengths[p, 2]
-        moved(f, i, 1, parts * k, f.commands[i, (since - 1) % ring], begin, middle)
-        about(f, i, middle)
-        begin = middle
-    moved(f, i, 0, parts * (k + 1) - 1, now, begin, end)
+    for part in range(parts - 1, -1, -1):
+        now = f.commands[i, (since - part) % ring] if ring > 1 else command
+        stop = begin + f.lengths[p, 2] if part > 0 else end
+        moved(f, i, part, parts * (k + 1) - 1 - part, now, begin, stop)
+        if part > 0:
+            about(f, i, stop)
+        begin = stop
     learnt(f, i)
     n = f.A.shape[1]
     deflection = min(max(f.y[i, n], -limit), limit)

@@ -19,8 +19,11 @@ F = TypeVar("F", bound=Callable[..., Any])
 _marked: set[Callable[..., Any]] = set()
 _bare: set[Callable[..., Any]] = set()
 _inlined: set[Callable[..., Any]] = set()
-_OPTIONS: Any = {"nogil": True, "error_model": "numpy"}
-"""Other threads run beside; a division by zero is numpy's."""
+_OPTIONS: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+"""Other threads run beside; a division by zero is numpy's; nobody calls from C."""
+_WITHIN: Any = {"no_cpython_wrapper": True}
+"""Python calls the outermost alone: to take forty arrays from it costs as much to be compiled as
+what is done with them."""
 
 
 def kernel(function: F) -> F:
@@ -69,7 +72,7 @@ def machine_code_within(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a kernel compiled for others to call; its code is kept with theirs."""
     import numba
 
-    return numba.njit(**_options(function), forceinline=function in _inlined)(
+    return numba.njit(**_options(function), **_WITHIN, forceinline=function in _inlined)(
         _linked(function, function.__name__, machine_code_within)
     )
 
