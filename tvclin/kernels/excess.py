@@ -20,8 +20,11 @@ import numpy as np
 from tvclin.kernels.source import bare
 from tvclin.kernels.terms import filtered, future, value
 
-RISES, TURNS, ABOVE, ENOUGH = 0, 1, 2, 3
-"""What may change its sign: the driver's slope; h; the driver over a height; the excess."""
+RISES, TURNS, ABOVE, ENOUGH = map(np.int64, range(4))
+"""What may change its sign: the driver's slope; h; the driver over a height; the excess. These are
+numbers of numpy, since a kernel that takes constants of Python's own is compiled for each anew."""
+WIND_DRIVES, TRIM_DRIVES = np.False_, np.True_
+"""Whether trim itself is the driver."""
 SLACK = 8.0 * 2.0**-52
 """Rounding of a height or a demand, over its size: an excess nearer to zero than this is zero. With
 less, rounding alone would say that a limit is short; with more, limits would lose digits."""
@@ -164,7 +167,7 @@ def _demand(wind: Any, law: Any, i: int, u: float, x: float, y: float) -> float:
 
 @bare
 def sought(
-    kind: int, floor: float, wind: Any, law: Any, i: int, u: float
+    kind: Any, floor: float, wind: Any, law: Any, i: int, u: float
 ) -> tuple[float, float, float]:
     """Return what is zero where something happens, its slope, and its curvature or zero.
 
@@ -193,7 +196,7 @@ def sought(
 
 
 @bare
-def changes(kind: int, wind: Any, law: Any, i: int, a: float, b: float) -> tuple[int, float, float]:
+def changes(kind: Any, wind: Any, law: Any, i: int, a: float, b: float) -> tuple[int, float, float]:
     """Return how often something changes its sign in a cell, twice at most, and when."""
     at_a, slope_a, _ = sought(kind, 0.0, wind, law, i, a)
     at_b, slope_b, _ = sought(kind, 0.0, wind, law, i, b)
@@ -224,7 +227,7 @@ def changes(kind: int, wind: Any, law: Any, i: int, a: float, b: float) -> tuple
 
 @bare
 def root(
-    kind: int,
+    kind: Any,
     floor: float,
     wind: Any,
     law: Any,

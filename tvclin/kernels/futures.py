@@ -8,7 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.kernels.excess import ENOUGH, RISES, carry, cells, changes, demand, driver, onset, root
+from tvclin.kernels.excess import (
+    ENOUGH,
+    RISES,
+    WIND_DRIVES,
+    carry,
+    cells,
+    changes,
+    demand,
+    driver,
+    onset,
+    root,
+)
 from tvclin.kernels.source import bare, kernel
 from tvclin.kernels.terms import future
 
@@ -27,7 +38,7 @@ def largest_futures(winds: Any, which: Any, poles: Any, out: Any, first: int, la
     for case in range(first, last):
         i = which[case]
         wind = (knots[i], coefficients[i], rates[i], kept, work)
-        law = (poles[case], 1.0, 0.0, 0.0, 0.0, False)
+        law = (poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
         carry(wind, law)
         most, time = _largest_future(wind, law)
         out[case, 0], out[case, 1], out[case, 2] = demand(wind, law, onset(wind), 0.0), most, time

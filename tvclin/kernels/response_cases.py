@@ -149,8 +149,8 @@ def respond(
         used = distinct(deflections[2][d], whole.rates, 1)
         used = distinct(winds[2][w], whole.rates, used)
         case = Case(whole.knots[: count + 1], whole.rates[:used], whole.forces, whole.lengths)
-        put(case, 0, deflections[0][d], deflections[1][d], deflections[2][d])
-        put(case, 1, winds[0][w], winds[1][w], winds[2][w])
+        put(case, case.forces[:, 0], deflections[0][d], deflections[1][d], deflections[2][d])
+        put(case, case.forces[:, 1], winds[0][w], winds[1][w], winds[2][w])
         measure(case)
         fastest = 0.0
         for m in range(plant.poles.size):

@@ -59,24 +59,24 @@ def find(rate: Any, rates: Any, used: Any) -> Any:
 
 
 @kernel
-def put(case: Any, side: Any, knots: Any, coefficients: Any, rates: Any) -> None:
-    """Write one input on the common knots: the deflection on side 0, the wind on side 1."""
+def put(case: Any, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
+    """Write one input on the common knots, to its `forces` ``(K, Q, m)`` of a case."""
     piece = -1
     for i in range(case.knots.size - 1):
         for q in range(case.rates.size):
-            for k in range(case.forces.shape[3]):
-                case.forces[i, side, q, k] = 0.0
+            for k in range(forces.shape[2]):
+                forces[i, q, k] = 0.0
         while piece + 1 < knots.size and knots[piece + 1] <= case.knots[i]:
             piece += 1
         if piece < 0:
             continue
         u = case.knots[i] - knots[piece]
         for q in range(rates.size):
-            terms = case.forces[i, side, find(rates[q], case.rates, case.rates.size)]
+            terms = forces[i, find(rates[q], case.rates, case.rates.size)]
             for k in range(coefficients.shape[2]):
                 terms[k] += coefficients[piece, q, k]
         for q in range(case.rates.size if u > 0.0 else 0):
-            move(case.forces[i, side, q], case.rates[q], u)
+            move(forces[i, q], case.rates[q], u)
 
 
 @kernel

@@ -14,11 +14,14 @@ from hashlib import sha256
 from types import FunctionType
 from typing import Any, TypeVar
 
+import numpy as np
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 _marked: set[Callable[..., Any]] = set()
 _bare: set[Callable[..., Any]] = set()
 _inlined: set[Callable[..., Any]] = set()
+_CONSTANTS = (float, int, str, tuple, np.generic)
 _OPTIONS: Any = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 """Other threads run beside; a division by zero is numpy's; nobody calls from C."""
 _WITHIN: Any = {"no_cpython_wrapper": True}
@@ -117,4 +120,4 @@ def _constants(function: Any) -> list[tuple[str, str]]:
     """Return the numbers and names that a function finds in its module."""
     names = function.__code__.co_names
     found = ((name, function.__globals__.get(name)) for name in names)
-    return [(name, repr(one)) for name, one in found if isinstance(one, float | int | str | tuple)]
+    return [(name, repr(one)) for name, one in found if isinstance(one, _CONSTANTS)]

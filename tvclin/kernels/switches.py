@@ -15,7 +15,9 @@ from tvclin.kernels.excess import (
     ENOUGH,
     RISES,
     SLACK,
+    TRIM_DRIVES,
     TURNS,
+    WIND_DRIVES,
     carry,
     cells,
     changes,
@@ -68,7 +70,7 @@ def switches(
             numbers[case, 4],
         )
         wind = (knots[i], coefficients[i], rates[i], kept, work)
-        carry(wind, (p, K, b2 - b1, b1, q, False))
+        carry(wind, (p, K, b2 - b1, b1, q, WIND_DRIVES))
         for k in range(literal.size):
             law = (p, K, b2 - b1, b1, q, literal[k])
             time, needed, status = _solve(wind, law, marks)
@@ -88,7 +90,7 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
         i = which[case]
         b1, b2, q = numbers[case, 2], numbers[case, 3], numbers[case, 4]
         wind = (knots[i], coefficients[i], rates[i], kept, work)
-        law = (numbers[case, 0], 1.0, b2 - b1, b1, q, True)
+        law = (numbers[case, 0], 1.0, b2 - b1, b1, q, TRIM_DRIVES)
         carry(wind, law)
         out[case] = _largest_trim(wind, law)
 
