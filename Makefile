@@ -6,14 +6,17 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test coverage lint bench notebooks docs packages clean help
+.PHONY: study test suite coverage lint bench notebooks docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
 
 # Bytecode is kept whatever the environment says: workers, notebooks and commands begin many times.
 test: export PYTHONDONTWRITEBYTECODE =
-test: $(VENV)/.installed-dev lint  ## set everything up and pass the tests
+test: $(VENV)/.installed-dev  ## set everything up and pass the tests, with lint beside them
+	$(MAKE) --no-print-directory -j2 lint suite
+
+suite:
 	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
 
 coverage: $(VENV)/.installed-dev  ## pass the tests and list the lines that none of them runs

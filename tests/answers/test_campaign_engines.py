@@ -85,8 +85,9 @@ def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
     same(whole, found)
 
 
-def test_a_scheduler_that_is_not_there(plan, tmp_path):
+def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
+    monkeypatch.setattr("tvclin.answers.campaign.executors._TIMEOUT", 0.5)
     file = tmp_path / "my.toml"
     CliRunner().invoke(app, ["campaign", "init", str(file)])
     arguments = ["campaign", "run", str(file), "-o", str(tmp_path / "results")]

@@ -365,7 +365,7 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
 def test_in_a_notebook_the_panel_is_there_before_its_curve(
     panel: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tvclin.show.explorer.panel._PATIENCE", 0.0)
+    monkeypatch.setattr("tvclin.show.explorer.panel._WAIT", 0.0)
     known = []
 
     async def filled() -> Any:

@@ -193,6 +193,7 @@ class Study:
         one_of("switch", switch, SWITCHES)
         peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+        limit = None if limit is None else _capability(limit)
         coefficients = coefficients_of(vehicle, plane)
         single("vehicle", coefficients.batch)
         shape = None if stop is None else stop_of(stop)
@@ -216,7 +217,6 @@ class Study:
         with_drift = model if model != "fixed-path" else USUAL_MODEL
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant.from_vehicle(vehicle, model, plane)
-        limit = None if limit is None else _capability(limit)
         required = required_deflection(plant, history, dead_band)
         modes = {name: unstable_modes(each) for name, each in plants.items()}
         needed = _needed(shown, history, dead_bands, switch)

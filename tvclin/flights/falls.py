@@ -8,7 +8,7 @@ from tvclin.control.laws.law import Law
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
-_PATIENCE = 12.0
+_WATCHED = 12.0
 """A flight is watched for so long after the wind, over its pole: what is off has grown by e^12."""
 _STILL = 0.1
 """A late rate below this part of the pole times the wind's peak is no fall."""
@@ -16,7 +16,7 @@ _STILL = 0.1
 
 def watched_until(wind: History | PlaneWind, pole: float) -> float:
     """Return the time [s] at which a flight is judged, if it has not left its model before."""
-    return float(wind.end) + _PATIENCE / pole
+    return float(wind.end) + _WATCHED / pole
 
 
 def lets_go(control: object) -> bool:

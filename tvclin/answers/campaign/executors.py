@@ -11,7 +11,7 @@ from threading import Thread
 from tvclin.base.errors import InputError, imported, whole_number
 from tvclin.kernels.threads import VARIABLE
 
-_PATIENCE = 5.0
+_TIMEOUT = 5.0
 """Seconds in which a scheduler must answer."""
 _MOST_WORKERS = 4096
 _STDERR = 2
@@ -60,7 +60,7 @@ def cluster(address: str) -> Iterator[Executor]:
     """
     distributed = imported("distributed", "a scheduler needs distributed", "campaign")
     try:
-        client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
+        client = distributed.Client(address, timeout=_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"there is no Dask scheduler at {address}: {reason}") from None

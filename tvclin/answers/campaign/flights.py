@@ -65,7 +65,7 @@ COLUMNS = {
 }
 MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
 """Angles that are no deflections, with which a deflection limit is not compared."""
-_PATIENCE = 20.0
+_WATCHED = 20.0
 """A replayed flight ends so long after its wind, over the fastest unstable pole."""
 
 
@@ -162,7 +162,7 @@ def flight_response(flight: Flight, law: Law, plant: AnyPlant, wind: History) ->
         As `fly`.
     """
     poles = np.real(unstable_modes(plant.rigid).poles)
-    end = float(wind.end) + (_PATIENCE / float(poles.max()) if poles.size else 0.0)
+    end = float(wind.end) + (_WATCHED / float(poles.max()) if poles.size else 0.0)
     count = int(np.ceil((end - float(wind.onset)) * flight.sample_rate)) + 1
     return fly(
         plant,

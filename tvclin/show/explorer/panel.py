@@ -26,7 +26,7 @@ from tvclin.winds.shaped import PULSES
 _PEAK = 5.0
 _TO_SI = {"peak": np.pi / 180.0, "limit": np.pi / 180.0, "delay": 1e-3}
 _WIDE = {"description_width": "115px"}
-_PATIENCE = 0.3
+_WAIT = 0.3
 """A picture waits so long [s] for its curve; the rest is drawn as it is found."""
 
 Slider = tuple[str, float, float, float, float]
@@ -109,7 +109,7 @@ class Panel:
         if self._rest is not None:
             self._rest.cancel()
         begun, found = perf_counter(), answer(choices, known)
-        while not found.whole and perf_counter() - begun < _PATIENCE:
+        while not found.whole and perf_counter() - begun < _WAIT:
             known += 1
             found = answer(choices, known)
         self._draw(found)
