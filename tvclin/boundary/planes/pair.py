@@ -65,12 +65,12 @@ class Pair:
 
     def demanded(self, t: FloatArray) -> Vectors:
         """Return what the wind after the times `t` [s] alone asks for at the fast modes [rad]."""
-        pitch, yaw = (self.of_modes(plane, t)[0] for plane in (0, 1))
+        pitch, yaw = (self.of_modes(plane, t, 1)[0] for plane in (0, 1))
         return np.asarray(pitch + 1j * yaw)
 
-    def of_modes(self, plane: int, t: FloatArray) -> FloatArray:
-        """Return the same, -B K1 W, for every mode of one plane, ``(N, n)``."""
-        poles, wind = self.poles[plane], (self.wind.pitch, self.wind.yaw)[plane]
+    def of_modes(self, plane: int, t: FloatArray, count: int | None = None) -> FloatArray:
+        """Return the same, -B K1 W, for the first `count` modes of one plane, ``(N, n)``."""
+        poles, wind = self.poles[plane][:count], (self.wind.pitch, self.wind.yaw)[plane]
         strength = -wind_strength(self.plants[plane], poles) * poles
         means = [wind.future(p, t) for p in poles]
         return np.asarray([s * mean for s, mean in zip(strength, means, strict=True)])
