@@ -289,8 +289,8 @@ def _straight(
     needs = {name: float(one) for name, one in open_loop_needs(plant, wind, 1.0, boundary).items()}
     direction = complex(unit(pair.wind.direction))
     held = boundary.deflection * direction
-    one_way = float(stop.gauge(np.sign(boundary.deflection) * direction))
-    both_ways = max(float(stop.gauge(direction)), float(stop.gauge(-direction)))
+    gauges = stop.gauge([direction, -direction])
+    one_way, both_ways = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
     bound = needs[NO_FORECAST] * both_ways
     limit, more = _largest(
         {

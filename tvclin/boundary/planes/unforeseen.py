@@ -19,19 +19,20 @@ from tvclin.boundary.stops import Stop
 FloatArray = NDArray[np.float64]
 
 _TIMES = 80
-_DIRECTIONS = 360
+_DIRECTIONS = 180
+"""Directions of half a turn, in which S - S is counted; it is the same to the other side."""
 _CLOSER, _NARROWER, _ROUNDS = 33, 8.0, 5
 """Points of a grid each way, by how much the next is narrower, and how many there are."""
 
 
-def _apart(stop: Stop, vector: NDArray[np.complex128]) -> FloatArray:
+def _apart(stop: Stop) -> Callable[[NDArray[np.complex128]], FloatArray]:
     """The gauge of S - S, of its supports in some directions: never more than the truth."""
     if stop.symmetric:
-        return stop.gauge(vector) / 2.0
-    around = np.exp(2j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
-    both = stop.support(around) + stop.support(-around)
-    normals = np.stack([around.real, around.imag]) / both
-    return np.asarray((np.stack([vector.real, vector.imag], axis=-1) @ normals).max(axis=-1))
+        return lambda vector: stop.gauge(vector) / 2.0
+    around = np.exp(1j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
+    normals = around / (stop.support(around) + stop.support(-around))
+    parts = np.stack([normals.real, normals.imag])
+    return lambda vector: np.abs(np.stack([vector.real, vector.imag], axis=-1) @ parts).max(axis=-1)
 
 
 def unforeseen(pair: Pair, stop: Stop) -> float:
@@ -50,8 +51,10 @@ def unforeseen(pair: Pair, stop: Stop) -> float:
     every = shown[:: max(1, shown.size // _TIMES)]
     every = np.union1d(np.append(every, [onset, end]), np.linspace(onset, end, _TIMES // 2))
 
+    apart = _apart(stop)
+
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
-        return _apart(stop, _between(pair, s, T))
+        return apart(_between(pair, s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
         return stop.gauge(_between(pair, np.full((1, 1), onset), T))
