@@ -271,9 +271,10 @@ class PolygonStop(Stop):
 
 def _sector(rays: Vectors, vector: Vectors) -> NDArray[np.intp]:
     """Return the ray that each vector comes after; the rays go once around, counterclockwise."""
-    first, turn = rays[0], 2.0 * np.pi
-    angles = np.maximum.accumulate(np.angle(rays / first) % turn)
-    return np.searchsorted(angles, np.angle(vector / first) % turn, side="right") - 1
+    turned = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
+    angles = np.maximum.accumulate(np.append(0.0, turned))
+    beyond_first = np.angle(vector / rays[0]) % (2.0 * np.pi)
+    return np.searchsorted(angles, beyond_first, side="right") - 1
 
 
 class SquareStop(PolygonStop):

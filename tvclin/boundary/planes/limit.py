@@ -44,6 +44,7 @@ from tvclin.winds.plane_wind import PlaneWind, unit
 FloatArray = NDArray[np.float64]
 
 _GRID, _ROUNDS = 65, 10
+"""Points of a grid that is laid into one cell of the one before: after 10 rounds, to rounding."""
 _SLACK = 1e-12
 _FALLEN = 1e-9
 TURNS = (

@@ -50,7 +50,6 @@ def unforeseen(pair: Pair, stop: Stop) -> float:
     shown = pair.times()
     every = shown[:: max(1, shown.size // _TIMES)]
     every = np.union1d(np.append(every, [onset, end]), np.linspace(onset, end, _TIMES // 2))
-
     apart = _apart(stop)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
