@@ -64,6 +64,25 @@ def test_gauges_in_closed_form():
     assert [stop.symmetric for stop in STOPS] == [True, True, True, False]
 
 
+MIDDLES = np.array([1.0, 1.0 + 1.0j, 1.0j, -1.0 + 1.0j, -1.0, -1.0 - 1.0j, -1.0j, 1.0 - 1.0j])
+"""A square with corners in the middle of its edges, where nothing turns."""
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [KITE.corners, *(np.roll(MIDDLES, k) * unit(20.0) for k in range(3)), CircularStop()],
+)
+def test_a_polygon_reaches_as_far_as_its_furthest_corner_and_up_to_its_nearest_edge(corners):
+    stop = corners.inscribed() if isinstance(corners, CircularStop) else PolygonStop(corners)
+    corner, after = stop.corners, np.roll(stop.corners, -1)
+    normal = -1j * (after - corner)
+    v = np.concatenate([AROUND, corner, normal, corner + after])[:, np.newaxis] * [1.0, 0.3]
+    far = np.real(np.conj(corner) * v[..., np.newaxis]).max(axis=-1)
+    over = np.real(np.conj(normal) * v[..., np.newaxis]) / np.real(np.conj(normal) * corner)
+    assert stop.support(v) == pytest.approx(far, rel=ROUNDING)
+    assert stop.gauge(v) == pytest.approx(over.max(axis=-1), rel=ROUNDING)
+
+
 def test_each_plane_for_itself_leaves_the_square_inside():
     inside = CircularStop().each_plane()
     assert inside.gauge(AROUND) == pytest.approx(2**0.5 * SquareStop().gauge(AROUND), rel=1e-14)

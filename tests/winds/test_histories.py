@@ -73,6 +73,16 @@ def test_the_future_stays_exact_late_and_is_zero_after_the_end():
     np.testing.assert_array_equal(tri().future(0.5, [8.0, 1e4]), [0.0, 0.0])
 
 
+def test_the_future_of_one_variable_is_a_function_of_times():
+    s, times = np.array([0.5, 0.2 + 0.3j]), np.array([[-1.0, 2.0], [5.0, 9.0]])
+    expected, ahead = tri().future(s, times), tri().future_of(s)
+    assert expected.shape == (2, 2, 2)
+    np.testing.assert_array_equal(ahead(times[0]), expected[:, 0])
+    np.testing.assert_array_equal(ahead(5.0), expected[:, 1, 0])
+    with pytest.raises(tv.InputError, match="t must be finite"):
+        ahead(np.nan)
+
+
 def test_the_future_at_one_time_is_one_number():
     assert tri().future(0.0, 0.0) == pytest.approx(0.4, rel=4e-16)
 

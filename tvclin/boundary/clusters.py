@@ -20,9 +20,9 @@ from tvclin.boundary.stops import (
     Stop,
     Vectors,
     along,
-    lowest,
     vectors,
 )
+from tvclin.kernels.lowest import lowest
 
 STATES = ("moving", "centred", "stuck", "out")
 _LOOKED_AT = 720

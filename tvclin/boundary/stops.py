@@ -11,7 +11,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,13 +26,12 @@ from tvclin.base.errors import (
     whole_number,
     within,
 )
+from tvclin.kernels.lowest import lowest
 from tvclin.winds.plane_wind import unit
 
 FloatArray = NDArray[np.float64]
 Vectors = NDArray[np.complex128]
 
-_GRID, _ROUNDS = 17, 16
-"""Points of a grid that is laid into two cells of the one before: after 16 rounds, 4e-15 of it."""
 _MOST_CORNERS = 10_000
 _LARGEST = 1e100
 _NOTHING = 1e-290
@@ -64,23 +62,6 @@ def vectors(name: str, value: ArrayLike) -> Vectors:
 def along(direction: ArrayLike, vector: ArrayLike) -> FloatArray:
     """Return the scalar product of vectors as complex numbers."""
     return np.asarray(np.real(np.conj(direction) * vector))
-
-
-def lowest(height: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray) -> Any:
-    """Return the least values of convex functions between `low` and `high` ``(...)``.
-
-    By grids, each between the neighbours of the lowest point of the one before. `height` takes
-    ``(..., k)`` to the same shape.
-    """
-    for _ in range(_ROUNDS):
-        x = low[..., np.newaxis] + (high - low)[..., np.newaxis] * np.linspace(0.0, 1.0, _GRID)
-        found = height(x)
-        best = np.argmin(found, axis=-1)[..., np.newaxis]
-        low, high = (
-            np.take_along_axis(x, np.clip(best + step, 0, _GRID - 1), axis=-1)[..., 0]
-            for step in (-1, 1)
-        )
-    return found.min(axis=-1)
 
 
 class Stop(ABC):
@@ -267,21 +248,33 @@ class PolygonStop(Stop):
         """Whether the shape reaches as far to one side as to the other."""
         return bool(np.all(self.gauge(-self.corners) <= 1.0 + _ROUNDING))
 
+    @cached_property
+    def _normals(self) -> Vectors:
+        """Of each edge, from its corner to the next, over its distance from zero."""
+        outward = -1j * (np.roll(self.corners, -1) - self.corners)
+        return np.asarray(outward / along(outward, self.corners))
+
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return how far the polygon reaches along vectors."""
-        d = vectors("direction", direction)[..., np.newaxis]
-        return np.asarray(along(d, self.corners).max(axis=-1))
+        return along(direction, self.farthest(direction))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
         """Return the factor by which the polygon must grow to reach vectors."""
-        v = vectors("vector", vector)[..., np.newaxis]
-        normals = -1j * (np.roll(self.corners, -1) - self.corners)
-        return np.asarray((along(normals, v) / along(normals, self.corners)).max(axis=-1))
+        v = vectors("vector", vector)
+        return along(self._normals[_sector(self.corners, v)], v)
 
     def farthest(self, direction: ArrayLike) -> Vectors:
         """Return the corner that is furthest along vectors."""
-        d = vectors("direction", direction)[..., np.newaxis]
-        return np.asarray(self.corners[np.argmax(along(d, self.corners), axis=-1)])
+        d = vectors("direction", direction)
+        return np.asarray(np.roll(self.corners, -1)[_sector(self._normals, d)])
+
+
+def _sector(rays: Vectors, vector: Vectors) -> NDArray[np.intp]:
+    """Return the ray that each vector comes after; the rays go once around, counterclockwise."""
+    turned = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
+    angles = np.maximum.accumulate(np.append(0.0, turned))
+    beyond_first = np.angle(vector / rays[0]) % (2.0 * np.pi)
+    return np.searchsorted(angles, beyond_first, side="right") - 1
 
 
 class SquareStop(PolygonStop):

@@ -1,5 +1,6 @@
 """Integrals of pieces: the Laplace transform, and the discounted future of a growing mode."""
 
+from collections.abc import Callable
 from math import factorial
 from typing import Any
 
@@ -26,26 +27,31 @@ def magnitude(pieces: Pieces, s: NDArray[Any]) -> NDArray[np.float64]:
     return laplace(sizes, np.real(s))
 
 
-def future(pieces: Pieces, s: NDArray[Any], t: NDArray[np.float64]) -> NDArray[Any]:
-    """Return the discounted future, the integral from t on of e^(-s (r - t)) f(r) dr.
+def future(pieces: Pieces, s: NDArray[Any]) -> Callable[[NDArray[np.float64]], NDArray[Any]]:
+    """Return the discounted future, the integral from t on of e^(-s (r - t)) f(r) dr, of t.
 
-    At the times ``t (..., m)``, as in `value`; `s` broadcasts with the batch. Every exponential
-    in it decays, so an unstable mode that is not excited stays exact however late the time.
+    A function of times ``t (..., m)``, as in `value`, for which the futures at the knots are found
+    once; `s` broadcasts with the batch. Every exponential in it decays, so an unstable mode that is
+    not excited stays exact however late the time.
     """
     at_knots, diverges = _future_at_knots(pieces, s)
     after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
-    index, u = locate(pieces, t)
-    early = u < 0.0
-    u = np.maximum(u, 0.0)
-    here = moved(at_pieces(pieces.coefficients, index, 2), pieces.rates, u)
-    left = np.maximum(at_pieces(pieces.widths, index, 0) - u, 0.0)
-    column = s[..., np.newaxis]
-    rest, _ = integrals(here, pieces.rates, left, s)
-    endless = np.isinf(left)
-    decay = np.exp(-column * np.where(endless, 0.0, left))
-    tail = np.where(endless, 0.0, decay * at_pieces(after, index, 0))
-    lead = np.exp(-column * np.maximum(pieces.knots[..., :1] - t, 0.0)) * at_knots[..., :1]
-    return np.where(diverges[..., np.newaxis], np.inf, np.where(early, lead, rest + tail))
+    column, widths = s[..., np.newaxis], pieces.widths
+
+    def at(t: NDArray[np.float64]) -> NDArray[Any]:
+        index, u = locate(pieces, t)
+        early = u < 0.0
+        u = np.maximum(u, 0.0)
+        here = moved(at_pieces(pieces.coefficients, index, 2), pieces.rates, u)
+        left = np.maximum(at_pieces(widths, index, 0) - u, 0.0)
+        rest, _ = integrals(here, pieces.rates, left, s)
+        endless = np.isinf(left)
+        decay = np.exp(-column * np.where(endless, 0.0, left))
+        tail = np.where(endless, 0.0, decay * at_pieces(after, index, 0))
+        lead = np.exp(-column * np.maximum(pieces.knots[..., :1] - t, 0.0)) * at_knots[..., :1]
+        return np.where(diverges[..., np.newaxis], np.inf, np.where(early, lead, rest + tail))
+
+    return at
 
 
 def _future_at_knots(pieces: Pieces, s: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:

@@ -9,6 +9,7 @@ transform; nothing is sampled.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from typing import Any
@@ -26,6 +27,7 @@ from tvclin.base.errors import (
 )
 from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
+from tvclin.kernels.lowest import lowest
 from tvclin.kernels.pieces import Pieces
 
 FloatArray = NDArray[np.float64]
@@ -112,12 +114,22 @@ class History(ABC):
         It is what the history will still do, after the time `t` [s], to a mode that grows with
         the rate `s` [1/s]. Shape ``broadcast(batch, s.shape) + t.shape``.
         """
+        return self.future_of(s)(t)
+
+    def future_of(self, s: ArrayLike) -> Callable[[ArrayLike], NDArray[Any]]:
+        """Return `future` at `s` as a function of times, for many calls: it is made ready once."""
         s = _laplace_variable(s)
-        times = finite("t", t, "s")
         with np.errstate(over="ignore", invalid="ignore"):
-            values = _carried(integrals.future(self.pieces, s, times.ravel()), s)
-        values = _real_if_real(values, s)
-        return values.reshape((*values.shape[:-1], *times.shape))
+            ahead = integrals.future(self.pieces, s)
+
+        def at(t: ArrayLike) -> NDArray[Any]:
+            times = finite("t", t, "s")
+            with np.errstate(over="ignore", invalid="ignore"):
+                values = _carried(ahead(times.ravel()), s)
+            values = _real_if_real(values, s)
+            return values.reshape((*values.shape[:-1], *times.shape))
+
+        return at
 
     def __add__(self, other: object) -> History:
         if not isinstance(other, History):
@@ -299,30 +311,29 @@ class History(ABC):
     def _refined_peak(
         self, times: FloatArray, where: NDArray[np.intp], largest: FloatArray
     ) -> FloatArray:
-        from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
-
-        sign = np.broadcast_to(np.sign(largest), self.batch).ravel()
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
         here = np.take_along_axis(times, where, axis=-1)
         apart = _SAME * (times[..., -1:] - times[..., :1])  # rates that are alike repeat a time
         before = np.sum(times < here - apart, axis=-1, keepdims=True) - 1
         after = np.sum(times <= here + apart, axis=-1, keepdims=True)
-        near = [np.maximum(before, 0), where, np.minimum(after, last)]
-        bracket = [np.take_along_axis(times, i, axis=-1).ravel() for i in near]
+        at = np.concatenate([np.maximum(before, 0), where, np.minimum(after, last)], axis=-1)
+        near, sign = np.take_along_axis(times, at, axis=-1), np.asarray(np.sign(largest))
+        low, middle, high = np.moveaxis(np.real(kernel.value(self.pieces, near)), -1, 0) * sign
+        inside = np.asarray((middle > low) & (middle > high))
+        if not np.any(inside):
+            return largest
+        some, side, near = (
+            kernel.take(self.pieces, np.flatnonzero(inside)),
+            sign[inside],
+            near[inside],
+        )
 
-        def negative(t: FloatArray, index: NDArray[np.intp]) -> FloatArray:
-            one = kernel.take(self.pieces, index)
-            return -sign[index] * np.real(kernel.value(one, t[:, np.newaxis]))[:, 0]
+        def below(t: FloatArray) -> FloatArray:
+            return -side[:, np.newaxis] * np.real(kernel.value(some, t))
 
-        everyone = np.arange(sign.size)
-        low, middle, high = (negative(t, everyone) for t in bracket)
-        inside = (middle < low) & (middle < high)
-        refined = np.zeros(sign.size)
-        if np.any(inside):
-            found = find_minimum(negative, [t[inside] for t in bracket], args=(everyone[inside],))
-            refined[inside] = np.where(found.success, -sign[inside] * found.f_x, 0.0)
-        refined = refined.reshape(self.batch)
+        refined = np.zeros(self.batch)
+        refined[inside] = -side * lowest(below, near[:, 0], near[:, 2])
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 

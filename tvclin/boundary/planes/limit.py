@@ -43,7 +43,8 @@ from tvclin.winds.plane_wind import PlaneWind, unit
 
 FloatArray = NDArray[np.float64]
 
-_HALVINGS = 60
+_GRID, _ROUNDS = 65, 10
+"""Points of a grid that is laid into one cell of the one before: after 10 rounds, to rounding."""
 _SLACK = 1e-12
 _FALLEN = 1e-9
 TURNS = (
@@ -289,8 +290,8 @@ def _straight(
     needs = {name: float(one) for name, one in open_loop_needs(plant, wind, 1.0, boundary).items()}
     direction = complex(unit(pair.wind.direction))
     held = boundary.deflection * direction
-    one_way = float(stop.gauge(np.sign(boundary.deflection) * direction))
-    both_ways = max(float(stop.gauge(direction)), float(stop.gauge(-direction)))
+    gauges = stop.gauge([direction, -direction])
+    one_way, both_ways = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
     bound = needs[NO_FORECAST] * both_ways
     limit, more = _largest(
         {
@@ -329,13 +330,11 @@ def _left(pair: Pair, stop: Stop, K: float, literal: bool) -> tuple[complex, flo
         trims = pair.trim(times)
         return complex(trims[np.argmax(stop.gauge(trims))]), np.nan, NEVER_LEFT
     first, last = records[short[-1]], records[short[-1] + 1]
-    floor = float(heights[first])
-    between = spare(times[first : last + 1], floor)
-    low = first + np.flatnonzero(between[:-1] < 0.0)[-1]
-    a, b = times[low], times[low + 1]
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (a + b)
-        a, b = (middle, b) if spare(np.asarray([middle]), floor)[0] < 0.0 else (a, middle)
+    floor, span = float(heights[first]), times[first : last + 1]
+    for _ in range(_ROUNDS):  # the last rise through zero, in steps between each two
+        low = np.flatnonzero(spare(span, floor)[:-1] < 0.0).max(initial=0)
+        span = np.linspace(span[low], span[low + 1], _GRID)
+    b = span[-1]
     held, driver = pair.held(np.asarray([b])), spare(np.asarray([b]))[0]
     fallen = driver < -_FALLEN * floor
     return complex(held[0]), float(b), JUMP if fallen else OK

@@ -23,7 +23,7 @@ from tvclin.base.cards import card
 from tvclin.base.errors import single
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.boundary.planes.pair import Pair, checked
-from tvclin.boundary.stops import CircularStop, PolygonStop, Stop, Vectors
+from tvclin.boundary.stops import CircularStop, PolygonStop, Stop, Vectors, along
 from tvclin.linear.plant import Plant
 from tvclin.winds.plane_wind import PlaneWind, unit
 
@@ -256,8 +256,9 @@ def _by_dual(cells: Vectors, d: FloatArray, stop: Stop) -> tuple[FloatArray, Vec
 
     def height(multipliers: FloatArray) -> tuple[float, FloatArray]:
         summed = multipliers @ cells
-        norm = float(stop.support(summed).sum())
-        turned = np.real(np.conj(cells) @ stop.farthest(summed))
+        farthest = stop.farthest(summed)
+        norm = float(along(summed, farthest).sum())
+        turned = np.real(np.conj(cells) @ farthest)
         return float(0.5 * norm**2 - multipliers @ d), norm * turned - d
 
     options = {"gtol": 1e-11, "maxiter": _STEPS}

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,8 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 
 FloatArray = NDArray[np.float64]
+Ahead = Callable[[FloatArray], NDArray[Any]]
+"""A discounted future, of times [s]."""
 
 _TOGETHER = 1e-4
 _MOST_TIMES = 8192
@@ -58,22 +62,44 @@ class Pair:
         pitch, yaw = (trim_deflection(*one) for one in zip(self.plants, winds, strict=True))
         return PlaneWind(pitch=pitch, yaw=yaw)
 
+    @cached_property
+    def _strengths(self) -> tuple[FloatArray, FloatArray]:
+        """-B K1 p for every mode of each plane."""
+        pitch, yaw = (
+            np.asarray(-wind_strength(plant, poles) * poles)
+            for plant, poles in zip(self.plants, self.poles, strict=True)
+        )
+        return pitch, yaw
+
+    @cached_property
+    def _trim_ahead(self) -> tuple[Ahead, Ahead]:
+        return self._ahead(self.trim)
+
+    @cached_property
+    def _wind_ahead(self) -> tuple[Ahead, Ahead]:
+        return self._ahead(self.wind)
+
+    def _ahead(self, both: PlaneWind) -> tuple[Ahead, Ahead]:
+        """The discounted future in each plane, at its fast pole."""
+        (p, *_), (r, *_) = self.poles
+        return both.pitch.future_of(p), both.yaw.future_of(r)
+
     def held(self, t: FloatArray) -> Vectors:
         """Return what must be held from the times `t` [s] on: discounted means of trim, eq (4b)."""
         (p, *_), (r, *_) = self.poles
-        return np.asarray(p * self.trim.pitch.future(p, t) + 1j * r * self.trim.yaw.future(r, t))
+        pitch, yaw = self._trim_ahead
+        return np.asarray(p * pitch(t) + 1j * r * yaw(t))
 
     def demanded(self, t: FloatArray) -> Vectors:
         """Return what the wind after the times `t` [s] alone asks for at the fast modes [rad]."""
-        pitch, yaw = (self.of_modes(plane, t)[0] for plane in (0, 1))
-        return np.asarray(pitch + 1j * yaw)
+        (p, *_), (r, *_) = self._strengths
+        pitch, yaw = self._wind_ahead
+        return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))
 
     def of_modes(self, plane: int, t: FloatArray) -> FloatArray:
         """Return the same, -B K1 W, for every mode of one plane, ``(N, n)``."""
-        poles, wind = self.poles[plane], (self.wind.pitch, self.wind.yaw)[plane]
-        strength = -wind_strength(self.plants[plane], poles) * poles
-        means = [wind.future(p, t) for p in poles]
-        return np.asarray([s * mean for s, mean in zip(strength, means, strict=True)])
+        wind = (self.wind.pitch, self.wind.yaw)[plane]
+        return self._strengths[plane][:, np.newaxis] * wind.future(self.poles[plane], t)
 
     def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
         """Return vectors times e^(-p time), each part with the fast pole of its plane."""
