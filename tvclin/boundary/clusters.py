@@ -151,7 +151,7 @@ class Cluster(Stop):
             # sum s_j h_j(j rho r_j) <= sum s_j h_j(d + j rho r_j) + sum s_j h_j(-d) bounds rho
             ends = free + self._sum(-d, np.zeros(d.shape))
             column = d[..., np.newaxis]
-            free = lowest(
+            _, free = lowest(
                 lambda rho: self._sum(column, rho) + rho * roll, -ends / sides[1], ends / sides[0]
             )
         return np.asarray(free + along(d, bias))

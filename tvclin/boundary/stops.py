@@ -95,7 +95,8 @@ class Stop(ABC):
         ends = self.support(u) + self.support(-u)
         low, high = (-ends / self.support(-1j * u), ends / self.support(1j * u))
         column = u[..., np.newaxis]
-        return np.asarray(size / lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high))
+        _, least = lowest(lambda x: self.support(column * (1.0 + 1j * x)), low, high)
+        return np.asarray(size / least)
 
     @property
     def inside(self) -> Stop:

@@ -333,7 +333,7 @@ class History(ABC):
             return -side[:, np.newaxis] * np.real(kernel.value(some, t))
 
         refined = np.zeros(self.batch)
-        refined[inside] = -side * lowest(below, near[:, 0], near[:, 2])
+        refined[inside] = -side * lowest(below, near[:, 0], near[:, 2])[1]
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 

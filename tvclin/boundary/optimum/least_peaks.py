@@ -17,6 +17,7 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import from_onset
+from tvclin.kernels.lowest import lowest
 from tvclin.kernels.pieces import rows
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
@@ -177,31 +178,25 @@ def _of_pairs(poles: NDArray[Any], demands: NDArray[Any]) -> FloatArray:
 
         peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
     """
-    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
-
     k = np.real(poles) / np.imag(poles)
 
     def negative(left: FloatArray, i: NDArray[np.intp]) -> FloatArray:
         """Minus the quotient at phi = pi/2 - left, times sigma^2 + omega^2 over omega."""
-        toward = np.abs(np.real(demands[i] * np.exp(1j * (left - 0.5 * np.pi))))
-        return -toward / _norm(left, k[i])
+        toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (left - 0.5 * np.pi))))
+        return -toward / _norm(left, k[i, np.newaxis])
 
     # Pairs that are nearly real turn within about 1/k of phi = pi/2.
     near = np.geomspace(1e-8, np.pi, _DIRECTIONS)
     grid = np.sort(np.concatenate([np.linspace(0.0, np.pi, _DIRECTIONS), near]))
     everyone = np.arange(k.size)
-    looked = np.stack([negative(np.full(k.size, left), everyone) for left in grid], axis=-1)
+    looked = negative(grid, everyone)
     best = np.argmin(looked, axis=-1)
     value = looked[everyone, best]
     inner = np.flatnonzero((best > 0) & (best < grid.size - 1))
-    bracket = [grid[best[inner] + step] for step in (-1, 0, 1)]
-    strict = (value[inner] < looked[inner, best[inner] - 1]) & (
-        value[inner] < looked[inner, best[inner] + 1]
-    )
-    inner, bracket = inner[strict], [edge[strict] for edge in bracket]
     if inner.size:
-        refined = find_minimum(negative, bracket, args=(inner,))
-        value[inner] = np.minimum(value[inner], refined.f_x)
+        ends = (grid[best[inner] + step] for step in (-1, 1))
+        _, refined = lowest(lambda left: negative(left, inner), *ends)
+        value[inner] = np.minimum(value[inner], refined)
     return -value * np.imag(poles) * (1.0 + k**2)
 
 

@@ -12,6 +12,7 @@ from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
 from tvclin.kernels import polynomials
 from tvclin.kernels.loop_grid import AROUND, BELOW, BEYOND
+from tvclin.kernels.lowest import lowest
 from tvclin.linear.plant import Plant
 
 if TYPE_CHECKING:
@@ -43,8 +44,6 @@ def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
     frequencies around all roots and gain crossovers and refined there, so that what is left is
     rounding, about 1e-12 of the value for well separated roots.
     """
-    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
-
     loop = autopilot.rational_loop(plant)
     found = loop_margins(loop)
     if not found.stable:
@@ -52,7 +51,8 @@ def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
     above = wind_numerator(autopilot, plant)
 
     def lowness(omega: FloatArray) -> FloatArray:
-        returned, below = (part[0] for part in loop.form.parts(omega[np.newaxis]))
+        parts = loop.form.parts(omega.reshape(1, -1))
+        returned, below = (part.reshape(omega.shape) for part in parts)
         return -np.abs(polynomials.value(above, 1j * omega) / (below + returned))
 
     omega = _samples(loop, above, found.crossings.gain_frequencies)
@@ -60,7 +60,7 @@ def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
     # At infinity nothing returns, and what is left is what passes through at once.
     through = abs(above[0] / loop.denominator[0]) if above.size == loop.denominator.size else 0.0
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
-    tops = find_minimum(lowness, (omega[k - 1], omega[k], omega[k + 1])).f_x if k.size else values
+    tops = lowest(lowness, omega[k - 1], omega[k + 1])[1] if k.size else values
     return float(max(-values.min(), -np.min(tops), through))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.margins.loop import Loop
+from tvclin.kernels.lowest import lowest
 from tvclin.kernels.state_loop import StateLoop
 
 FloatArray = NDArray[np.float64]
@@ -85,8 +86,6 @@ def _around(terms: Terms, k: int) -> FloatArray:
 
 def peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     """Return the largest |L| where the k-th mode owns it, and where; NaN if it owns nothing."""
-    from scipy.optimize.elementwise import find_minimum  # late: it takes 0.3 s to import
-
     omega = _around(terms, k)
     sizes = np.abs(terms.values(omega))
     sizes = np.where(terms.owner(omega) == k, sizes, -np.inf)
@@ -95,18 +94,18 @@ def peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     height, where = sizes[rows, top], omega[rows, top]
     nu = np.imag(terms.loop.in_plane(1j * omega))
     inner = np.clip(top, 1, omega.shape[-1] - 2)
-    bracket = [nu[rows, inner + j] for j in (-1, 0, 1)]
-
-    def lowness(frequency: FloatArray, case: NDArray[np.intp]) -> FloatArray:
-        above, below = terms.form.take(case).parts(frequency[:, np.newaxis])
-        return -np.abs(above / below)[:, 0]
-
+    low, at, high = (nu[rows, inner + j] for j in (-1, 0, 1))
     owned = np.flatnonzero(np.isfinite(height))
     if owned.size:
-        result = find_minimum(lowness, [b[owned] for b in bracket], args=(owned,))
-        better = result.success & (-result.f_x > height[owned])
-        height[owned[better]], at = -result.f_x[better], bracket[1]
-        at[owned[better]] = result.x[better]
+        form = terms.form.take(owned)
+
+        def lowness(frequency: FloatArray) -> FloatArray:
+            above, below = form.parts(frequency)
+            return -np.abs(above / below)
+
+        found, least = lowest(lowness, low[owned], high[owned])
+        better = -least > height[owned]
+        height[owned[better]], at[owned[better]] = -least[better], found[better]
         where = np.where(
             np.isfinite(height), np.imag(terms.loop.from_plane(1j * at[:, np.newaxis]))[:, 0], where
         )
