@@ -547,6 +547,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "History.before": Door(wind.before, {"time": 5.0}),
         "History.filter": Door(wind.filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
         "History.future": Door(wind.future, {"s": 0.5, "t": 1.0}),
+        "History.future_of": Door(wind.future_of, {"s": 0.5}),
         "History.laplace": Door(wind.laplace, {"s": 0.5}),
         "History.laplace_magnitude": Door(wind.laplace_magnitude, {"s": 0.5}),
         "History.probe_times": Door(wind.probe_times, {"between": 4}),
