@@ -1,6 +1,7 @@
 """Limits in two planes: the verdict in each plane, closed forms, and convex programs."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -212,6 +213,24 @@ def test_a_cluster_in_a_turning_wind_is_counted_from_inside():
     found = tv.plane_limit(PLANT, wind, three, dead_band=0.5)
     assert found.deflection >= float(three.gauge(complex(found.in_plane, found.across)))
     assert "polygon inside" in found.notes[-1]
+
+
+@pytest.mark.parametrize(("azimuth", "solved"), [(0.5, True), (1.0, False)])
+def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved_and_what_is_left_is_told(
+    azimuth, solved
+):
+    """In a part of the cells two corners share the deflection, which the dual leaves open."""
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    profile = tv.read_soundings(Path(__file__).parents[1] / "soundings" / "wyoming.txt")[0]
+    wind = profile.to_winds(tv.load_schedule("configuration-i"), azimuth=azimuth)
+    engines = [tv.ClusterEngine(at=1.0, state="centred")]
+    engines += [tv.ClusterEngine(at=at) for at in (1.0j, -1.0, -1.0j)]
+    best = tv.plane_optimum(plant, wind, tv.Cluster(engines))
+    assert best.certificate.gap < 5e-3
+    assert (best.status == "ok") is solved
+    found = tv.plane_limit(plant, wind, tv.Cluster(engines), dead_band=0.0)
+    assert found.limit == pytest.approx(best.limit, rel=1e-12)
+    assert any("the minimum is not solved" in note for note in found.notes) is not solved
 
 
 def test_a_batch_is_what_each_is_alone():

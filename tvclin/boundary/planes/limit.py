@@ -236,13 +236,19 @@ def needed(pair: Pair, stop: Stop, bands: Sequence[float], literal: bool) -> lis
             " when the wind is over; take dead_band=0, or what each plane requires by itself"
         )
     least = float(stop.inside.gauge(pair.demanded(np.asarray([float(pair.wind.onset)])))[0])
+    doubt = ""
     if max(one.size for one in pair.poles) > 1:
-        least = least_in_planes(pair, stop.inside).peak
+        best = least_in_planes(pair, stop.inside)
+        least = best.peak
+        if best.status != OK:
+            doubt = f"the minimum is not solved: at most {100.0 * best.certificate.gap:.2g}% less"
     bound = unforeseen(pair, stop.inside)
-    return [_turning(pair, stop, K, literal, least, bound) for K in bands]
+    return [_turning(pair, stop, K, literal, least, bound, doubt) for K in bands]
 
 
-def _turning(pair: Pair, stop: Stop, K: float, literal: bool, least: float, bound: float) -> Needed:
+def _turning(
+    pair: Pair, stop: Stop, K: float, literal: bool, least: float, bound: float, doubt: str
+) -> Needed:
     """The boundary of the control in a wind that turns, or of planes that differ."""
     shape = stop if K == 0.0 else stop.inside
     held, time, status = _left(pair, shape, K, literal)
@@ -257,6 +263,7 @@ def _turning(pair: Pair, stop: Stop, K: float, literal: bool, least: float, boun
         NO_FORECAST: bound if K == 1.0 else 0.0,
     }
     limit, more = _largest(needs)
+    notes += [doubt] if doubt and limit == needs[MINIMUM] else []
     return Needed(limit, held, time, bound, least, (*notes, *more))
 
 

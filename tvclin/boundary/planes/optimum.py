@@ -37,6 +37,8 @@ _STEPS = 400
 _CELLS_GAP, _WIDEST_GAP = 1e-5, 1e-3
 """What cells leave of a gap, and the widest that is called solved."""
 _FEW_CORNERS = 32
+_BESIDE = np.array([-0.1, -0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03, 0.1])
+"""Angles [rad] from the direction of a cell at which corners are looked for that share it."""
 _EVERY = 16
 """Cells between instants from which on slow modes may be served alone."""
 OK = "ok"
@@ -211,9 +213,14 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     size = float(np.abs(moments.demands).max())
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
     if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
-        return _mended(moments, onset, *_by_corners(cells, d, stop), size)
-    best, deflections = _by_dual(cells, d, stop)
-    whole = _mended(moments, onset, best, deflections, size)
+        return _mended(moments, onset, *_by_corners(cells, d, stop.corners), size)
+    dual, deflections = _by_dual(cells, d, stop)
+    whole = _mended(moments, onset, dual, deflections, size)
+    if isinstance(stop, PolygonStop) and whole[2].gap >= _WIDEST_GAP:
+        # where a cell belongs to two corners the dual does not say how much of each
+        near = stop.farthest((dual @ cells)[:, np.newaxis] * np.exp(1j * _BESIDE))
+        _, shared = _by_corners(cells, d, near)
+        whole = _mended(moments, onset, dual, shared, size)
     fast = np.concatenate([poles == poles.max() for poles in moments.pair.poles])
     if whole[2].gap < _CELLS_GAP or np.all(fast):
         return whole
@@ -271,27 +278,28 @@ def _by_dual(cells: Vectors, d: FloatArray, stop: Stop) -> tuple[FloatArray, Vec
     return best, float(stop.support(summed).sum()) * stop.farthest(summed)
 
 
-def _by_corners(cells: Vectors, d: FloatArray, stop: PolygonStop) -> tuple[FloatArray, Vectors]:
-    """The multipliers and the deflections of the linear program for a stop of few corners.
+def _by_corners(cells: Vectors, d: FloatArray, corners: Vectors) -> tuple[FloatArray, Vectors]:
+    """The multipliers and the deflections of the linear program for corners, of all or each cell.
 
     In each cell the deflection is a sum of corners with weights w >= 0, sum w <= L.
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
     from scipy.sparse import coo_array, eye_array, hstack, kron
 
-    count, corners = cells.shape[1], stop.corners
+    count, each = cells.shape[1], corners.shape[-1]
     moments = np.real(np.conj(cells)[:, :, np.newaxis] * corners).reshape(d.size, -1)
-    sums = kron(eye_array(count), np.ones((1, corners.size)))
+    sums = kron(eye_array(count), np.ones((1, each)))
     shared = hstack([sums, coo_array(-np.ones((count, 1)))]).tocsr()
     found = linprog(
-        np.append(np.zeros(count * corners.size), 1.0),
+        np.append(np.zeros(count * each), 1.0),
         A_ub=shared,
         b_ub=np.zeros(count),
         A_eq=np.hstack([moments, np.zeros((d.size, 1))]),
         b_eq=d,
         method="highs",
     )
-    return found.eqlin.marginals, found.x[:-1].reshape(count, -1) @ corners
+    weights = found.x[:-1].reshape(count, each)
+    return found.eqlin.marginals, np.sum(weights * corners, axis=-1)
 
 
 def _mended(
