@@ -10,6 +10,7 @@ from tvclin.answers.study_file.parse import parse_study
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
+pytestmark = pytest.mark.usefixtures("few_durations")
 
 WIND = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
 
