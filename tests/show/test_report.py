@@ -22,7 +22,7 @@ from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.show.report import basis, flight, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
-from tvclin.show.report.page import _template
+from tvclin.show.report.page import _template, page_of
 from tvclin.vehicle.file import template
 from tvclin.winds.shaped import PULSES, SHAPES
 
@@ -780,8 +780,7 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
-    enough = tv.report_html(replace(short, limit=np.radians(0.9)))
-    found = find(replace(short, limit=np.radians(0.9)))
+    enough, found = page_of(replace(short, limit=np.radians(0.9)))
     loop = found.comparison
     assert loop is not None
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
