@@ -148,6 +148,16 @@ def test_a_batch_of_roots_is_the_loop_over_its_elements():
         np.testing.assert_array_equal(found[i, 0], polynomials.roots(batch[i, 0]))
 
 
+def test_one_polynomial_many_times_has_its_roots_each_time():
+    one = np.poly([-2.0 + 3.0j, -2.0 - 3.0j, 0.5]).real
+    many = np.tile(one, (2, 3, 1))
+    found = polynomials.roots(many)
+    np.testing.assert_array_equal(found, np.tile(polynomials.roots(one), (2, 3, 1)))
+    many[1, 2, -1] += 1.0  # and one that is another has its own
+    np.testing.assert_array_equal(polynomials.roots(many)[0, 0], found[0, 0])
+    np.testing.assert_array_equal(polynomials.roots(many)[1, 2], polynomials.roots(many[1, 2]))
+
+
 def test_scaling_a_polynomial_leaves_its_roots():
     polynomial = np.array([1.0, 0.25, -0.5, 0.01])
     np.testing.assert_allclose(

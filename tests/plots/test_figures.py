@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import cache
 
 import control
 import matplotlib as mpl
@@ -28,6 +29,18 @@ def no_figure_stays_open():
     plt.close("all")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def no_figure_is_kept(no_flights):
+    yield
+    figure.cache_clear()
+
+
+@cache
+def figure(name):
+    """Return a figure of the report that tests only look at."""
+    return FIGURES[name]()
+
+
 def numbers(text):
     """Return the headings and the rows of a CSV."""
     import csv
@@ -44,7 +57,7 @@ def all_lines(plot):
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_is_a_control_plot_of_its_numbers(name):
-    plot = FIGURES[name]()
+    plot = figure(name)
     found = plot.curves
 
     assert isinstance(plot, control.ControlPlot)
@@ -61,7 +74,7 @@ def test_every_figure_is_a_control_plot_of_its_numbers(name):
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_csv_reads_back_as_the_same_numbers(name):
-    found = curves_of(FIGURES[name]())
+    found = curves_of(figure(name))
     headings, rows = numbers(found.csv())
 
     assert len(set(headings)) == len(headings) == 1 + len(found.columns)
@@ -73,7 +86,7 @@ def test_the_csv_reads_back_as_the_same_numbers(name):
 
 @pytest.mark.parametrize("name", [name for name in FIGURES if name != "figure-1"])
 def test_every_axis_has_a_label_with_its_unit(name):
-    plot = FIGURES[name]()
+    plot = figure(name)
 
     for axes in plot.axes.flat:
         assert axes.get_xlabel().endswith("[-]")
@@ -201,7 +214,7 @@ def test_a_limit_above_trim_is_marked_and_leaves_the_attitude_alone():
 
 
 def test_divergent_curves_leave_the_frame_and_the_boundary_stays_in_it():
-    plot = plots.figure_6()
+    plot = figure("figure-6")
 
     for axes, columns in zip(plot.axes.flat, plot.curves.panels.values(), strict=True):
         low, high = axes.get_ylim()

@@ -1,5 +1,7 @@
 """Figures of the loop and the closed loop: what is marked and drawn is what the library says."""
 
+from functools import cache
+
 import control
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -70,9 +72,25 @@ EVERY = STABLE | UNSTABLE
 @pytest.fixture(autouse=True)
 def no_figure_stays_open():
     yield
-    import matplotlib.pyplot as plt
-
     plt.close("all")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_figure_is_kept():
+    yield
+    chart.cache_clear()
+
+
+@cache
+def chart(name, make):
+    """Return a figure that tests only look at: the one it opens, and it changes no settings."""
+    plt.close("all")
+    before = dict(mpl.rcParams)
+    plot = CHARTS[name](*make())
+    assert dict(mpl.rcParams) == before
+    assert plt.get_fignums() == [plot.figure.number]
+    plt.close(plot.figure)
+    return plot
 
 
 def cases(table):
@@ -99,14 +117,9 @@ def heading(plot):
 @pytest.mark.parametrize("name", CHARTS)
 @pytest.mark.parametrize("make", [course, drifting, integrating, weak])
 def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name, make):
-    import matplotlib.pyplot as plt
+    _, plant = make()
+    plot = chart(name, make)
 
-    before = dict(mpl.rcParams)
-    autopilot, plant = make()
-    plot = CHARTS[name](autopilot, plant)
-
-    assert dict(mpl.rcParams) == before
-    assert len(plt.get_fignums()) == 1
     assert isinstance(plot, control.ControlPlot)
     assert plots.curves_of(plot).name == name
     first = plots.curves_of(plot).csv().splitlines()[0]
@@ -138,7 +151,7 @@ def every_number_can_be_read(plot):
 def test_nichols_marks_the_margins_and_is_the_exact_frequency_response(make):
     autopilot, plant = make()
     m = autopilot.margins(plant)
-    plot = plots.nichols_chart(autopilot, plant)
+    plot = chart("nichols", make)
     curve = plot.lines[0, 0][0]
     phase, size = curve.get_data()
     omega = plot.curves.abscissa
@@ -167,7 +180,7 @@ def test_nichols_marks_the_margins_and_is_the_exact_frequency_response(make):
 
 @pytest.mark.parametrize("make", [course, drifting, weak])
 def test_an_unstable_plant_is_drawn_near_180_degrees(make):
-    plot = plots.nichols_chart(*make())
+    plot = chart("nichols", make)
     phase, size = plot.lines[0, 0][0].get_data()
 
     low, high = plot.axes[0, 0].get_xlim()
@@ -179,7 +192,7 @@ def test_an_unstable_plant_is_drawn_near_180_degrees(make):
 
 
 def test_the_lines_of_equal_closed_loop_size_are_those_of_python_control():
-    axes = plots.nichols_chart(*course(**LAG)).axes[0, 0]
+    axes = chart("nichols", STABLE["course with lags"]).axes[0, 0]
     drawn = [line for line in axes.get_lines() if line.get_zorder() == 0.0]
     sizes = np.array([-12.0, -6.0, -3.0, 0.0, 3.0, 6.0, 12.0])
     _, grid = plt.subplots()
@@ -220,7 +233,7 @@ def test_the_box_of_own_criteria_may_be_lopsided_and_may_be_missing():
 def test_bode_marks_the_margins_at_their_frequencies(make):
     autopilot, plant = make()
     m = autopilot.margins(plant)
-    plot = plots.bode_chart(autopilot, plant)
+    plot = chart("bode", make)
     left = plot.axes[0, 0].get_xlim()[0]
 
     omega, size = plot.lines[0, 0][0].get_data()
@@ -243,7 +256,7 @@ def test_bode_marks_the_margins_at_their_frequencies(make):
 def test_nyquist_counts_what_python_control_counts(make):
     autopilot, plant = make()
     m = autopilot.margins(plant)
-    plot = plots.nyquist_chart(autopilot, plant)
+    plot = chart("nyquist", make)
     loop = autopilot.loop(plant)
     count = control.nyquist_response(loop, warn_encirclements=False, warn_nyquist=False).count
 
@@ -258,7 +271,7 @@ def test_nyquist_counts_what_python_control_counts(make):
 def test_nyquist_is_the_frequency_response_with_its_margins_and_touches_the_disk(make):
     autopilot, plant = make()
     m = autopilot.margins(plant)
-    plot = plots.nyquist_chart(autopilot, plant)
+    plot = chart("nyquist", make)
     omega = plot.curves.abscissa
     values = plot.curves.column("real part") + 1j * plot.curves.column("imaginary part")
 
@@ -290,7 +303,7 @@ def test_no_pole_on_the_axis_is_counted_by_the_rounding_of_its_real_part():
 def test_root_locus_marks_the_closed_loop_poles_and_where_it_crosses_the_axis(make):
     autopilot, plant = make()
     m = autopilot.margins(plant)
-    plot = plots.root_locus_chart(autopilot, plant)
+    plot = chart("root-locus", make)
     closed = autopilot.close(plant).poles()
     factors, curves = plot.curves.abscissa, plot.curves
     locus = np.stack(
@@ -322,7 +335,7 @@ def test_root_locus_marks_the_closed_loop_poles_and_where_it_crosses_the_axis(ma
 def test_the_frame_of_the_root_locus_contains_all_poles_but_those_of_the_delay():
     for make in (course, drifting):
         autopilot, plant = make()
-        plot = plots.root_locus_chart(autopilot, plant)
+        plot = chart("root-locus", make)
         axes = plot.axes[0, 0]
         (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
         marks = [line for line in plot.lines[0, 0] if line.get_marker() in {"D", "s", "^"}]
@@ -348,7 +361,7 @@ def test_root_locus_takes_factors_of_ones_own_and_refuses_what_is_none():
 @pytest.mark.parametrize("make", cases(STABLE))
 def test_the_step_is_that_of_the_closed_loop(make):
     autopilot, plant = make()
-    plot = plots.step_chart(autopilot, plant)
+    plot = chart("step", make)
     times = plot.curves.abscissa
     closed = autopilot.close(plant)
 
@@ -366,7 +379,7 @@ def test_the_step_is_that_of_the_closed_loop(make):
 @pytest.mark.parametrize("make", cases(STABLE))
 def test_the_wind_chart_is_the_exact_answer_beside_trim(make):
     autopilot, plant = make()
-    plot = plots.wind_chart(autopilot, plant, WIND)
+    plot = chart("autopilot-in-wind", make)
     answer, curves = autopilot.answer(plant, WIND), plot.curves
     expected = dict(zip(answer.labels, np.degrees(answer(curves.abscissa)), strict=True))
 
@@ -414,7 +427,7 @@ def test_a_wind_that_never_ends_is_drawn():
 @pytest.mark.parametrize("name", LOOPS)
 @pytest.mark.parametrize("make", [wild])
 def test_an_unstable_loop_is_drawn_without_margins(name, make):
-    plot = LOOPS[name](*make())
+    plot = chart(name, make)
     assert all(marked(plot, one, k) is None for one in (AERO, GAIN, PHASE) for k in (0, -1))
     assert not any(text.endswith((" dB", " deg")) for text in texts(plot))
 
@@ -423,7 +436,7 @@ def test_an_unstable_loop_is_drawn_without_margins(name, make):
 def test_an_unstable_loop_is_followed_until_it_shows(make):
     autopilot, plant = make()
     fastest = autopilot.close(plant).poles().real.max()
-    for plot in (plots.step_chart(autopilot, plant), plots.wind_chart(autopilot, plant, WIND)):
+    for plot in (chart("step", make), chart("autopilot-in-wind", make)):
         assert fastest * plot.curves.abscissa[-1] == pytest.approx(3.0, rel=0.15)
         assert not any(text.startswith("in the end") for text in texts(plot))
 
@@ -478,7 +491,7 @@ def test_the_pade_loop_of_the_locus_is_that_of_the_autopilot():
 
 @pytest.mark.parametrize("make", [drifting, integrating])
 def test_the_root_locus_turns_only_where_poles_meet_on_the_axis_and_there_by_a_right_angle(make):
-    columns = iter(plots.root_locus_chart(*make()).curves.columns)
+    columns = iter(chart("root-locus", make).curves.columns)
     corners = []
     for real, imaginary in zip(columns, columns, strict=True):
         place = real.values + 1j * imaginary.values
@@ -494,7 +507,7 @@ def test_the_root_locus_turns_only_where_poles_meet_on_the_axis_and_there_by_a_r
 
 
 def test_the_root_locus_marks_where_it_ends_and_at_which_factor():
-    plot = plots.root_locus_chart(*drifting())
+    plot = chart("root-locus", drifting)
     ends = [line for line in plot.lines[0, 0] if line.get_marker() == "|"]
     last = [c.values[-1] for c in plot.curves.columns]
     places = [complex(*pair) for pair in zip(last[::2], last[1::2], strict=True)]
@@ -507,11 +520,11 @@ def test_the_root_locus_marks_where_it_ends_and_at_which_factor():
 
 @pytest.mark.parametrize("name", CHARTS)
 def test_a_loop_is_drawn_with_the_name_of_its_vehicle(name):
-    assert "Configuration I" in heading(CHARTS[name](*drifting())).replace("\u00a0", " ")
+    assert "Configuration I" in heading(chart(name, drifting)).replace("\u00a0", " ")
 
 
 def test_legends_are_in_words():
-    plot = CHARTS["autopilot-in-wind"](*drifting())
+    plot = chart("autopilot-in-wind", drifting)
     labels = [text.get_text() for text in plot.figure.legends[0].get_texts()]
 
     assert {"angle of attack", "flight path angle"} <= set(labels)

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
-from tvclin.answers.findings import find
+from tvclin.answers.findings import Findings, find
 from tvclin.answers.questions import all_yes, questions, sufficient
 from tvclin.cli.app import app
 from tvclin.show.report import verdict
@@ -18,41 +18,43 @@ LOOSE = tv.Criteria.own("loose", aero_margin_dB=3.0)
 GAINS = tv.GainsAsked(design="poles", natural_frequency=2.0, damping=0.8)
 
 
-def plan_of(limit_deg: float | None, **changes: object) -> tv.StudyPlan:
+def found_for(limit_deg: float | None, **changes: object) -> Findings:
     limit = None if limit_deg is None else float(np.radians(limit_deg))
     plan = tv.StudyPlan(vehicle=tv.load_vehicle("configuration-i"), limit=limit, cases=400)
-    return replace(plan, **changes)
+    return find(replace(plan, **changes))
 
 
-def headline(plan: tv.StudyPlan) -> str:
-    line = verdict.sentence(find(plan))
+def headline(found: Findings) -> str:
+    line = verdict.sentence(found)
     return "".join(one if isinstance(one, str) else one.text for one in line)
 
 
-def answers(plan: tv.StudyPlan) -> dict[str, bool | None]:
-    return {one.name: one.yes for one in questions(find(plan))}
+def answers(found: Findings) -> dict[str, bool | None]:
+    return {one.name: one.yes for one in questions(found)}
 
 
 def test_a_limit_that_covers_the_wind_alone_is_not_enough_for_a_probability() -> None:
-    plan = plan_of(0.4, dispersions=SPREAD, probability=0.99)
-    assert answers(plan) == {"wind": True, "probability": False}
-    assert headline(plan).endswith(" deg that 99 % of flights need.")
-    wide = plan_of(0.6, dispersions=SPREAD, probability=0.99)
+    found = found_for(0.4, dispersions=SPREAD, probability=0.99, model="fixed-path")
+    assert answers(found) == {"wind": True, "probability": False}
+    assert headline(found).endswith(" deg that 99 % of flights need.")
+    wide = found_for(0.6, dispersions=SPREAD, probability=0.99, model="fixed-path")
     assert answers(wide) == {"wind": True, "probability": True}
     assert headline(wide).startswith("Enough")
 
 
 def test_too_few_cases_are_no_yes() -> None:
-    plan = plan_of(3.0, dispersions=SPREAD)  # 400 cases cannot speak of 99.865 percent
-    assert answers(plan) == {"wind": True, "probability": None}
-    assert sufficient(find(plan)) is None
-    assert not all_yes(find(plan))
-    assert headline(plan).startswith("Not shown to be enough: too few cases")
+    found = found_for(
+        3.0, dispersions=SPREAD, model="fixed-path"
+    )  # 400 cases cannot speak of 99.865 percent
+    assert answers(found) == {"wind": True, "probability": None}
+    assert sufficient(found) is None
+    assert not all_yes(found)
+    assert headline(found).startswith("Not shown to be enough: too few cases")
 
 
 def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> None:
     """A linear peak above the limit is no loss where the flight survives, and is told."""
-    found = find(plan_of(0.5, gains=GAINS, criteria=LOOSE))
+    found = found_for(0.5, gains=GAINS, criteria=LOOSE)
     loop, wind = found.comparison, found.study.wind
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
     nozzle = {"actuator": loop.autopilot.actuator, "sample_rate": 100.0}
@@ -63,12 +65,12 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
         limit = float(np.radians(part * needs))
         flown = tv.fly_many(loop.plant, law, wind, deflection_limit=limit, **nozzle)
         assert (str(flown.status) == "survived") is survives
-        plan = plan_of(part * needs, gains=GAINS, criteria=LOOSE)
-        assert answers(plan)["autopilot"] is survives
-    basis = "".join(str(getattr(one, "text", one)) for one in verdict.basis(find(plan)))
+        found = found_for(part * needs, gains=GAINS, criteria=LOOSE)
+        assert answers(found)["autopilot"] is survives
+    basis = "".join(str(getattr(one, "text", one)) for one in verdict.basis(found))
     assert f"would turn the nozzle by {asks:.3f} deg, more than the limit" in basis
-    assert f"more than the {needs:.3f} deg that this autopilot needs" in headline(plan)
-    wide = find(plan_of(1.01 * asks, gains=GAINS, criteria=LOOSE))
+    assert f"more than the {needs:.3f} deg that this autopilot needs" in headline(found)
+    wide = found_for(1.01 * asks, gains=GAINS, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
     (said,) = (one.text for one in questions(wide) if one.name == "autopilot")
     assert f"needs {needs:.3f} deg as a stop, flown" in said
@@ -78,25 +80,27 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
 def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
     strict = tv.Criteria.own("strict", aero_margin_dB=60.0)
     for limit in (3.0, None):
-        plan = plan_of(limit, gains=GAINS, criteria=strict)
-        assert answers(plan)["margins"] is False
-        assert sufficient(find(plan)) is False
-        assert "does not meet the criteria strict" in headline(plan)
-    assert sufficient(find(plan_of(None, gains=GAINS, criteria=LOOSE))) is None
+        found = found_for(limit, gains=GAINS, criteria=strict)
+        assert answers(found)["margins"] is False
+        assert sufficient(found) is False
+        assert "does not meet the criteria strict" in headline(found)
+    assert sufficient(found_for(None, gains=GAINS, criteria=LOOSE)) is None
 
 
 def test_what_has_no_answer_is_no_yes() -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=-2.0)
-    plan = plan_of(0.4, vehicle=stable, gains=tv.GainsAsked(), criteria=LOOSE)
-    assert answers(plan) == {"wind": True, "autopilot": None, "margins": None}
-    assert headline(plan).startswith("Not shown to be enough: ")
+    found = found_for(0.4, vehicle=stable, gains=tv.GainsAsked(), criteria=LOOSE)
+    assert answers(found) == {"wind": True, "autopilot": None, "margins": None}
+    assert headline(found).startswith("Not shown to be enough: ")
 
 
+@pytest.mark.usefixtures("few_durations")
 @pytest.mark.parametrize(("limit", "code"), [(0.3, 1), (0.4, 1), (0.6, 0)])
 def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
     file = tmp_path / "s.toml"
     file.write_text(
-        "[study]\nvehicle = 'configuration-i'\n[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+        "[study]\nvehicle = 'configuration-i'\nmodel = 'fixed-path'\n"
+        "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
         f"[question]\nlimit_deg = {limit}\n"
         "probability = 0.99\n[campaign]\ncases = 400\n[[dispersion]]\n"
         "parameter = 'normal_force_slope'\nshape = 'truncated'\npercent = 10\n"

@@ -22,7 +22,7 @@ from tvclin.base.lines import Number
 from tvclin.cli.app import app
 from tvclin.show.report import basis, flight, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
-from tvclin.show.report.page import _template
+from tvclin.show.report.page import _template, page_of
 from tvclin.vehicle.file import template
 from tvclin.winds.shaped import PULSES, SHAPES
 
@@ -378,6 +378,7 @@ def test_every_text_is_its_number_rounded(page: Page) -> None:
         assert abs(float(text) - value) <= 0.5 * step * (1 + 1e-9), (name, value, text)
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_the_head_of_the_page_is_that_of_the_study_file(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
     given = 'project = "A & B"\ndate = 2026-01-31\nrevision = "C"\n'
@@ -472,6 +473,7 @@ def test_a_pulse_without_a_closed_form_is_named_no_equation(
     assert not {"(7)", "(12)", "(16)", "(18)"} & told
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_names_are_escaped() -> None:
     name = '<script>alert("1")</script> & \'--><b>'
     vehicle = tv.load_vehicle("configuration-i").replace(name=name)
@@ -527,6 +529,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     assert turned.seal == again.seal != found.seal
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> None:
     """The wind is known to 12 km, and the limit is enough up to there."""
     (tmp_path / "w.csv").write_text("height_m,east_m_per_s,north_m_per_s\n0,0,0\n12000,20,0\n")
@@ -594,6 +597,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     assert any("it leaves beside the reserve" in one for one in words(flight.over_flight(enough)))
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "my.toml"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
     text += "[question]\nlimit_deg = 0.4\n[size]\nstart_s = 60\nstop_s = 60\n"
@@ -619,6 +623,7 @@ def test_a_flight_without_an_answer_says_why(plan: tv.StudyPlan) -> None:
     assert said.startswith("There is no answer: time must be between 41 and 116 s")
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_what_no_page_can_hold_is_replaced() -> None:
     vehicle = tv.load_vehicle("configuration-i")
     object.__setattr__(vehicle, "name", "a\0b\x1b[31m\u202ec")
@@ -722,6 +727,7 @@ def test_a_notebook_shows_a_short_table() -> None:
     assert {f"{np.degrees(study.required_deflection):.6g}", "NOT sufficient"} <= set(page.texts)
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
     html = tv.report_html(replace(plan, vehicle=stable))
@@ -733,6 +739,7 @@ def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
     )
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_the_command_writes_the_page_and_exits_by_the_verdict(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
     study, output = tmp_path / "study.toml", tmp_path / "report.html"
@@ -770,10 +777,10 @@ def test_a_folder_that_is_not_there_is_told() -> None:
     assert "/nowhere/at/all/x.html cannot be written" in result.stderr
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
-    enough = tv.report_html(replace(short, limit=np.radians(0.9)))
-    found = find(replace(short, limit=np.radians(0.9)))
+    enough, found = page_of(replace(short, limit=np.radians(0.9)))
     loop = found.comparison
     assert loop is not None
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))

@@ -55,6 +55,7 @@ def values(html: str) -> dict[str, float]:
     return {name: float(value) for name, value in found}
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     pytest.importorskip("jinja2")
     pytest.importorskip("latex2mathml")
@@ -140,6 +141,7 @@ archive = ["s-data.txt"]\nazimuth_deg = 90\nplane = "pitch"\npersistence_deg = 0
     return str(file)
 
 
+@pytest.mark.usefixtures("few_durations")
 def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     few, many = (written(folder, f"{x}.toml", f"least_part = {x}") for x in (0.3, 0.99))
     yes, no = run("study", few), run("study", many, "--json")

@@ -61,8 +61,18 @@ def plan(folder: Path) -> tv.StudyPlan:
 
 
 @pytest.fixture(scope="module")
-def found(plan: tv.StudyPlan) -> Findings:
-    return find(plan)
+def page(plan: tv.StudyPlan) -> tuple[str, Findings]:
+    return page_of(plan)
+
+
+@pytest.fixture(scope="module")
+def found(page: tuple[str, Findings]) -> Findings:
+    return page[1]
+
+
+@pytest.fixture(scope="module")
+def shown(found: Findings) -> dict[str, float]:
+    return numbers(flexible.flexible(found))
 
 
 def numbers(section) -> dict[str, float]:
@@ -84,8 +94,7 @@ def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
     assert [one.margin for one in plan.criteria.requirements][-1] == "mode_gain_margin_dB"
 
 
-def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, plan):
-    shown = numbers(flexible.flexible(found))
+def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.structure, "drift-exact")
     autopilot = plan.gains.autopilot(plant.rigid)
     bands = autopilot.band_margins(plant)
@@ -105,8 +114,7 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, pla
     assert margin["margin.gain_increase_dB"] == pytest.approx(bands.whole.gain_increase_dB)
 
 
-def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, plan):
-    shown = numbers(flexible.flexible(found))
+def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.structure, "drift-exact")
     gains = replace(plan.gains.autopilot(plant.rigid), actuator=None, delay=0.0)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
@@ -125,10 +133,10 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found
     assert "flexible vehicle meets the criteria classic as changed" in answers["margins"].text
 
 
-def test_the_whole_page_holds_the_section_and_what_went_in(plan):
-    page, found = page_of(plan)
-    assert 'id="flexible"' in page
-    assert page.count("<svg") == 5
+def test_the_whole_page_holds_the_section_and_what_went_in(page):
+    html, found = page
+    assert 'id="flexible"' in html
+    assert html.count("<svg") == 5
     inputs = numbers(sections.inputs(found))
     assert inputs["structure.bending.0.modal_mass"] == 5e4
     assert inputs["structure.slosh.0.station"] == 12.0

@@ -7,9 +7,11 @@ import pytest
 
 import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
+from tvclin.show.report.page import page_of
 
 pytest.importorskip("jinja2")
 pytest.importorskip("latex2mathml")
+pytestmark = pytest.mark.usefixtures("few_durations")
 
 WIND = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
 
@@ -24,7 +26,8 @@ def values(html: str) -> dict[str, float]:
 def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None:
     head = {"vehicle": "configuration-i"} | ({} if stop is None else {"nozzle_stop": stop})
     plan = parse_study({"study": head, "wind": WIND})
-    html, study = tv.report_html(plan), plan.study()
+    html, found = page_of(plan)
+    study = found.study
     assert study.planes is not None
     numbers = values(html)
     assert numbers["planes.required_deg"] == np.degrees(study.planes.deflection)
@@ -38,5 +41,6 @@ def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None
 
 def test_a_wind_without_a_direction_has_no_such_section() -> None:
     plain = {key: value for key, value in WIND.items() if key in ("peak_deg", "duration_s")}
-    html = tv.report_html(parse_study({"study": {"vehicle": "configuration-i"}, "wind": plain}))
+    head = {"vehicle": "configuration-i", "model": "fixed-path"}
+    html = tv.report_html(parse_study({"study": head, "wind": plain}))
     assert 'id="planes"' not in html

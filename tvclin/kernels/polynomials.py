@@ -139,10 +139,12 @@ def _eigenvalues(monic: NDArray[np.float64]) -> NDArray[Any]:
 def _of_low_degree(monic: NDArray[np.float64]) -> NDArray[Any]:
     rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
     rows = rows.reshape(-1, rows.shape[-1])
+    if np.all(rows == rows[:1]):  # one vehicle in many winds
+        rows = rows[:1]
     found = np.empty((len(rows), rows.shape[-1] - 1), dtype=complex)
     count = len(rows)
     run(small_roots, (rows, found), count, _SECONDS * count, _COMPILED_SECONDS * count)
-    together = found.reshape(monic.shape)
+    together = np.resize(found, monic.shape)
     return together if np.any(np.imag(together)) else np.real(together)
 
 

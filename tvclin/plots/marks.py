@@ -87,13 +87,21 @@ def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
     """
     seen = [(axes, [mark for mark in marks if mark.inside(axes)]) for axes, marks in panels]
     notes = [[_write(axes, mark) if mark.text else None for mark in marks] for axes, marks in seen]
-    panels[0][0].figure.draw_without_rendering()  # type: ignore[union-attr]
+    _lay_out([axes for axes, _ in panels])
     for (axes, marks), written in zip(seen, notes, strict=True):
         points = axes.transData.transform([(m.x, m.y) for m in marks] or np.zeros((0, 2)))
         around = _Around(axes.get_window_extent(), list(_outlines(axes)), points, [])
         for point, note in zip(points, written, strict=True):
             if note is not None:
                 around.taken.append(_put(note, point, around))
+
+
+def _lay_out(panels: "Sequence[Axes]") -> None:
+    """Put the panels of a figure where they will be drawn, without drawing them."""
+    figure: Any = panels[0].figure
+    figure.get_layout_engine().execute(figure)
+    for axes in panels:
+        axes.apply_aspect()
 
 
 @dataclass(frozen=True, eq=False)
