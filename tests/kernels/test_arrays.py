@@ -8,9 +8,9 @@ import pytest
 
 import tvclin as tv
 from tvclin.kernels import polynomials
-from tvclin.kernels.crossings import first_crossing
 from tvclin.kernels.moments import moments
 from tvclin.kernels.pieces import Pieces
+from tvclin.kernels.searches import first_crossing
 from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps

@@ -22,7 +22,7 @@ from tvclin.boundary.stops import (
     along,
     vectors,
 )
-from tvclin.kernels.lowest import lowest
+from tvclin.kernels.searches import lowest
 
 STATES = ("moving", "centred", "stuck", "out")
 _LOOKED_AT = 720

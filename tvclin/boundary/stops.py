@@ -26,7 +26,7 @@ from tvclin.base.errors import (
     whole_number,
     within,
 )
-from tvclin.kernels.lowest import lowest
+from tvclin.kernels.searches import lowest
 from tvclin.winds.plane_wind import unit
 
 FloatArray = NDArray[np.float64]

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.kernels.any_loop import AnyLoop
-from tvclin.kernels.crossings import roots_between
 from tvclin.kernels.loop_grid import frequencies
-from tvclin.kernels.lowest import lowest
 from tvclin.kernels.rational import inverse, product
+from tvclin.kernels.searches import lowest, roots_between
 from tvclin.kernels.stability import stability
 
 FloatArray = NDArray[np.float64]

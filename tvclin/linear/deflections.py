@@ -24,8 +24,8 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.kernels import pieces as kernel
-from tvclin.kernels.crossings import first_crossing
 from tvclin.kernels.pieces import Pieces
+from tvclin.kernels.searches import first_crossing
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History, Piecewise, linear_pieces
 

@@ -27,8 +27,8 @@ from tvclin.base.errors import (
 )
 from tvclin.kernels import integrals, lags, polynomials
 from tvclin.kernels import pieces as kernel
-from tvclin.kernels.lowest import lowest
 from tvclin.kernels.pieces import Pieces
+from tvclin.kernels.searches import lowest
 
 FloatArray = NDArray[np.float64]
 

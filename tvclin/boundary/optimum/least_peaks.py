@@ -17,8 +17,8 @@ from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import from_onset
-from tvclin.kernels.lowest import lowest
 from tvclin.kernels.pieces import rows
+from tvclin.kernels.searches import lowest
 from tvclin.linear.modes import parted, unstable_poles, wind_strength
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History

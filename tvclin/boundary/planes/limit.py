@@ -140,7 +140,8 @@ def plane_limit(
     -------
     PlaneLimit
         The largest of the boundary of the control, the minimum over all unstable poles, and for
-        K = 1 the bound without a forecast; the notes say where it is not the first.
+        K = 1 the bound without a forecast; the notes say where it is not the first, and how far
+        off a minimum may be that is not solved.
 
     Raises
     ------

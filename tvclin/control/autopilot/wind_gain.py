@@ -12,7 +12,7 @@ from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
 from tvclin.kernels import polynomials
 from tvclin.kernels.loop_grid import AROUND, BELOW, BEYOND
-from tvclin.kernels.lowest import lowest
+from tvclin.kernels.searches import lowest
 from tvclin.linear.plant import Plant
 
 if TYPE_CHECKING:

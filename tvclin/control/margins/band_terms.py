@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels.lowest import lowest
+from tvclin.kernels.searches import lowest
 from tvclin.kernels.state_loop import StateLoop
 
 FloatArray = NDArray[np.float64]
