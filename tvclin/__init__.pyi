@@ -4,9 +4,9 @@ from . import boundary as boundary
 from . import plots as plots
 from .answers.availability.asked import AvailabilityAsked as AvailabilityAsked
 from .answers.availability.availability import availability as availability
+from .answers.availability.confidence import Part as Part
 from .answers.availability.growth import PairGrowth as PairGrowth
 from .answers.availability.growth import WindGrowth as WindGrowth
-from .answers.availability.parts import Part as Part
 from .answers.availability.record import Availability as Availability
 from .answers.availability.record import Today as Today
 from .answers.campaign.dispersions import Dispersion as Dispersion

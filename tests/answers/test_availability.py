@@ -8,8 +8,8 @@ import pytest
 
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
+from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.answers.availability.needs import needs_of_winds
-from tvclin.answers.availability.parts import effective_number, part_of
 from tvclin.answers.availability.tables import flight_tables
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.varying import varying_need

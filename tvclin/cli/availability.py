@@ -10,7 +10,7 @@ from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
-    from tvclin.answers.availability.parts import Part
+    from tvclin.answers.availability.confidence import Part
     from tvclin.answers.availability.record import Availability, Today
 
 _MONTHS = "January February March April May June July August September October November December"

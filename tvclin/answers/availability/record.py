@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.answers.availability.confidence import part_of
 from tvclin.answers.availability.judge import Judge
-from tvclin.answers.availability.parts import part_of
 from tvclin.answers.requirement import covers
 from tvclin.base.cards import card, shows
 from tvclin.base.documents import keyed, picked

@@ -1,4 +1,4 @@
-"""One door to all rules for gains: a rule by its name, or gains of one's own."""
+"""Gains by the name of a rule, or gains of one's own."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 
-from tvclin.answers.availability.parts import Part
+from tvclin.answers.availability.confidence import Part
 from tvclin.answers.availability.record import Availability
 from tvclin.answers.findings import Findings
 from tvclin.base.lines import Line, degrees, number
