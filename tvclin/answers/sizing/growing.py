@@ -74,26 +74,17 @@ class GrowingMode:
         That is the integral from t on of m(r)/m(t) l(r).b(r) dr.
         """
         found = self._solution(np.clip(t, *self.span))
-        return found[:-2], found[-2]
-
-    def grown(self, t: Any) -> FloatArray:
-        """Return log(m(end)/m(t)) at times [s]: the growing part grows by e to its differences."""
-        return np.asarray(self._solution(np.clip(t, *self.span))[-1])
-
-    @cached_property
-    def rows(self) -> FloatArray:
-        """The times [s] between which coefficients are smooth."""
-        rows = self.schedule.times
-        between = [
-            np.linspace(a, b, math.ceil((b - a) / _STEP), endpoint=False) for a, b in pairwise(rows)
-        ]
-        return np.concatenate([*between, rows[-1:]])
+        return found[:-1], found[-1]
 
     @cached_property
     def _table(self) -> Any:
         from scipy.interpolate import PchipInterpolator
 
-        times = self.rows
+        rows = self.schedule.times
+        between = [
+            np.linspace(a, b, math.ceil((b - a) / _STEP), endpoint=False) for a, b in pairwise(rows)
+        ]
+        times = np.concatenate([*between, rows[-1:]])
         plant = Plant.from_vehicle(self.schedule.held(times), self.model, self.plane)
         A, inputs, _, _ = plant.matrices()
         both = np.concatenate([A, inputs], axis=-1)
@@ -103,7 +94,7 @@ class GrowingMode:
 
     @cached_property
     def _solution(self) -> Any:
-        """(l, reach, grown) over the span, integrated backwards from a constant end."""
+        """(l, reach) over the span, integrated backwards from a constant end."""
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
@@ -127,13 +118,13 @@ class GrowingMode:
             )
         row = left_vector(A, fastest)
         row = row / row[1] * (fastest / (fastest + damping))  # its first part is the pole
-        end = np.concatenate([row, [row @ inputs[:, 0] / row[0], 0.0]])
+        end = np.append(row, row @ inputs[:, 0] / row[0])
 
         def rates(t: float, y: FloatArray) -> FloatArray:
             A, inputs = self.matrices(t)
-            row, reach = y[:-2], y[-2]
+            row, reach = y[:-1], y[-1]
             turned = row[0] * row - row @ A
-            return np.concatenate([turned, [row[0] * reach - row @ inputs[:, 0], row[0]]])
+            return np.append(turned, row[0] * reach - row @ inputs[:, 0])
 
         return solve_ivp(
             rates,

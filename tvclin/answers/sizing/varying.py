@@ -22,7 +22,6 @@ path is quick, is flown (`flown`).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -46,9 +45,6 @@ _LOOKS = 17
 """Times of a wind at which the pace of the path is looked at."""
 _SLACK = 1e-9
 _EDGE = 1e-12
-_NODES, _AHEAD = 8, 0.5
-"""Nodes of a quadrature, and how far the fastest mode grows at most from one to the next: what is
-left is below 1e-14 of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,14 +198,23 @@ class _Course:
             A, inputs = mode.matrices(t)
             return np.asarray(A[2:, 2:] @ x + inputs[2:] @ [_trim(A, inputs, x, a := blows(t)), a])
 
-        drifted = _swept(drift, wind, list(pairwise(knots)), np.zeros(size))
-        return cls(mode, wind, drifted, _to_come(mode, wind, knots))
+        def ahead(t: float, x: FloatArray, blows: Callable[[float], float]) -> FloatArray:
+            row, _ = mode.at(t)
+            return np.asarray(row[0] * x - row @ mode.matrices(t)[1][:, 1] * blows(t))
+
+        pieces = list(pairwise(knots))
+        return cls(
+            mode,
+            wind,
+            _swept(drift, wind, pieces, np.zeros(size)),
+            _swept(ahead, wind, [(b, a) for a, b in reversed(pieces)], np.zeros(1)),
+        )
 
     def demand(self, t: ArrayLike) -> FloatArray:
         """The limit [rad], with its sign, that is enough when it is held from t on."""
         row, reach = self.mode.at(t)
         kept = np.sum(row[2:] * self.drifted(t), axis=0)
-        return np.asarray(-(kept + self.future(t)) / reach)
+        return np.asarray(-(kept + self.future(t)[0]) / reach)
 
     def trim(self, t: ArrayLike) -> FloatArray:
         """The deflection of ideal trim [rad]."""
@@ -222,49 +227,15 @@ def _trim(A: FloatArray, inputs: FloatArray, x: FloatArray, wind: Any) -> FloatA
     return np.asarray(-(kept + inputs[..., 1, 1] * wind) / inputs[..., 1, 0])
 
 
-def _to_come(
-    mode: GrowingMode, wind: History, knots: FloatArray
-) -> Callable[[ArrayLike], FloatArray]:
-    """The wind still to come: the integral from t on of m(r)/m(t) l(r).w(r) alpha_w(r) dr.
-
-    By Gauss-Legendre between times that keep wind and coefficients smooth.
-    """
-    inside = mode.rows[(mode.rows > knots[0]) & (mode.rows < knots[-1])]
-    fastest = float(np.max(mode.at(np.union1d(knots, inside))[0][0]))
-    even = math.ceil((knots[-1] - knots[0]) * fastest / _AHEAD)
-    edges = np.unique([*knots, *inside, *np.linspace(knots[0], knots[-1], even + 1)])
-    spots, parts = np.polynomial.legendre.leggauss(_NODES)
-
-    def between(begin: FloatArray, end: FloatArray) -> FloatArray:
-        half = 0.5 * (end - begin)
-        times = (begin + half)[:, np.newaxis] + half[:, np.newaxis] * spots
-        t = times.ravel()
-        driven = np.einsum("j...,...j->...", mode.at(t)[0], mode.matrices(t)[1][..., 1]) * wind(t)
-        grown = mode.grown(t).reshape(times.shape) - mode.grown(begin)[:, np.newaxis]
-        return np.asarray(half * ((np.exp(-grown) * driven.reshape(times.shape)) @ parts))
-
-    each, decay = between(edges[:-1], edges[1:]), np.exp(-np.diff(mode.grown(edges)))
-    rest = np.zeros(edges.size)
-    for k in range(edges.size - 2, -1, -1):
-        rest[k] = each[k] + decay[k] * rest[k + 1]
-
-    def at(t: ArrayLike) -> FloatArray:
-        times = np.atleast_1d(np.asarray(t, dtype=float))
-        after = np.clip(np.searchsorted(edges, times, side="right"), 1, edges.size - 1)
-        later = np.exp(mode.grown(times) - mode.grown(edges[after])) * rest[after]
-        return np.asarray((between(times, edges[after]) + later).reshape(np.shape(t)))
-
-    return at
-
-
 def _swept(
     rates: Any, wind: History, pieces: list[tuple[float, float]], state: FloatArray
 ) -> Callable[[ArrayLike], FloatArray]:
-    """The solution of a linear equation driven by a wind, piece by piece."""
+    """The solution of a linear equation driven by a wind, piece by piece, forwards or backwards."""
     from scipy.integrate import solve_ivp
 
     starts, solutions = [], []
     for begin, stop in pieces:
+        low = min(begin, stop)
         found = solve_ivp(
             rates,
             (begin, stop),
@@ -273,16 +244,17 @@ def _swept(
             rtol=RTOL,
             atol=ATOL,
             dense_output=True,
-            args=(smooth_piece(wind, begin),),
+            args=(smooth_piece(wind, low),),
         )
-        starts.append(begin)
+        starts.append(low)
         solutions.append(found.sol)
         state = found.y[:, -1]
-    edges = np.array(starts)
+    order = np.argsort(starts)
+    edges = np.array(starts)[order]
 
     def at(t: ArrayLike) -> FloatArray:
         times = np.asarray(t, dtype=float)
-        which = np.maximum(np.searchsorted(edges, times, side="right") - 1, 0)
+        which = order[np.maximum(np.searchsorted(edges, times, side="right") - 1, 0)]
         found = np.empty((state.size, *times.shape))
         for k in np.unique(which).tolist():
             found[:, which == k] = solutions[k](times[which == k])
