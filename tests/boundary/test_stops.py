@@ -216,3 +216,24 @@ def test_thrusts_that_are_not_about_the_axis_must_be_trimmed():
 def test_what_is_no_stop_is_refused_in_one_sentence(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize("apart", [1e-16, 1e-13, 1e-9])
+def test_corners_that_nearly_coincide_or_lie_on_an_edge_hide_no_other(apart: float) -> None:
+    rng, tried = np.random.default_rng(3), 0
+    for _ in range(200):
+        angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, 7))
+        corners = np.exp(1j * angles) * (1.0 + 0.5j)
+        near = corners[2] + apart * np.exp(2j * np.pi * rng.uniform())
+        more = np.insert(corners, 3, near)
+        more = np.insert(more, 1, 0.5 * (corners[0] + corners[1]))
+        try:
+            stop = tv.PolygonStop(more)
+        except tv.InputError:  # zero is outside, or the edge between them turns back
+            continue
+        tried += 1
+        d = np.exp(1j * rng.uniform(0.0, 2.0 * np.pi, 50))
+        reach = np.real(np.conj(d)[:, np.newaxis] * more).max(axis=-1)
+        assert stop.support(d) == pytest.approx(reach, rel=1e-12)
+        assert stop.gauge(stop.farthest(d)) == pytest.approx(1.0, rel=1e-9)
+    assert tried > 10

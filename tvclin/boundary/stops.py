@@ -213,7 +213,8 @@ class PolygonStop(Stop):
     Parameters
     ----------
     corners : array_like of complex
-        Its corners over the limit, pitch + 1j*yaw, in order around zero, ``(n,)``.
+        Its corners over the limit, pitch + 1j*yaw, in order around zero, ``(n,)``. Those at which
+        its edges do not turn are left out.
 
     Raises
     ------
@@ -242,7 +243,7 @@ class PolygonStop(Stop):
                 "corners must go once around a convex polygon that has zero inside; got"
                 f" {shown(self.corners)}"
             )
-        object.__setattr__(self, "corners", c)
+        object.__setattr__(self, "corners", _turned_at(c))
 
     @cached_property
     def symmetric(self) -> bool:
@@ -268,6 +269,17 @@ class PolygonStop(Stop):
         """Return the corner that is furthest along vectors."""
         d = vectors("direction", direction)
         return np.asarray(np.roll(self.corners, -1)[_sector(self._normals, d)])
+
+
+def _turned_at(corners: Vectors) -> Vectors:
+    """Return the corners at which a convex polygon turns: none twice, and none along an edge."""
+    corners = corners[corners != np.roll(corners, -1)]
+    while True:
+        edges = np.roll(corners, -1) - corners
+        turns = np.angle(edges * np.conj(np.roll(edges, 1))) > 0.0
+        if np.all(turns):
+            return corners
+        corners = corners[turns]
 
 
 def _sector(rays: Vectors, vector: Vectors) -> NDArray[np.intp]:

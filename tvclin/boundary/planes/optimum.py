@@ -213,14 +213,18 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     size = float(np.abs(moments.demands).max())
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
     if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
-        return _mended(moments, onset, *_by_corners(cells, d, stop.corners), size)
+        best, deflections = _by_corners(cells, d, stop.corners)
+        if deflections is not None:
+            return _mended(moments, onset, best, deflections, size)
     dual, deflections = _by_dual(cells, d, stop)
     whole = _mended(moments, onset, dual, deflections, size)
     if isinstance(stop, PolygonStop) and whole[2].gap >= _WIDEST_GAP:
         # where a cell belongs to two corners the dual does not say how much of each
         near = stop.farthest((dual @ cells)[:, np.newaxis] * np.exp(1j * _BESIDE))
         _, shared = _by_corners(cells, d, near)
-        whole = _mended(moments, onset, dual, shared, size)
+        if shared is not None:
+            mended = _mended(moments, onset, dual, shared, size)
+            whole = min(whole, mended, key=lambda one: one[2].primal)
     fast = np.concatenate([poles == poles.max() for poles in moments.pair.poles])
     if whole[2].gap < _CELLS_GAP or np.all(fast):
         return whole
@@ -278,10 +282,13 @@ def _by_dual(cells: Vectors, d: FloatArray, stop: Stop) -> tuple[FloatArray, Vec
     return best, float(stop.support(summed).sum()) * stop.farthest(summed)
 
 
-def _by_corners(cells: Vectors, d: FloatArray, corners: Vectors) -> tuple[FloatArray, Vectors]:
+def _by_corners(
+    cells: Vectors, d: FloatArray, corners: Vectors
+) -> tuple[FloatArray, Vectors | None]:
     """The multipliers and the deflections of the linear program for corners, of all or each cell.
 
-    In each cell the deflection is a sum of corners with weights w >= 0, sum w <= L.
+    In each cell the deflection is a sum of corners with weights w >= 0, sum w <= L. None where no
+    sum of these corners meets the conditions.
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
     from scipy.sparse import coo_array, eye_array, hstack, kron
@@ -298,6 +305,8 @@ def _by_corners(cells: Vectors, d: FloatArray, corners: Vectors) -> tuple[FloatA
         b_eq=d,
         method="highs",
     )
+    if found.x is None:
+        return d, None
     weights = found.x[:-1].reshape(count, each)
     return found.eqlin.marginals, np.sum(weights * corners, axis=-1)
 
