@@ -12,6 +12,7 @@ from scipy.special import hyp2f1
 import tvclin as tv
 from tvclin import CircularStop, EllipticStop, InputError, PlaneWind, PolygonStop, SquareStop
 from tvclin.boundary import forecast_free
+from tvclin.boundary.planes.optimum import _by_corners as by_corners
 from tvclin.boundary.planes.pair import Pair
 from tvclin.boundary.planes.unforeseen import unforeseen
 from tvclin.winds.speed import angle_from_speed
@@ -231,6 +232,14 @@ def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved_and_what_is_left_
     found = tv.plane_limit(plant, wind, tv.Cluster(engines), dead_band=0.0)
     assert found.limit == pytest.approx(best.limit, rel=1e-12)
     assert any("the minimum is not solved" in note for note in found.notes) is not solved
+
+
+def test_corners_that_cannot_meet_the_conditions_are_no_answer_and_no_crash():
+    cells, toward = np.array([[0.5 + 0.0j, 0.5 + 0.0j]]), np.array([1.0 + 0.0j])
+    _, met = by_corners(cells, np.array([0.5]), toward)
+    assert np.real(np.conj(cells) @ met) == pytest.approx([0.5])
+    _, met = by_corners(cells, np.array([-0.5]), toward)
+    assert met is None
 
 
 def test_a_batch_is_what_each_is_alone():
