@@ -20,7 +20,7 @@ COLOURS = 64
 ROUNDING = 1e-9
 """Relative, what processors may differ by; and what a number of order one leaves at zero."""
 
-_FORGET = "get_ipython().reset(); get_ipython().execution_count = 0"
+_FORGET = "get_ipython().reset(); get_ipython().execution_count = 1"
 """Lets a kernel be as at its beginning, but for the modules that it has loaded."""
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
 

@@ -238,8 +238,7 @@ def test_corners_that_cannot_meet_the_conditions_are_no_answer_and_no_crash():
     cells, toward = np.array([[0.5 + 0.0j, 0.5 + 0.0j]]), np.array([1.0 + 0.0j])
     _, met = by_corners(cells, np.array([0.5]), toward)
     assert np.real(np.conj(cells) @ met) == pytest.approx([0.5])
-    _, met = by_corners(cells, np.array([-0.5]), toward)
-    assert met is None
+    assert by_corners(cells, np.array([-0.5]), toward) is None
 
 
 def test_a_batch_is_what_each_is_alone():

@@ -24,8 +24,6 @@ _TOGETHER = 512
 """So many loops are worked on at a time, to bound the memory."""
 _AT_CROSSING = 1e-3
 """The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
-_AT_INFINITY = np.array([1.0, 0.0, 0.5])
-"""What |S|, |T| and |S - T|/2 tend to, as L tends to zero."""
 _WORTH = 0.3
 """Samples that stand above their neighbours are refined if they reach this part of the highest: a
 lower one could overtake it only if the grid had missed more than two thirds of its height."""

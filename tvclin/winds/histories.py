@@ -323,17 +323,13 @@ class History(ABC):
         inside = np.asarray((middle > low) & (middle > high))
         if not np.any(inside):
             return largest
-        some, side, near = (
-            kernel.take(self.pieces, np.flatnonzero(inside)),
-            sign[inside],
-            near[inside],
-        )
+        some, side = kernel.take(self.pieces, np.flatnonzero(inside)), sign[inside]
 
         def below(t: FloatArray) -> FloatArray:
             return -side[:, np.newaxis] * np.real(kernel.value(some, t))
 
         refined = np.zeros(self.batch)
-        refined[inside] = -side * lowest(below, near[:, 0], near[:, 2])[1]
+        refined[inside] = -side * lowest(below, near[inside, 0], near[inside, 2])[1]
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 

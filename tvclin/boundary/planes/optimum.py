@@ -213,17 +213,17 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     size = float(np.abs(moments.demands).max())
     d, cells, stop = moments.demands / size, moments.cells, moments.stop
     if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
-        best, deflections = _by_corners(cells, d, stop.corners)
-        if deflections is not None:
-            return _mended(moments, onset, best, deflections, size)
+        solved = _by_corners(cells, d, stop.corners)
+        if solved is not None:
+            return _mended(moments, onset, *solved, size)
     dual, deflections = _by_dual(cells, d, stop)
     whole = _mended(moments, onset, dual, deflections, size)
     if isinstance(stop, PolygonStop) and whole[2].gap >= _WIDEST_GAP:
         # where a cell belongs to two corners the dual does not say how much of each
         near = stop.farthest((dual @ cells)[:, np.newaxis] * np.exp(1j * _BESIDE))
-        _, shared = _by_corners(cells, d, near)
-        if shared is not None:
-            mended = _mended(moments, onset, dual, shared, size)
+        solved = _by_corners(cells, d, near)
+        if solved is not None:
+            mended = _mended(moments, onset, dual, solved[1], size)
             whole = min(whole, mended, key=lambda one: one[2].primal)
     fast = np.concatenate([poles == poles.max() for poles in moments.pair.poles])
     if whole[2].gap < _CELLS_GAP or np.all(fast):
@@ -284,7 +284,7 @@ def _by_dual(cells: Vectors, d: FloatArray, stop: Stop) -> tuple[FloatArray, Vec
 
 def _by_corners(
     cells: Vectors, d: FloatArray, corners: Vectors
-) -> tuple[FloatArray, Vectors | None]:
+) -> tuple[FloatArray, Vectors] | None:
     """The multipliers and the deflections of the linear program for corners, of all or each cell.
 
     In each cell the deflection is a sum of corners with weights w >= 0, sum w <= L. None where no
@@ -306,7 +306,7 @@ def _by_corners(
         method="highs",
     )
     if found.x is None:
-        return d, None
+        return None
     weights = found.x[:-1].reshape(count, each)
     return found.eqlin.marginals, np.sum(weights * corners, axis=-1)
 
