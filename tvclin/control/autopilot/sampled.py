@@ -6,10 +6,11 @@ vehicle and sensor lags move together,
     x[k+1] = F x[k] + G0 u[k-d] + G1 u[k-d-1],    e^([A, B; 0, 0] t) = [.., P(t); 0, 1],
     F = e^(A h),    G0 = P(h - f),    G1 = P(h) - G0,
 
-and commands that have not arrived are states. Filters become differences by the bilinear rule,
-each exact at its own frequency. The variable w of z = (1 + w h/2)/(1 - w h/2) makes of L(z) a
-function of continuous time with the same values, at nu = (2/h) tan(omega h/2), of which margins are
-found as of any other (Franklin, Powell and Workman, Digital Control of Dynamic Systems).
+and commands that have not arrived are states. Filters become differences by the bilinear rule, each
+exact at its own frequency; the integral is that of the samples as they are held. The variable w of
+z = (1 + w h/2)/(1 - w h/2) makes of L(z) a function of continuous time with the same values, at
+nu = (2/h) tan(omega h/2), of which margins are found as of any other (Franklin, Powell and Workman,
+Digital Control of Dynamic Systems).
 """
 
 from __future__ import annotations
@@ -162,8 +163,9 @@ def law_steps(autopilot: Feedback, period: FloatArray) -> Matrices:
         state_space.gain(getattr(autopilot, f"{n}_gain")) for n in ("attitude", "integral")
     )
     if np.any(np.asarray(autopilot.integral_gain)):
-        ones = np.ones((1, 1))
-        summing = state_space.to_steps((np.zeros((1, 1)), ones, ones, np.zeros((1, 1))), 1.0 / half)
+        # the integral of what is held, s[k+1] = s[k] + h m[k], as a flight has it
+        one, step = np.ones((1, 1)), period[..., np.newaxis, np.newaxis]
+        summing = one, step, one, np.zeros((1, 1))
         gain = state_space.parallel(gain, state_space.series(summing, integral))
     rows = (
         state_space.series(attitude, gain),
