@@ -22,7 +22,7 @@ _SHARED = {"memory", "seen", "told"}
 _OF_EACH = (
     *("vehicle", "wind", "law", "gain", "limit", "rate_limit", "start", "finish", "ends"),
     *("waiting", "settling", "sequence", "y", "states", "here", "sensed", "measured", "next"),
-    *("series", "commands", "mode", "peaks", "piece", "settled", "outcome", "ended"),
+    *("series", "commands", "mode", "bounded", "peaks", "piece", "settled", "outcome", "ended"),
 )
 """Arrays of `Flights` with a row for each flight."""
 
