@@ -89,9 +89,9 @@ def fly(
     ------
     InputError
         For batches, limits or a gain that are not positive, a wind that never ends, times long
-        after the flight is lost, samples that are far too long for the actuator, noise, a delay or a rate
-        limit that need a sample rate, and a law that looks at the deflection where it has neither
-        an actuator nor a sample before it.
+        after the flight is lost, samples that are far too long for the actuator, noise, a delay
+        or a rate limit that need a sample rate, and a law that looks at the deflection where it has
+        neither an actuator nor a sample before it.
 
     Notes
     -----

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.sampled import delay_parts
 from tvclin.kernels.propagation import driven, exponentials
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS
+from tvclin.linear.system import delay_parts
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

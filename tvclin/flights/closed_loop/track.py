@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.control.autopilot.actuated import Actuated, actuated
+from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS
+from tvclin.linear.system import LinearSystem
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -72,7 +73,7 @@ def _flown(f: Flights) -> FloatArray:
     return f.track[~np.isnan(f.track[:, -1])]
 
 
-def _free(whole: Actuated, y: FloatArray, command: FloatArray, u: FloatArray) -> FloatArray:
+def _free(whole: LinearSystem, y: FloatArray, command: FloatArray, u: FloatArray) -> FloatArray:
     """States of plant and nozzle after times `u` without a limit, in still air, ``(N, m)``."""
     order = len(whole.A)
     moved = exponentials(driven(whole.A, whole.B[:, :1]), u)[:, :order]
