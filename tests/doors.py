@@ -458,6 +458,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.FlexiblePlant.from_vehicle,
             {"vehicle": booster, "structure": structure, "model": "drift-exact", "plane": "pitch"},
         ),
+        "FlexiblePlant.with_effectiveness": Door(flexible.with_effectiveness, {"factor": 1.1}),
         "Filter": Door(tv.Filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
         "Filter.__call__": Door(tv.Filter.notch(32.0, 0.06, 0.6), {"s": [0.0, 1.0 + 2.0j]}),
         "Filter.from_coefficients": Door(
@@ -628,6 +629,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Plant.from_vehicle, {"vehicle": booster, "model": "drift", "plane": "yaw"}
         ),
         "Plant.numerator": Door(exact.numerator, {"output": "attitude", "input": "wind"}),
+        "Plant.with_effectiveness": Door(exact.with_effectiveness, {"factor": 1.1}),
         "Plant.tf": Door(exact.tf, {"output": "attitude", "input": "wind"}),
         "RangeReference.component": Door(months[0].component, {"percentile": 95.0, "azimuth": 1.5}),
         "RangeReference.profile": Door(months[0].profile, {"percentile": 95.0, "azimuth": 1.5}),

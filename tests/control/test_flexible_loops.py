@@ -385,3 +385,18 @@ def test_the_worst_wind_of_a_loop_with_filters_is_that_of_a_fine_grid():
     found = wind_gain(plant, autopilot)
     assert highest <= found * (1.0 + 1e-12)
     assert highest == pytest.approx(found, rel=1e-6)  # the grid's step, squared
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 3.5])
+def test_the_distance_of_a_mode_is_the_least_of_a_much_finer_look(factor):
+    """Polished between frequencies; with a high gain some modes come close to -1."""
+    plant = booster()
+    gains = {"attitude_gain": 0.36 * factor, "rate_gain": 0.56 * factor}
+    autopilot = replace(AUTOPILOT, **gains)
+    found = autopilot.band_margins(plant)
+    for mode in found.modes:
+        half = 8.0 * abs(mode.pole.real)
+        omega = np.linspace(mode.pole.imag - half, mode.pole.imag + half, 400_001)
+        brute = np.abs(1.0 + autopilot.frequency_response(plant, omega)).min()
+        assert mode.distance <= brute * (1.0 + 1e-9)
+        assert mode.distance == pytest.approx(brute, rel=1e-6)

@@ -1,10 +1,14 @@
 """Margins and the verdict they rest on, against brute force, argument principle and mpmath."""
 
+from dataclasses import replace
+
 import control
 import mpmath
 import numpy as np
 import pytest
+from scipy.special import lambertw
 
+import tvclin as tv
 from tests.margin_numbers import NUMBERS
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import loop_margins
@@ -336,3 +340,32 @@ def test_of_many_peaks_the_highest_is_found(loop):
     omega = np.linspace(0, 6, 3_000_001)
     peak = np.abs(1 / (1 + loop.response(omega))).max()
     assert loop_margins(loop).peak_sensitivity == pytest.approx(peak, rel=1e-6)
+
+
+def test_the_poles_of_a_loop_with_a_delay_are_exact():
+    """K e^(-s T)/s has its closed poles at W(-k T)/T, all branches of Lambert's W."""
+    k, late = 1.3, 0.8
+    loop = Loop([k], [1.0, 0.0], late)
+    found = loop.closed_loop_poles
+    branches = range(-8, 8)
+    exact = np.array([lambertw(-k * late, branch) / late for branch in branches])
+    exact = exact[np.argsort(-exact.real, kind="stable")][: found.size]
+    assert found.size >= 8
+    apart = np.abs(found[:8, np.newaxis] - exact).min(axis=1)
+    np.testing.assert_array_less(apart, 1e-11 * np.abs(found[:8]))
+    np.testing.assert_allclose(found[:8].real, exact[:8].real, rtol=1e-10)
+
+
+def test_poles_with_a_delay_are_those_of_a_high_pade_approximation():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    autopilot = tv.Autopilot(
+        attitude_gain=0.8, rate_gain=0.9, actuator=tv.Actuator(), delay=0.1, pade_order=10
+    )
+    delays = np.array([0.0, 0.1])
+    both = replace(autopilot, delay=delays).exact_loop(plant).closed_loop_poles
+    near = autopilot.closed_loop_poles(plant)
+    for pole in both[1, :5]:
+        assert np.abs(near - pole).min() < 1e-9 * np.abs(pole)
+    undelayed = replace(autopilot, delay=0.0).closed_loop_poles(plant)
+    mine = both[0][~np.isnan(both[0])]
+    np.testing.assert_allclose(np.sort_complex(mine), np.sort_complex(undelayed), rtol=1e-9)

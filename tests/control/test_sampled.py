@@ -217,3 +217,25 @@ def test_what_cannot_be_sampled_is_refused():
         replace(SAMPLED, sample_rate=0.0)
     with pytest.raises(tv.InputError, match="omega"):
         SAMPLED.frequency_response(booster(), 100.0)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.3, 0.9999, 1.0, 1.7])
+@pytest.mark.parametrize("rate", [8.0, 25.0])
+def test_a_delay_margin_ends_where_an_eigenvalue_is_on_the_circle(rate, late):
+    """Whatever part of a sample the delay then is: with less all are inside, with more not."""
+    plant = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
+    one = tv.Autopilot(
+        attitude_gain=0.5,
+        rate_gain=0.8,
+        actuator=tv.Actuator(natural_frequency=12.0),
+        delay=late / rate,
+        sample_rate=rate,
+    )
+    margin = one.margins(plant).delay_margin
+    for part in (0.2, 0.5, 0.8, 0.99, 1.0, 1.001):
+        loop = replace(one, delay=one.delay + part * margin).exact_loop(plant)
+        radius = np.abs(loop.closed_loop_poles).max()
+        if part == 1.0:
+            assert radius == pytest.approx(1.0, abs=1e-10)
+        else:
+            assert (radius < 1.0) == (part < 1.0)

@@ -404,3 +404,11 @@ def test_an_integral_leaves_no_edge_where_the_loop_stands_still():
     gain, effectiveness = (factors_at_growth(one, name, pace) for name in ("gain", "effectiveness"))
     # Both are roots of the same loop; the integrator takes four digits of sixteen.
     np.testing.assert_allclose(effectiveness, gain, rtol=1e-9)
+
+
+def test_a_trim_law_that_lets_the_path_creep_is_refused_with_its_remedy():
+    plant = plant_of("drift-exact")
+    nozzle = {"limit": 2.0 * TRIM, "sample_rate": 50.0}
+    with pytest.raises(tv.InputError, match="design it on the fixed path"):
+        tv.flown_margins(plant, tv.TrimLaw(plant), WIND, **nozzle)
+    assert tv.flown_margins(plant, tv.TrimLaw(plant_of("fixed-path")), WIND, **nozzle).gain_fall

@@ -81,7 +81,6 @@ def laws(
     from tvclin.base.errors import InputError, nonnegative, number, one_of, positive, within
     from tvclin.cli.output import print_json
     from tvclin.control.autopilot.rules import GainsAsked
-    from tvclin.linear.flexible import FlexiblePlant
 
     loaded, flying, plant = load_plant(vehicle, model, plane, rigid)
     flexible = flying is not plant
@@ -127,7 +126,7 @@ def laws(
         trials = [{**vars(one), "limit_deg": trim * one.limit} for one in found]
         print_json({**head, "trials": trials, "no_forecast": limits})
     else:
-        if isinstance(flying, FlexiblePlant):
+        if flying.structure is not None:
             typer.echo(lines(parts_line(flying.structure)))
             typer.echo(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
         wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
 """Behind the point, of a margin in each unit."""
+_BESIDE = 0.05
+"""A pole of an approximate delay is that of the exact one if it is so near, over its size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +45,7 @@ class MarginsFound:
     @classmethod
     def of(cls, autopilot: "Autopilot", plant: "AnyPlant", asked: "Criteria") -> "MarginsFound":
         """Return the margins of a plant, by band too where it is flexible."""
-        from tvclin.linear.flexible import FlexiblePlant
-
-        if not isinstance(plant, FlexiblePlant):
+        if plant.structure is None:
             return cls(autopilot, plant, autopilot.margins(plant), None, asked)
         bands = autopilot.band_margins(plant)
         return cls(autopilot, plant, bands.whole, bands, asked)
@@ -65,10 +65,9 @@ def print_margins(title: str, found: MarginsFound) -> None:
     """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
     from tvclin.cli.bands import judged_cells, parts_line, print_bands
     from tvclin.cli.output import print_pairs, print_table, shown
-    from tvclin.linear.flexible import FlexiblePlant
 
     pairs, whole = shown(found.autopilot.rows()), found.whole
-    if isinstance(found.plant, FlexiblePlant):
+    if found.plant.structure is not None:
         typer.echo(lines(parts_line(found.plant.structure)))
     elif found.autopilot.sample_rate is None:
         pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
@@ -113,11 +112,11 @@ def poles(autopilot: "Autopilot", plant: Any) -> str:
     """Return the closed-loop poles [1/s], those that only approximate the delay left out."""
     import numpy as np
 
-    from tvclin.control.margins.loop import beside_exact
-
     every = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
-        every = every[(every.real > 0.0) | beside_exact(every, autopilot.rational_loop(plant))]
+        exact = autopilot.exact_loop(plant).closed_loop_poles
+        apart = np.abs(every[:, np.newaxis] - exact).min(axis=1)
+        every = every[(every.real > 0.0) | (apart <= _BESIDE * np.abs(every))]
     shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
 

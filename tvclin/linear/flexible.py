@@ -16,10 +16,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import shows
-from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, shown
+from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
@@ -166,12 +166,17 @@ class FlexiblePlant:
         """Names of the outputs that sensors give: attitude and attitude rate."""
         return "sensed_attitude", "sensed_attitude_rate"
 
-    def with_effectiveness(self, factor: FloatArray | float) -> FlexiblePlant:
-        """Return the plant whose deflection does so many times as much; its engine's inertia stays.
+    def with_effectiveness(self, factor: ArrayLike) -> FlexiblePlant:
+        """Return the plant whose deflection does `factor` times as much, moment and force alike.
 
-        Moment and side force alike.
+        The inertia of its engine stays.
+
+        Raises
+        ------
+        InputError
+            For a factor that is not positive.
         """
-        slope = factor * np.asarray(self.vehicle.control_force)
+        slope = positive("factor", factor) * np.asarray(self.vehicle.control_force)
         return replace(self, vehicle=self.vehicle.replace(control_force_slope=slope))
 
     @property

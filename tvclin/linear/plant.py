@@ -19,9 +19,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, instance, one_of
+from tvclin.base.errors import InputError, instance, one_of, positive
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
 from tvclin.linear.models import MODELS, usual_model
@@ -119,14 +119,24 @@ class Plant:
         return self
 
     @property
+    def structure(self) -> None:
+        """None: a `FlexiblePlant` has one."""
+
+    @property
     def sensed(self) -> tuple[str, str]:
         """Names of the outputs that sensors give: attitude and attitude rate."""
         return "attitude", "attitude_rate"
 
-    def with_effectiveness(self, factor: FloatArray | float) -> Plant:
-        """Return the plant whose deflection does so many times as much."""
-        c = self.coefficients
-        return Plant(c.replace(mu_delta=factor * np.asarray(c.mu_delta)), self.model)
+    def with_effectiveness(self, factor: ArrayLike) -> Plant:
+        """Return the plant whose deflection does `factor` times as much, moment and force alike.
+
+        Raises
+        ------
+        InputError
+            For a factor that is not positive.
+        """
+        c, times = self.coefficients, positive("factor", factor)
+        return Plant(c.replace(mu_delta=times * np.asarray(c.mu_delta)), self.model)
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -254,13 +254,10 @@ def connect(
     P, Q = _same(outputs, made), _same(outputs, inputs)
     found = (A + driven @ seen, driven @ passed + B @ L, P @ seen, P @ passed + Q)
     batch = np.broadcast_shapes(*(one.shape[:-2] for one in found))
-    return LinearSystem(
-        *(np.broadcast_to(one, (*batch, *one.shape[-2:])) for one in found),
-        tuple(inputs),
-        tuple(outputs),
-        tuple(name for one in blocks for name in one.states),
-        next((one.period for one in blocks if one.period is not None), None),
-    )
+    A, B, C, D = (np.broadcast_to(one, (*batch, *one.shape[-2:])) for one in found)
+    states = tuple(name for one in blocks for name in one.states)
+    period = next((one.period for one in blocks if one.period is not None), None)
+    return LinearSystem(A, B, C, D, tuple(inputs), tuple(outputs), states, period)
 
 
 def _same(rows: Sequence[str], columns: Sequence[str]) -> FloatArray:

@@ -11,7 +11,6 @@ from tvclin.control.autopilot.answer import WindAnswer
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
@@ -172,16 +171,12 @@ def _wind_curves(
 
 
 def _margins(autopilot: Autopilot, plant: AnyPlant) -> Margins:
-    """The margins of the loop, of a rigid plant by its polynomials."""
-    if isinstance(plant, Plant):
-        return loop_margins(autopilot.rational_loop(plant))
-    return autopilot.margins(plant)
+    """The margins of the loop, without warnings."""
+    return loop_margins(autopilot.exact_loop(plant))
 
 
 def _points(plant: AnyPlant, length: float) -> int:
-    """So many that the fastest mode of a flexible plant is seen within a time [s]."""
-    if isinstance(plant, Plant):
-        return _POINTS
+    """So many that the fastest mode of a plant is seen within a time [s]."""
     turns = float(np.abs(plant.poles).max()) * length / (2.0 * np.pi)
     return int(np.clip(_PER_TURN * turns, _POINTS, _MOST_POINTS))
 

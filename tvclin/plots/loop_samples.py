@@ -15,7 +15,7 @@ from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.kernels.loop_grid import frequencies
 from tvclin.kernels.stability import stability
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.plots.curves import Column, Curves
 
@@ -153,7 +153,7 @@ def sampled(what: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> L
     _require_single(what, autopilot, plant)
     loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
     bands, rigid, order = None, plant, autopilot.pade_order
-    if isinstance(plant, FlexiblePlant):
+    if plant.structure is not None:
         bands, rigid = band_margins(loop, *named_modes(plant)), plant.rigid
     margins = loop_margins(loop) if bands is None else bands.whole
     return _samples(loop, margins, bands, np.asarray(rigid.poles), words, order)

@@ -204,7 +204,7 @@ class Question:
                 every.append(highest_crossover(found) / self.crossover - 1.0)
         lacks = np.where(found.stable, np.max(np.nan_to_num(every, nan=_UNSTABLE), axis=0), 100.0)
         some = np.flatnonzero(lacks <= 0.0)
-        if isinstance(self.plant, FlexiblePlant) and some.size and self._of_modes:
+        if self.plant.structure is not None and some.size and self._of_modes:
             lacks[some] = np.maximum(lacks[some], self._lacks_of_modes(points[some]))
         return np.asarray(lacks)
 

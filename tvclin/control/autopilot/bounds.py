@@ -10,8 +10,7 @@ from tvclin.base.cards import card
 from tvclin.base.errors import InputError, nonnegative, number, single
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.margins.record import decibels
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
-from tvclin.linear.modes import unstable_modes
+from tvclin.linear.flexible import AnyPlant, check_plant
 
 _ROUNDING = 1e-9
 """Of the largest pole: what grows more slowly may be rounding."""
@@ -138,7 +137,7 @@ def margin_bounds(
         single("actuator", actuator.batch)
         damping = 0.5 if actuator.damping is None else float(actuator.damping)
         slow = 2.0 * damping / float(actuator.natural_frequency)
-    poles = plant.poles if isinstance(plant, FlexiblePlant) else unstable_modes(plant).poles
+    poles = plant.poles
     grows = np.real(np.asarray(poles))
     grows = np.where(grows > _ROUNDING * np.abs(np.nan_to_num(poles)).max(initial=0.0), grows, 0.0)
     pole = float(np.nan_to_num(grows, nan=0.0).max(initial=0.0))

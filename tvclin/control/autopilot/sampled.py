@@ -66,8 +66,7 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     h, late = (np.broadcast_to(one, batch) for one in (period, delay))
 
     def later(delays: FloatArray, cases: NDArray[np.intp]) -> StateLoop:
-        parts = (one.some(cases, batch) for one in (vehicle, law))
-        return _looped(*parts, h.ravel()[cases], delays)
+        return _looped(vehicle.some(cases, batch), law.some(cases, batch), h.ravel()[cases], delays)
 
     return SampledLoop(_looped(vehicle, law, h, late), batch, h, late, later)
 

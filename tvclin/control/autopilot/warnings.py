@@ -14,7 +14,6 @@ from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.modes import unstable_modes
-from tvclin.linear.plant import Plant
 
 
 def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) -> None:
@@ -22,7 +21,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
 
     The warning points at the caller of the method that asks, which is three levels up.
     """
-    plant = plant if isinstance(plant, Plant) else plant.rigid
+    plant = plant.rigid
     mu_delta = np.asarray(plant.coefficients.mu_delta)
     stiffness = np.asarray(autopilot.attitude_gain) + autopilot.alpha_gain
     name = "attitude_gain + alpha_gain" if np.any(autopilot.alpha_gain) else "attitude_gain"
@@ -63,7 +62,7 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
 
 def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
     """Warn of a mode that is sampled less than twice in its period; points as the other."""
-    if autopilot.sample_rate is None or isinstance(plant, Plant):
+    if autopilot.sample_rate is None or plant.structure is None:
         return
     names, poles = named_modes(plant)
     rate = np.asarray(autopilot.sample_rate)[..., np.newaxis]

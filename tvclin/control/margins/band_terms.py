@@ -19,8 +19,9 @@ _AROUND = np.concatenate([-np.geomspace(40.0, 0.02, 60), [0.0], np.geomspace(0.0
 """Frequencies around a mode, in half-widths, among which its peak is looked for."""
 _EVEN = 400
 """Frequencies over the whole range beside them."""
-_NEAR = 8.0
-"""The distance from -1 is the least within so many half-widths of a mode."""
+_NEAR, _LAID = 8.0, 401
+"""The distance from -1 is the least within so many half-widths of a mode, and is looked for among
+so many frequencies there."""
 _STEPS, _NEWTON, _ASIDE = 12, 3, 1e-9
 """Steps of the gain from zero to one in which a mode is followed, Newton's in each, and how far
 from its pole it begins, over its size."""
@@ -113,12 +114,25 @@ def peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     return np.where(nothing, np.nan, height), np.where(nothing, np.nan, where)
 
 
-def distance(terms: Terms, k: int) -> FloatArray:
-    """Return the least |1 + L| within eight half-widths of the k-th pole."""
-    pole = terms.loop.from_plane(terms.poles[:, k, np.newaxis])
-    offsets = np.linspace(-_NEAR, _NEAR, 2001)
-    omega = np.abs(pole.imag + np.abs(pole.real) * offsets)
-    return np.abs(1.0 + terms.values(omega)).min(axis=-1)
+def distance(terms: Terms, k: int, closed: ComplexArray) -> FloatArray:
+    """Return the least |1 + L| within eight half-widths of the k-th pole.
+
+    It lies beside the closed pole ``(m,)`` of the mode, where that is near, and is as wide.
+    """
+    pole, near = (terms.loop.from_plane(of[:, np.newaxis]) for of in (terms.poles[:, k], closed))
+    low, high = (pole.imag + side * _NEAR * np.abs(pole.real) for side in (-1.0, 1.0))
+    even = low + (high - low) * np.linspace(0.0, 1.0, _LAID)
+    beside = np.clip(near.imag + np.abs(near.real) * _AROUND, low, high)
+    offsets = np.sort(np.nan_to_num(np.concatenate([even, beside], axis=-1)), axis=-1)
+
+    def height(omega: FloatArray) -> FloatArray:
+        return np.abs(1.0 + terms.values(np.abs(omega)))
+
+    values = height(offsets)
+    rows, last = np.arange(len(values)), values.shape[-1] - 1
+    place = np.argmin(np.nan_to_num(values, nan=np.inf), axis=-1)
+    before, after = (offsets[rows, np.clip(place + step, 0, last)] for step in (-1, 1))
+    return np.minimum(values.min(axis=-1), lowest(height, before, after)[1])
 
 
 def followed(terms: Terms) -> ComplexArray:

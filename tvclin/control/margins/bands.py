@@ -250,7 +250,7 @@ def _mode(terms: Terms, found: LoopFindings, k: int, closed: ComplexArray) -> di
         "lead_margin": _least(lead, omega, found)[0],
         "gain_reduction": _least(fall, at, found)[0],
         "gain_increase": _least(rise, at, found)[0],
-        "distance": distance(terms, k),
+        "distance": distance(terms, k, closed),
         "alias": terms.loop.aliases(np.imag(pole)[:, np.newaxis])[:, 0],
     }
 

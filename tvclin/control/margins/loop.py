@@ -15,6 +15,7 @@ from tvclin.base.errors import (
     nonnegative,
     within,
 )
+from tvclin.kernels.delayed_poles import rightmost_poles
 from tvclin.kernels.loop_margins import LoopFindings, loop_findings
 from tvclin.kernels.rational import Rational
 from tvclin.kernels.state_loop import StateLoop
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_STEPS, _BESIDE = 20, 0.05
 _FASTEST = 1e15
 """Frequencies beyond this [rad/s] would overflow in polynomials."""
 _LARGEST = 1e60
@@ -195,6 +195,27 @@ class Loop:
         """Poles without the delay [1/s], ``(..., n)``."""
         return self.form.open_poles().astype(complex).reshape((*self.batch, -1))
 
+    @property
+    def closed_loop_poles(self) -> NDArray[np.complex128]:
+        """Poles of 1 + L = 0 [1/s] with the exact delay, falling, ``(..., n)``.
+
+        With a delay there are infinitely many: those furthest right, as far as all of them are
+        known, some 20 and more. NaN fills the rows of a batch.
+        """
+        rows = [self._rightmost(k) for k in range(self.form.delay.size)]
+        found = np.full((len(rows), max((one.size for one in rows), default=0)), np.nan, complex)
+        for row, one in zip(found, rows, strict=True):
+            row[: one.size] = one
+        return found.reshape((*self.batch, -1))
+
+    def _rightmost(self, k: int) -> NDArray[np.complex128]:
+        one = self.form.take(np.array([k]))
+        late = float(one.delay[0])
+        if late:
+            return rightmost_poles(*_matrices(one), late, lambda s: one.value(s[np.newaxis])[0])
+        poles = one.closed_poles()[0].astype(complex)
+        return poles[np.argsort(-poles.real, kind="stable")]
+
     def response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
 
@@ -265,18 +286,12 @@ def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
     return np.broadcast_to(array, (*batch, *own)).reshape((-1, *own))
 
 
-def beside_exact(found: NDArray[np.complex128], loop: Loop) -> NDArray[np.bool_]:
-    """Return which poles of one loop, found with an approximate delay, lie beside an exact one.
-
-    Newton's steps go from each [1/s] to a zero of ``D(s) + N(s) e^(-s delay)``; it is beside where
-    it is away by at most a twentieth of the pole's size.
-    """
-    s = found.astype(complex)
-    with np.errstate(all="ignore"):
-        for _ in range(_STEPS):
-            late = np.exp(-s * loop.delay)
-            above, below = np.polyval(loop.numerator, s), np.polyval(loop.denominator, s)
-            slope = np.polyval(np.polyder(loop.numerator), s) - loop.delay * above
-            slope = np.polyval(np.polyder(loop.denominator), s) + slope * late
-            s = s - (below + above * late) / slope
-        return np.asarray(np.abs(s - found) <= _BESIDE * np.abs(found))
+def _matrices(form: Rational | StateLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """A, B and C of the first of some loops; of polynomials as their companion."""
+    if isinstance(form, StateLoop):
+        k = form.case[0]
+        return form.A[k], form.B[k], form.C[k]
+    below, above = form.denominator[0], form.numerator[0]
+    A = np.eye(below.size - 1, k=-1)
+    A[0] = -below[1:] / below[0]
+    return A, np.eye(len(A))[0], above[1:] / below[0]

@@ -17,10 +17,13 @@ from tvclin.linear.system import delay_parts
 
 FloatArray = NDArray[np.float64]
 
-_ALIKE = 1.5
-"""Delays up to so many times the least may be the least in truth."""
 _STEPS, _LONGEST, _NEAR = 30, 0.05, 1e-11
 """Newton's steps to a delay, how long over the frequency, and how near is there."""
+_PER_SAMPLE, _LOOKS, _ROUNDS = 16.0, (8, 128), 14
+"""Delays in a sample with which a loop is looked at, how few and how many they may be in all, and
+how often it is looked again where it begins to grow: to 8^-13 of their distance."""
+_BEYOND = 1.0 + 1e-6
+"""So far beyond a delay that is an edge a loop grows."""
 ComplexArray = NDArray[Any]
 
 
@@ -116,8 +119,7 @@ class SampledLoop(Loop):
         found = phases % (2.0 * np.pi) / omega
         if not found.shape[1]:
             return found
-        least = np.where(np.isnan(found), np.inf, found).min(axis=1, keepdims=True)
-        case, place = np.nonzero(stable[:, np.newaxis] & (found <= _ALIKE * least))
+        case, place = np.nonzero(stable[:, np.newaxis] & np.isfinite(found))
         h, late = self.period.ravel()[case], self.late.ravel()[case]
         w, more = omega[case, place], found[case, place]
         arrived = np.zeros(case.size, dtype=bool)
@@ -136,7 +138,36 @@ class SampledLoop(Loop):
             if np.all(arrived):
                 break
         found[case[arrived], place[arrived]] = more[arrived]
+        for k in np.flatnonzero(stable & np.any(np.isfinite(found), axis=1)):
+            edges = np.sort(found[k, np.isfinite(found[k])])
+            grows = self._grows(int(k), _BEYOND * edges)
+            edge = edges[np.argmax(grows)]  # what is none is left out, if another is one
+            found[k] = np.maximum(found[k], self._grows_within(int(k), float(edge)))
         return found
+
+    def _grows(self, case: int, more: FloatArray) -> NDArray[np.bool_]:
+        """Whether a loop grows with so much more delay [s], ``(m,)``."""
+        h, late = self.period.ravel()[case], self.late.ravel()[case]
+        w = 0.5 * h * self.later(late + more, np.full(more.size, case)).closed_poles()
+        return np.asarray(np.any(np.abs(1.0 + w) > (1.0 + _NEAR) * np.abs(1.0 - w), axis=-1))
+
+    def _grows_within(self, case: int, most: float) -> float:
+        """The delay [s] below `most` with which a loop begins to grow; `most` where it does not.
+
+        Beside half the sample rate |L| changes with the part of a sample that a delay ends with,
+        and may be one where now it is not.
+        """
+        count = int(np.clip(np.ceil(_PER_SAMPLE * most / self.period.ravel()[case]), *_LOOKS))
+        low, high = 0.0, most
+        for _ in range(_ROUNDS):
+            looks = low + (high - low) * np.arange(1, count) / count
+            grows = self._grows(case, looks)
+            if high == most and not np.any(grows):
+                return most
+            first = int(np.argmax(grows)) if np.any(grows) else looks.size
+            ends = np.concatenate([[low], looks, [high]])
+            low, high, count = float(ends[first]), float(ends[first + 1]), _LOOKS[0]
+        return high
 
     def in_plane(self, s: ComplexArray) -> ComplexArray:
         """Return w = (2/h) tanh(s h/2) of s ``(k, m)`` [1/s]."""

@@ -21,8 +21,7 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.step_matrices import SUBSTEPS, frequency
-from tvclin.kernels import polynomials
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -111,9 +110,7 @@ def check_pace(plant: AnyPlant, length: float) -> None:
 
 def paces(plant: AnyPlant) -> NDArray[np.float64]:
     """Return the size of the fastest pole [1/s] of each plant."""
-    if isinstance(plant, FlexiblePlant):
-        return np.asarray(np.abs(plant.poles).max(axis=-1))
-    return np.asarray(np.abs(polynomials.roots(plant.denominator)).max(axis=-1))
+    return np.asarray(np.abs(plant.poles).max(axis=-1))
 
 
 def check_span(start: float, stop: float) -> None:

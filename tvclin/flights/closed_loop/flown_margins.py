@@ -36,7 +36,7 @@ from tvclin.flights.closed_loop.flown_record import (
     FlownMargin,
     FlownMargins,
 )
-from tvclin.flights.closed_loop.growth import growth_near_rest
+from tvclin.flights.closed_loop.growth import SLOW, worst_near_rest
 from tvclin.flights.closed_loop.many import RINGS, SURVIVED, fly_many
 from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,
@@ -44,7 +44,6 @@ from tvclin.flights.closed_loop.near_rest import (
 )
 from tvclin.flights.closed_loop.sampled import Batch, one_flight
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -57,6 +56,11 @@ _SLOWEST = 2.0
 """Delay over 1/s of the fastest unstable pole, which no linear loop bears."""
 _HIGHEST, _MOST_LIMIT = 2.0, 1e6
 """Limits among which the boundary is sought, over the largest trim deflection."""
+FIXED = "fixed-path"
+_REMEDY = (
+    " (it holds the nose to the path, which creeps away; design it on the fixed path, with"
+    ' Plant.from_vehicle(vehicle, "fixed-path"), and it holds the attitude)'
+)
 _NEUTRAL = 1e-9
 """A mode that grows more slowly, over the fastest pole of the plant, does not grow."""
 
@@ -141,11 +145,13 @@ def flown_margins(
     length = 1.0 / float(sample_rate)
     one = one_flight(plant, law, wind, level, float(rate_limit), actuator, length, float(delay))
     pace = float(unstable_coordinates(plant.rigid).poles[0])
-    growth = growth_near_rest(one)
-    if growth > _NEUTRAL * pace:
+    worst = worst_near_rest(one)
+    if worst.real > _NEUTRAL * pace:
+        designed = getattr(law, "plant", None)
+        creeps = worst.imag < SLOW * pace and getattr(designed, "model", FIXED) != FIXED
         raise InputError(
             "law must hold the vehicle near rest before anything changes; there a mode of this"
-            f" loop grows with {growth:+.3g} 1/s"
+            f" loop grows with {worst.real:+.3g} 1/s{_REMEDY if creeps else ''}"
         )
     winds = stopped_winds(wind, cuts, length)
     flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
@@ -185,7 +191,7 @@ class _Flights:
             else:
                 plant = plant.with_effectiveness(by)
             status = fly_many(plant, self.law, wind, **options).status
-            if isinstance(self.plant, Plant):  # a rigid one rings near rest, which is known exactly
+            if self.plant.structure is None:  # a rigid one rings near rest, which is known exactly
                 status = np.where(status == RINGS, SURVIVED, status)
             return status
 

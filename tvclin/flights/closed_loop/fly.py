@@ -26,7 +26,7 @@ from tvclin.flights.closed_loop.continuous import ContinuousFlight
 from tvclin.flights.closed_loop.equations import LinearEquations
 from tvclin.flights.closed_loop.sampled import flown, one_flight
 from tvclin.flights.closed_loop.track import between_samples, check_track
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS, Plant
 from tvclin.winds.histories import History
 
@@ -122,7 +122,7 @@ def fly(
     if sample_rate is None:
         if delay:
             raise InputError("a delay belongs to samples; give a sample_rate")
-        if isinstance(plant, FlexiblePlant):
+        if plant.structure is not None:
             raise InputError("a flexible plant is flown by samples; give a sample_rate")
         rows = _continuous(plant, law, wind, times, (limit, most), actuator, start, factor)
     else:

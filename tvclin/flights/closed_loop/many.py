@@ -37,7 +37,7 @@ from tvclin.flights.closed_loop.law_batch import law_batch, shape_of
 from tvclin.flights.closed_loop.outcomes import decidable
 from tvclin.flights.closed_loop.sampled import Batch, flown
 from tvclin.kernels.flight_arrays import Flights
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -258,7 +258,7 @@ def _some(array: ArrayLike, shape: tuple[int, ...], where: NDArray[np.intp]) -> 
 def _rings(batch: Batch, f: Flights) -> NDArray[np.bool_]:
     """In which flights an oscillation grows near rest, or lives on between limits, ``(m,)``."""
     grows = swing_near_rest(batch) > _RINGING
-    if not isinstance(batch.plant, FlexiblePlant):
+    if batch.plant.structure is None:
         return grows
     return grows | swings_on(f, batch.laws)
 

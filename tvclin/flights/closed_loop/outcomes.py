@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.boundary.recoverable import MOST_MODES
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import that_grow
 from tvclin.linear.plant import INPUTS
 
@@ -26,8 +26,8 @@ class Judging(NamedTuple):
     Attributes
     ----------
     rows : ndarray
-        Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n)``; zeros for no second.
-        Of a flexible plant then of the deflection and its rate, ``(p, 2, n + 2)``.
+        Of the fast and of the slow unstable coordinate [rad], ``(p, 2, n + 2)``: of the states, of
+        the deflection and its rate; zeros for no second.
     reach : ndarray
         Of the coordinates, over the deflection limit, ``(p,)``. NaN where a plant has not one or
         two real unstable poles, so that nothing can be said of its flights.
@@ -77,27 +77,10 @@ def decidable(plant: AnyPlant) -> NDArray[np.bool_]:
 
 
 def _coordinate(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
-    """The rows z of `recoverable.unstable_coordinates`, ``(plants, n)``: l with l A = pole l."""
-    if isinstance(plant, FlexiblePlant):
-        return _flexible_coordinate(plant, pole, B)
-    A, inputs, _, _ = plant.matrices()
-    n = A.shape[-1]
-    A, drive = A.reshape(-1, n, n), inputs.reshape(-1, n, 2)[..., 0]
-    row = np.zeros((len(A), n))
-    row[:, 1], row[:, 0] = 1.0, pole
-    if n > 2:
-        turning = A[:, 2, 3] * A[:, 3, 2] / pole if n > 3 else 0.0
-        row[:, 2] = A[:, 1, 2] / (pole - A[:, 2, 2] - turning)
-    if n > 3:
-        row[:, 3] = row[:, 2] * A[:, 2, 3] / pole
-    with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
-        return row * (-pole / B / np.einsum("mi,mi->m", row, drive))[:, np.newaxis]
+    """The rows z of `recoverable.unstable_coordinates`, of states, delta and delta'.
 
-
-def _flexible_coordinate(plant: FlexiblePlant, pole: FloatArray, B: FloatArray) -> FloatArray:
-    """The same with an engine's inertia, ``(plants, n + 2)``: of states, delta and delta'.
-
-    With z = l x, z' = p z + l b delta + l b3 delta''. What the deflection moves alone is
+    With l A = p l and z = l x, z' = p z + l b delta + l b3 delta'', b3 being what an engine with
+    inertia does. What the deflection moves alone is
 
         z - l b3 (delta' + p delta),    by l b + p^2 l b3.
     """
@@ -110,4 +93,5 @@ def _flexible_coordinate(plant: FlexiblePlant, pole: FloatArray, B: FloatArray) 
     moved = np.einsum("mi,mij->mj", row, inputs)
     swing = moved[:, len(INPUTS) :].sum(axis=1)
     rows = np.column_stack([row, -pole * swing, -swing])
-    return rows * (-pole / B / (moved[:, 0] + pole**2 * swing))[:, np.newaxis]
+    with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
+        return rows * (-pole / B / (moved[:, 0] + pole**2 * swing))[:, np.newaxis]

@@ -1,0 +1,110 @@
+"""Systems put together by names: beside python-control, scipy, and equations written out."""
+
+import control
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.signal import cont2discrete
+
+import tvclin as tv
+from tests.flexible import transfer
+from tvclin.linear.system import LinearSystem, connect, gain
+
+RNG = np.random.default_rng(4)
+
+
+def system(order, inputs, outputs, name, through=True):
+    """A random stable system."""
+    A = RNG.normal(size=(order, order)) - 2.0 * np.eye(order)
+    B, C = RNG.normal(size=(order, len(inputs))), RNG.normal(size=(len(outputs), order))
+    D = RNG.normal(size=(len(outputs), len(inputs))) * through
+    states = tuple(f"{name}_{k}" for k in range(order))
+    return LinearSystem(A, B, C, D, inputs, outputs, states)
+
+
+PLANT = system(3, ("u", "w"), ("y", "z"), "plant", through=False)
+LAW = system(2, ("error",), ("asked",), "law")
+ERROR = gain("error", {"command": 1.0, "y": -1.0})
+NAMES = (("command", "w", "u"), ("y", "z", "asked", "u"))
+POINTS = np.array([0.3 + 0.2j, 4j, 1.0])
+
+
+def test_a_diagram_is_that_of_python_control():
+    """Its sums by name, and an input from outside that is added to a signal of the same name."""
+    blocks = [PLANT, LAW, ERROR, gain("u", {"asked": 1.0})]
+    found = connect(blocks, *NAMES)
+    theirs = control.interconnect(
+        [
+            PLANT.to_control("plant"),
+            LAW.to_control("law"),
+            control.summing_junction(["command", "-y"], "error"),
+            control.summing_junction(["asked", "push"], "u"),
+        ],
+        inputs=["command", "w", "push"],
+        outputs=["y", "z", "asked", "u"],
+    )
+    assert found.states == (*PLANT.states, *LAW.states)
+    for s in POINTS:
+        np.testing.assert_allclose(transfer(found.matrices(), s), theirs(s), rtol=1e-10)
+    np.testing.assert_allclose(np.sort_complex(found.poles), np.sort_complex(theirs.poles()))
+
+
+def test_a_loop_may_be_closed_by_feedback():
+    broken = connect([PLANT, LAW, ERROR], ("command", "w", "u"), ("y", "asked"))
+    whole = connect([PLANT, LAW, ERROR, gain("u", {"asked": 1.0})], *NAMES)
+    closed = broken.feedback("asked", "u")
+    assert closed.inputs == ("command", "w")
+    expected = whole.select(("command", "w"), ("y", "asked")).response(POINTS)
+    np.testing.assert_allclose(closed.response(POINTS), expected, rtol=1e-10)
+
+
+def test_series_and_parallel_are_product_and_sum():
+    first, second = (system(2, ("a",), ("b",), name) for name in ("one", "two"))
+    one, two = (part.response(POINTS) for part in (first, second))
+    np.testing.assert_allclose(first.series(second).response(POINTS), two @ one, rtol=1e-12)
+    np.testing.assert_allclose(first.parallel(second).response(POINTS), one + two, rtol=1e-12)
+
+
+def test_a_signal_that_follows_itself_at_once_is_refused():
+    with pytest.raises(tv.InputError, match="algebraic loop"):
+        connect([LAW, gain("error", {"asked": 0.5})], (), ("asked",))
+    with pytest.raises(tv.InputError, match="one system"):
+        LinearSystem(
+            np.zeros((2, 1, 1)), *(np.ones((1, 1)),) * 3, ("u",), ("y",), ("x",)
+        ).to_control("many")
+
+
+@pytest.mark.parametrize("samples", [0.0, 0.3, 1.0, 2.0, 2.75])
+def test_steps_are_exact_and_a_delay_splits_a_sample(samples):
+    """Against scipy where the delay is whole, and else the command followed from part to part."""
+    h, one = 0.2, PLANT.select(("u",), ("y",))
+    steps = one.to_steps(h, samples * h)
+    A, B, C, D, _ = cont2discrete(one.matrices(), h)
+    commands = RNG.normal(size=9)
+    whole = np.zeros((4, 4))
+    whole[:3] = np.column_stack([one.A, one.B])
+    x, state = np.zeros(3), np.zeros(len(steps.states))
+    count, rest = int(samples), (samples - int(samples)) * h
+    for k in range(9):
+        np.testing.assert_allclose(steps.C @ state, C @ x, rtol=1e-9, atol=1e-12)
+        sent = [commands[j] if j >= 0 else 0.0 for j in (k - count - 1, k - count)]
+        if rest:
+            for part, command in zip((rest, h - rest), sent, strict=True):
+                x = (expm(whole * part) @ np.append(x, command))[:3]
+        else:
+            x = A @ x + B[:, 0] * sent[1]
+        state = steps.A @ state + steps.B[:, 0] * commands[k]
+    assert not np.any(D)
+
+
+def test_a_batch_is_each_of_it():
+    periods, delays = np.array([[0.1], [0.2]]), np.array([0.0, 0.25, 0.1])
+    one = PLANT.select(("u",), ("y",))
+    every = one.to_steps(periods, delays)
+    assert every.batch == (2, 3)
+    z = np.exp(0.4j)
+    for place in np.ndindex(2, 3):
+        alone = one.to_steps(periods[place[0], 0], delays[place[1]])
+        assert every.response(z)[place] == pytest.approx(alone.response(z), rel=1e-9)
+    few = every.some(np.array([4, 1]), (2, 3))
+    np.testing.assert_array_equal(few.A, every.A.reshape(6, *every.A.shape[-2:])[[4, 1]])
