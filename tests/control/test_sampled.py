@@ -1,5 +1,6 @@
 """Sampled autopilots: check cases, sums over aliases, small steps, a simulation at the edge."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -239,3 +240,27 @@ def test_a_delay_margin_ends_where_an_eigenvalue_is_on_the_circle(rate, late):
             assert radius == pytest.approx(1.0, abs=1e-10)
         else:
             assert (radius < 1.0) == (part < 1.0)
+
+
+def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_says():
+    """Its |L| is below one at this part of a sample, and above it a third of a sample later."""
+    autopilot = tv.Autopilot(
+        attitude_gain=1.4807,
+        rate_gain=1.3851,
+        integral_gain=0.0727,
+        actuator=tv.Actuator(natural_frequency=69.66),
+        delay=0.0349767,
+        sample_rate=23.65,
+        filters=(tv.Filter.low_pass(13.0, 0.95),),
+    )
+    plant = tv.FlexiblePlant.from_vehicle(
+        tv.load_vehicle("made-up-booster"), tv.load_structure("made-up-booster"), "drift-and-speed"
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        margins = autopilot.margins(plant)
+    assert margins.stable
+    for part in (0.5, 0.9, 0.999, 1.001):
+        late = autopilot.delay + part * margins.delay_margin
+        loop = replace(autopilot, delay=late).exact_loop(plant)
+        assert (np.abs(loop.closed_loop_poles).max() < 1.0) == (part < 1.0)

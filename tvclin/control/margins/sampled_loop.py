@@ -142,7 +142,10 @@ class SampledLoop(Loop):
             edges = np.sort(found[k, np.isfinite(found[k])])
             grows = self._grows(int(k), _BEYOND * edges)
             edge = edges[np.argmax(grows)]  # what is none is left out, if another is one
-            found[k] = np.maximum(found[k], self._grows_within(int(k), float(edge)))
+            least = self._grows_within(int(k), float(edge))
+            place = np.nanargmin(found[k])
+            found[k] = np.maximum(found[k], least)
+            found[k, place] = least
         return found
 
     def _grows(self, case: int, more: FloatArray) -> NDArray[np.bool_]:
