@@ -120,12 +120,20 @@ def plane_optimum(
     return least_in_planes(pair, stop.inside)
 
 
-def least_in_planes(pair: Pair, stop: Stop) -> PlaneOptimum:
-    """Return `plane_optimum` of arguments that are checked."""
+def least_in_planes(pair: Pair, stop: Stop, left: float | None = None) -> PlaneOptimum:
+    """Return `plane_optimum` of arguments that are checked; from `left` [s] on, trimmed until then.
+
+    Without `left` it is from the onset of the wind on.
+    """
+    if left is not None:
+        asked = np.concatenate([pair.left_at(plane, left) for plane in (0, 1)])
+        return _answer(pair, *_solved(_Moments(pair, stop, asked), left))
     if pair.equal and pair.wind.one_direction and isinstance(stop, CircularStop):
         return _along_a_line(pair)
-    moments = _Moments(pair, stop)
     start = np.asarray([float(pair.wind.onset)])
+    moments = _Moments(
+        pair, stop, np.concatenate([pair.of_modes(plane, start)[:, 0] for plane in (0, 1)])
+    )
     if pair.equal and moments.poles.size == 2:
         held = pair.demanded(start)
         peak = float(stop.gauge(held)[0])
@@ -152,10 +160,14 @@ def _answer(
 
 @dataclass(frozen=True, eq=False)
 class _Moments:
-    """The conditions, in cells that are even in e^(-p t) for every pole."""
+    """The conditions, in cells that are even in e^(-p t) for every pole.
+
+    `demands` are what every mode of pitch and then of yaw asks for from the start of the control.
+    """
 
     pair: Pair
     stop: Stop
+    demands: FloatArray
 
     @cached_property
     def poles(self) -> FloatArray:
@@ -166,11 +178,6 @@ class _Moments:
         """1 for each pole of the pitch plane, j for each of the yaw plane."""
         pitch, yaw = (one.size for one in self.pair.poles)
         return np.repeat([1.0 + 0.0j, 1.0j], [pitch, yaw])
-
-    @cached_property
-    def demands(self) -> FloatArray:
-        onset = np.asarray([float(self.pair.wind.onset)])
-        return np.concatenate([self.pair.of_modes(plane, onset)[:, 0] for plane in (0, 1)])
 
     @cached_property
     def edges(self) -> FloatArray:
