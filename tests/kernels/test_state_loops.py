@@ -60,7 +60,7 @@ def exact(sections, delay, omega):
 
 
 def error_of(loop, omega, rise):
-    """Return what L may lack over its size: by the rounding of x = (j omega - A)^-1 B, and of omega.
+    """Return what L may lack over its size, of x = (j omega - A)^-1 B that is solved for.
 
     Elimination meets the equations of a matrix whose entries lack n roundings each (Wilkinson), and
     L = C x feels them by |C (j omega - A)^-1| |j omega - A| |x|. With the frequency, and with its

@@ -159,7 +159,7 @@ def _left(loop: AnyLoop, omega: FloatArray) -> FloatArray:
 
 
 def _polished(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """One step of Newton's to where L is real, of frequencies ``(k,)`` that are there but for rounding."""
+    """One step of Newton's to where L is real, from frequencies ``(k,)`` that lack a rounding."""
     omega = omega[:, np.newaxis]
     with np.errstate(all="ignore"):
         turn = loop.log_slope(omega).imag - loop.delay[:, np.newaxis]
