@@ -60,15 +60,20 @@ class Rational:
 
     def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
-        s = 1j * omega
-        return polynomials.value(self.numerator, s), polynomials.value(self.denominator, s)
+        return (
+            polynomials.on_axis(self.numerator, omega),
+            polynomials.on_axis(self.denominator, omega),
+        )
 
-    def log_slope(self, omega: FloatArray) -> FloatArray:
-        """Return d ln|L|/d omega = Im(D'/D - N'/N), ``(..., k)``."""
-        above, below = self.undelayed(omega)
-        slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
-        rises = [polynomials.value(slope, 1j * omega) for slope in slopes]
-        return np.imag(rises[1] / below - rises[0] / above)
+    def log_slope(self, omega: FloatArray) -> NDArray[Any]:
+        """Return d ln G/d omega = j (N'/N - D'/D) at j omega, without the delay, ``(..., k)``."""
+        above, below = (
+            product(polynomials.on_axis(polynomials.derivative(p), omega), inverse(value))
+            for p, value in zip(
+                (self.numerator, self.denominator), self.undelayed(omega), strict=True
+            )
+        )
+        return 1j * (above - below)
 
     def open_poles(self) -> NDArray[Any]:
         """Return the roots of the denominator."""
