@@ -57,14 +57,14 @@ def trim_law_needs(
     parts, everyone = np.linspace(0.0, 1.0, _TRIES), np.arange(low.size)
     for _ in range(_ROUNDS):
         tried = low[:, np.newaxis] + parts * (high - low)[:, np.newaxis]
-        lost = _lost(mode, times, winds, tried)
+        lost = trim_law_lost(mode, times, winds, tried)
         last = np.where(lost.any(axis=1), _TRIES - 1 - np.argmax(lost[:, ::-1], axis=1), -1)
         high = tried[everyone, np.minimum(last + 1, _TRIES - 1)]
         low = tried[everyone, np.maximum(last, 0)]
     return high
 
 
-def _lost(
+def trim_law_lost(
     mode: GrowingMode, times: FloatArray, winds: FloatArray, limits: FloatArray
 ) -> NDArray[np.bool_]:
     """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""
