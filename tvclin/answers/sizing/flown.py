@@ -55,10 +55,14 @@ def trim_law_needs(
     """
     low = np.maximum(np.broadcast_to(np.asarray(expected, dtype=float), winds.shape[:1]), _TINY)
     high = np.maximum(_largest_trim(mode, times, winds) * (1.0 + _MORE), low)
-    return edges_above_losses(lambda tried: _lost(mode, times, winds, tried.T).T, low, high)[0]
+
+    def lost(tried: FloatArray) -> NDArray[np.bool_]:
+        return trim_law_lost(mode, times, winds, tried.T).T
+
+    return edges_above_losses(lost, low, high)[0]
 
 
-def _lost(
+def trim_law_lost(
     mode: GrowingMode, times: FloatArray, winds: FloatArray, limits: FloatArray
 ) -> NDArray[np.bool_]:
     """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""
