@@ -217,25 +217,10 @@ def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor 
         with cluster(scheduler) as lent:
             yield lent
     elif workers is not None:
-        with _stopped_in_order(), processes(workers) as lent:
+        with processes(workers) as lent:
             yield lent
     else:
         yield None
-
-
-@contextmanager
-def _stopped_in_order() -> Iterator[None]:
-    """Let the workers end before this process when it is told to (SIGTERM)."""
-    import signal
-
-    def leave(number: int, _: object) -> None:
-        raise SystemExit(128 + number)
-
-    before = signal.signal(signal.SIGTERM, leave)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _print_done(found: "CampaignResults") -> None:
