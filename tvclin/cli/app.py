@@ -122,7 +122,7 @@ def _in_one_sentence() -> Iterator[None]:
         sentence = _sentence(error)
         if sentence is None:
             raise
-        typer.echo(f"Error: {sentence}", err=True)
+        _say(f"Error: {sentence}")
         raise typer.Exit(2) from None
 
 
@@ -149,8 +149,14 @@ def _sentence(error: Exception) -> str | None:
 
 def _say_once(message: str, said: set[str]) -> None:
     if message not in said:
-        typer.echo(f"Warning: {message}", err=True)
+        _say(f"Warning: {message}")
     said.add(message)
+
+
+def _say(words: str) -> None:
+    from tvclin.cli.output import say
+
+    say(words, err=True)
 
 
 def _version(wanted: bool) -> None:
