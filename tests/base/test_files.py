@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from time import monotonic
+from time import process_time
 
 import pytest
 
@@ -81,11 +81,11 @@ def test_what_takes_the_place_of_a_file_is_on_the_disk_before(tmp_path, monkeypa
 def test_what_may_never_end_is_not_read(tmp_path, kind):
     file = tmp_path / "sounding.csv"
     os.mkfifo(file) if kind == "pipe" else file.symlink_to("/dev/zero")
-    begun = monotonic()
+    begun = process_time()
     for read in (tv.read_sounding, tv.load_vehicle, tv.load_study, tv.load_schedule):
         with pytest.raises(tv.InputError, match="is not an ordinary file"):
             read(file)
-    assert monotonic() - begun < 5.0
+    assert process_time() - begun < 5.0
 
 
 @POSIX
@@ -136,10 +136,10 @@ def test_a_line_of_more_than_a_million_letters_is_told_so(tmp_path, end):
     ids=["headers", "key", "inline", "quoted"],
 )
 def test_keys_of_thousands_of_dots_are_refused_at_once(text):
-    begun = monotonic()
+    begun = process_time()
     with pytest.raises(tv.InputError, match="is nested more than 8 levels deep"):
         tables_of(text, "my.toml")
-    assert monotonic() - begun < 20.0
+    assert process_time() - begun < 20.0
 
 
 def test_dots_of_numbers_comments_and_words_are_no_levels():

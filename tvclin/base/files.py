@@ -112,7 +112,7 @@ def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") ->
         100 MB, or with a line of more than a million letters.
     """
     hint, name = f"; {start}" if start else "", called(path)
-    check_ordinary(path)
+    _check_ordinary(path)
     try:
         with path.open("rb") as file:
             content = file.read(_LARGEST + 1)
@@ -132,20 +132,6 @@ def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") ->
         raise InputError(f"{name} is empty{hint}")
     _check_lines(text, name)
     return text
-
-
-def check_ordinary(path: Path) -> None:
-    """Raise `InputError` for devices and pipes, which may never end; standard input is read."""
-    if not exists(path) or path.is_file() or path.is_dir():
-        return
-    try:
-        if os.path.samestat(path.stat(), os.fstat(0)):
-            return
-    except OSError:  # there is no standard input
-        pass
-    raise InputError(
-        f"{called(path)} is not an ordinary file; name one, or /dev/stdin for what is piped in"
-    )
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:
@@ -229,6 +215,20 @@ def _mode(path: Path) -> int:
     mask = os.umask(0)
     os.umask(mask)
     return 0o666 & ~mask
+
+
+def _check_ordinary(path: Path) -> None:
+    """Raise `InputError` for devices and pipes, which may never end; standard input is read."""
+    if not exists(path) or path.is_file() or path.is_dir():
+        return
+    try:
+        if os.path.samestat(path.stat(), os.fstat(0)):
+            return
+    except OSError:  # there is no standard input
+        pass
+    raise InputError(
+        f"{called(path)} is not an ordinary file; name one, or /dev/stdin for what is piped in"
+    )
 
 
 def _check_lines(text: str, name: str) -> None:
