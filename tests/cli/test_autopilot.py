@@ -70,7 +70,8 @@ def test_an_unstable_loop_has_a_reason_and_no_margins():
     assert "NO NUMBERS" in other.output
 
 
-def test_no_margins_and_notes_fit_a_terminal():
+def test_no_margins_and_notes_fit_a_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     gains = ("--attitude-gain", "2", "--rate-gain", "1.5")
     lost = run("margins", *gains, "--delay-ms", "900")
     endless = run("margins", *gains, "--actuator-frequency", "0")

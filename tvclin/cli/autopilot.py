@@ -27,6 +27,7 @@ from tvclin.cli.options import (
     Plot,
     grouped,
 )
+from tvclin.cli.output import say
 from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
@@ -110,9 +111,7 @@ def _draw(found: "TrimComparison", plot: Path) -> None:
     from tvclin.plots import comparison_chart, save_figure
 
     if not found.margins.stable:
-        typer.echo(
-            f"No figure is written to {plot}: an unstable loop has no response to draw.", err=True
-        )
+        say(f"No figure is written to {plot}: an unstable loop has no response to draw.", err=True)
         return
     save_figure(comparison_chart(found), plot)
 
@@ -174,21 +173,21 @@ def _print(
     pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
     if not found.margins.stable:
-        typer.echo(f"NO NUMBERS: {found.margins.reason}")
+        say(f"NO NUMBERS: {found.margins.reason}")
         return
     print_table("", ["deflection", "[deg]", "of trim"], _deflections(document))
     print_pairs("", _loads(document, worst), columns=1)
     print_bounds(found.autopilot, found.plant)
     for note in found.notes:
-        typer.echo(f"Note: {note}")
+        say(f"Note: {note}")
     word = "MET" if document["criteria"]["met"] else "NOT MET (tvclin margins says by how much)"
-    typer.echo(f"Criteria {document['criteria']['name']}: {word}")
+    say(f"Criteria {document['criteria']['name']}: {word}")
     if limit_deg is not None:
         word = "ENOUGH" if document["within_limit"] else "NOT ENOUGH for this autopilot"
         if worst is not None and document["within_limit"]:
             longer = limit_deg < float(np.degrees(worst.peak_deflection))
             word += f" in this wind, but not in one of {worst.duration:.3g} s" if longer else ""
-        typer.echo(f"Limit {limit_deg:g} deg: {word}")
+        say(f"Limit {limit_deg:g} deg: {word}")
 
 
 def _deflections(document: dict[str, Any]) -> list[list[str]]:

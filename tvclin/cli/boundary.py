@@ -6,6 +6,7 @@ import typer
 
 from tvclin.cli.inputs import load_linear, only_with
 from tvclin.cli.options import LINEAR_HELP, AsJson, Model, Plot, Wind
+from tvclin.cli.output import say
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -71,7 +72,7 @@ def boundary(
     title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
     for note in _notes(axis, x, K, limits.status):
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:

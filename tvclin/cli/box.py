@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
     from tvclin.answers.worst_case import WorstCase
     from tvclin.cli.pulse import PulseOptions
@@ -128,13 +130,11 @@ def print_worst(found: "WorstCase", asked: "Criteria") -> None:
         rows.append(["required deflection", *cells, _place(one.corner), one.how])
     print_table("Worst case in the box", ["", "nominal", "worst", "at", "how"], rows)
     if not found.stable:
-        typer.echo("In this box the loop becomes UNSTABLE; its margins count as zero there.")
+        say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
     worst = found.margins["disk_margin"]
     at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in worst.at.items())
-    typer.echo(f"Worst disk margin at: {at}")
-    typer.echo(
-        f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}"
-    )
+    say(f"Worst disk margin at: {at}")
+    say(f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}")
 
 
 def _place(corner: bool) -> str:

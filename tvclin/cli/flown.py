@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
     from tvclin.cli.pulse import PulseOptions
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -82,12 +84,12 @@ def print_flown(found: "FlownMargins", title: str) -> None:
 
     rows = [_row(name, getattr(found, name)) for name in CHANGES]
     print_table(title, ["may change", "by", "then it", "near rest"], rows)
-    typer.echo(
+    say(
         f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
         " autopilot."
     )
     for note in found.notes:
-        typer.echo(f"Note: {note}")
+        say(f"Note: {note}")
 
 
 def _row(name: str, one: "FlownMargin") -> list[str]:

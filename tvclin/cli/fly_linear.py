@@ -125,13 +125,12 @@ class LinearCase:
         """The vehicle, the wind, and what flies, in lines."""
         from tvclin.cli.bands import parts_line
         from tvclin.cli.fly_shown import wind_line
-        from tvclin.cli.margin_tables import lines
 
         servo, delay = self.nozzle["actuator"], 1000.0 * self.nozzle["delay"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
             wind_line(self),
-            *([lines(parts_line(self.structure))] if self.structure else []),
+            *([parts_line(self.structure)] if self.structure else []),
             f"linear equations, {self.plant.model}; law at {self.steps.rate:g} Hz, delay"
             f" {delay:g} ms, actuator {with_servo}",
         ]
@@ -172,16 +171,15 @@ def _compared(
     import numpy as np
 
     from tvclin.cli.fly_shown import Compared
-    from tvclin.cli.margin_tables import lines
 
     bends, (flown, rigid) = case.bends, flight.status
     rates = [float(np.degrees(one)) for one in flight.peak_rates]
     ends = [f"Flown: {_word(flown)}." + (f" Rigid: {_word(rigid)}." if bends else "")]
     if "rings" in (flown, rigid):
-        ends.append(lines(RINGS_MEANS))
+        ends.append(RINGS_MEANS)
     for name, one in zip(("flexible", "rigid")[not bends :], least or (), strict=False):
         if one.status != "ok":
-            ends.append(lines(f"Note: boundary, {name}: {one.status}"))
+            ends.append(f"Note: boundary, {name}: {one.status}")
     return Compared(
         case=case,
         flight=flight,

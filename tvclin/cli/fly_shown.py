@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.flights.beside import FlightBeside
@@ -104,10 +104,10 @@ class Compared:
             for name, (a, b) in [*rows, *self.rows]
         ]
         for line in self.heads:
-            typer.echo(line)
+            say(line)
         print_table(self.title, ["over the wind, in deg", *self.columns], cells)
         for line in self.ends:
-            typer.echo(line)
+            say(line)
 
     def _document(self) -> dict[str, Any]:
         from tvclin.base.documents import picked

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.linear.flexible import AnyPlant
@@ -77,13 +79,11 @@ def load_linear(source: str, plane: str) -> "AnyVehicle":
 
 def note_doubts(vehicle: "AnyVehicle") -> None:
     """Say what in the numbers of a vehicle is rather a slip than meant, on stderr."""
-    import typer
-
     from tvclin.vehicle.doubts import doubts
     from tvclin.vehicle.vehicle import Vehicle
 
     for doubt in doubts(vehicle) if isinstance(vehicle, Vehicle) else ():
-        typer.echo(f"Note: {doubt}.", err=True)
+        say(f"Note: {doubt}.", err=True)
 
 
 def note_structure(
@@ -93,8 +93,6 @@ def note_structure(
 
     The sentence says by how much the structure moves what they rest on, see `FlexiblePlant.shift`.
     """
-    import typer
-
     if structure is None or structure.is_rigid:
         return
     from tvclin.answers.flexible import flexible_plant, shift_words
@@ -102,7 +100,7 @@ def note_structure(
     moved = shift_words(flexible_plant(vehicle, structure, plane))
     said = f"Note: {which} are of the rigid vehicle, without the structure in its file"
     said += f", which {moved}" if moved else ""
-    typer.echo(f"{said} (tvclin margins has it).", err=True)
+    say(f"{said} (tvclin margins has it).", err=True)
 
 
 def note_source(source: str) -> None:

@@ -7,7 +7,6 @@ import typer
 from tvclin.cli.bands import parts_line
 from tvclin.cli.gains import LowPassHz, NotchHz, filters_of
 from tvclin.cli.inputs import load_plant, peak_angle
-from tvclin.cli.margin_tables import lines
 from tvclin.cli.options import (
     MODEL_DEFAULT,
     MODELS_HELP,
@@ -20,6 +19,7 @@ from tvclin.cli.options import (
     Plot,
     Rigid,
 )
+from tvclin.cli.output import say
 from tvclin.cli.progress import bar, share
 
 if TYPE_CHECKING:
@@ -128,11 +128,11 @@ def laws(
         print_json({**head, "trials": trials, "no_forecast": limits})
     else:
         if isinstance(flying, FlexiblePlant):
-            typer.echo(lines(parts_line(flying.structure)))
-            typer.echo(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
+            say(parts_line(flying.structure))
+            say(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
         wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
         engine = f"actuator {servo:g} rad/s" if servo else "no actuator"
-        typer.echo(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
+        say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
         _print(found, limits, list(chosen), trim)
 
 
@@ -172,23 +172,21 @@ def _print(
         headings[:-1],
         [row[:-1] for row in loads],
     )
-    typer.echo(
+    say(
         "any law: lower bound for all laws without a forecast that also survive if the wind stops"
         " for good at any instant (--cuts); - where the wind changes its sign."
     )
     one = found[0]
     scanned = (one.highest - one.lowest) / STEPS
-    typer.echo(
+    say(
         f"Tried: limits from {one.lowest:g} to {one.highest:g} in steps of {scanned:.2g}, and for"
         f" {ABOVE * scanned:.2g} above each edge in steps of {scanned / PARTS:.2g}, finer still"
         " near the edge. A narrower range of lost limits would not be seen."
     )
     if not all(one.monotone for one in found):
-        typer.echo(
-            "*: some lower limits survive as well; above this one all that were tried survive."
-        )
+        say("*: some lower limits survive as well; above this one all that were tried survive.")
     for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if _doubtful(one)):
-        typer.echo(said)
+        say(said)
 
 
 def _loads(one: "LawTrial") -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.inputs import only_with
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.least_gains.record import LeastGains
@@ -105,6 +106,6 @@ def print_least(found: "LeastGains") -> None:
         for name, one, trim in zip(found.question.names, found.each, trims, strict=True)
     ]
     print_table(f"Least nozzle: {what}", ["", "[deg]", "of trim"], rows)
-    typer.echo(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")
+    say(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")
     for note in found.notes:
-        typer.echo(f"Note: {note}")
+        say(f"Note: {note}")

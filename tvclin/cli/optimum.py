@@ -15,6 +15,7 @@ from tvclin.cli.options import (
     Plot,
     grouped,
 )
+from tvclin.cli.output import say
 from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def optimum(
     else:
         _print(f"{title} and {blows.duration:g} s", document)
     if best.status == NOT_CONVERGED:
-        typer.echo("Error: the optimum was not reached; only the lower bound is proved", err=True)
+        say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
 
 

@@ -19,6 +19,7 @@ from tvclin.cli.options import (
     Until,
     grouped,
 )
+from tvclin.cli.output import say
 from tvclin.cli.pulse import PulseOptions
 
 if TYPE_CHECKING:
@@ -134,25 +135,25 @@ def _print(
             *([f"{angle:.4f}", f"{when:.3f}"] if whole else _shown(None)),
         ],
     ]
-    typer.echo(_what(case))
+    say(_what(case))
     print_table(case.vehicle, ["exact response", "[deg]", "at [s]"], rows)
     word = "SUFFICIENT" if case.sufficient else "NOT SUFFICIENT"
     part = f", {case.limit / case.required:.4g} times that" if case.required else ""
     needed = f"Required {np.degrees(case.required):.4f} deg by {case.governs}"
-    typer.echo(f"{needed}; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
+    say(f"{needed}; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
     stable = "stable by (4b)" if verdict.stable else "not stable by (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
         stable = "stable by (4b) but for the slow mode of the flight path"
-    typer.echo(f"Held for ever, this deflection is {stable}; it leaves {verdict.left_over}")
+    say(f"Held for ever, this deflection is {stable}; it leaves {verdict.left_over}")
     if shown.why == LET_GO:
-        typer.echo(
+        say(
             "An autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
             f" response is shown until then, {shown.time:.3f} s."
         )
     elif shown.why == FALLEN:
-        typer.echo(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
+        say(f"The response is shown until it exceeds 90 deg, {shown.time:.3f} s.")
         if case.sufficient:
-            typer.echo(TURNED_OVER)
+            say(TURNED_OVER)
 
 
 def _covers_the_wind(case: Case, shown: "Shown") -> bool:

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
@@ -117,9 +119,9 @@ def print_questions(found: "Findings") -> None:
         False: f"NOT SUFFICIENT: {others}",
         None: "no limit was given",
     }
-    typer.echo(f"Verdict: {said[sufficient(found)]}")
+    say(f"Verdict: {said[sufficient(found)]}")
     for note in () if found.availability is None else found.availability.notes:
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _print_boundaries(result: "Study") -> None:
@@ -159,19 +161,19 @@ def _print_boundaries(result: "Study") -> None:
     )
     needed = limit_cell(deg(result.required_deflection), unit="deg")
     basis = f"(model {result.model}, dead band {result.dead_band:g})"
-    typer.echo(f"Required deflection: {needed} {basis}, {_governed(result)}")
+    say(f"Required deflection: {needed} {basis}, {_governed(result)}")
     if result.limit is not None and result.survivable_peak is not None:
         word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
         largest = abs(deg(result.survivable_peak))
         said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
         of_it = f", {result.peak_of}" if result.peak_of and np.isfinite(largest) else ""
-        typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}{of_it}")
-    typer.echo(
+        say(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}{of_it}")
+    say(
         "no forecast, bound: lower bound for laws that do not know when the wind will stop; wind"
         " known: the minimum, appendix C; y_BR: limit over ideal trim"
     )
     for note in result.notes:
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _survived(result: "Study") -> list[str]:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from tvclin.cli.options import AsJson
+from tvclin.cli.output import say
 
 
 def vehicles(as_json: AsJson = False) -> None:
@@ -60,4 +61,4 @@ def init(
     write_new(file, text)
     name = called(file)
     then = f"tvclin report {name}" if study else f"tvclin study {name}"
-    typer.echo(f"Wrote {name}. Fill in what differs, then: {then}")
+    say(f"Wrote {name}. Fill in what differs, then: {then}")

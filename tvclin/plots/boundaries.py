@@ -31,6 +31,7 @@ from tvclin.plots.style import (
     cycle,
     draw,
     fine_grid,
+    literal,
     new_axes,
 )
 from tvclin.vehicle.coefficients import Coefficients
@@ -169,7 +170,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         limit = float(np.degrees(study.limit))
         axes.axhline(limit, color=WARM, lw=1.6, label="available limit")
     axes.set(
-        title=curves.parameters,
+        title=literal(curves.parameters),
         xlabel="wind duration [s]",
         ylabel="deflection [deg]",
         xlim=(0.0, float(x.max())),

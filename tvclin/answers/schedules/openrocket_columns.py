@@ -12,6 +12,7 @@ from tvclin.answers.schedules.build import above_sea
 from tvclin.answers.schedules.flight import Flight
 from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
 from tvclin.base.errors import InputError
+from tvclin.base.files import called
 
 _NEEDED = {
     "time": ("time", "Time"),
@@ -45,8 +46,8 @@ def table_of(path: str | PathLike[str]) -> Table:
     table = read_table_text(path, "data that OpenRocket exports", is_header)
     if table is None:
         raise InputError(
-            f"{path} has no line of column names with their units, such as Time (s); export it"
-            " again with field descriptions included"
+            f"{called(path)} has no line of column names with their units, such as Time (s);"
+            " export it again with field descriptions included"
         )
     return table
 

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 
 from tvclin.answers.schedules.units import WRITTEN, Unit, unit_of
 from tvclin.base.errors import InputError, shown
-from tvclin.winds.soundings.text import IntArray, Text, read_lines
+from tvclin.winds.soundings.text import (
+    LATEST_HEADER,
+    MOST_COLUMNS,
+    IntArray,
+    Text,
+    read_lines,
+)
 
 FloatArray = NDArray[np.float64]
 Cells = tuple[str, ...]
@@ -25,6 +31,7 @@ _MARKS = "#%!'\" \ufeff"
 _DECIMAL = re.compile(r"[+-]?\d*([.,])\d+([eE][+-]?\d+)?")
 _SYMBOL = re.compile(r"\s*\((?![a-z ]{2,}\))[^()]*\)$")
 """A symbol in parentheses behind a name; words in small letters are part of the name."""
+_LONGEST_NAME = 200
 
 
 @dataclass(frozen=True)
@@ -168,12 +175,17 @@ def read_table_text(
     ------
     InputError
         For a file that cannot be read, a row with more or fewer cells than there are names, decimal
-        commas that semicolons do not tell from others, and a table without a row.
+        commas that semicolons do not tell from others, a table without a row, and names that no
+        table has: more than a thousand, below the first thousand lines, or of more than 200
+        letters.
     """
     text = read_lines(path, kind, errors="replace")
-    for i, content in enumerate(text.lines):
+    for i, content in enumerate(text.lines[:LATEST_HEADER]):
         for separator in (*_SEPARATORS, _BEHIND_UNITS, _SPACES):
-            headings = _headings(content, separator)
+            cells = _cells(content, separator)
+            if len(cells) > MOST_COLUMNS:
+                raise text.error(i + 1, f"it has more than {MOST_COLUMNS} columns")
+            headings = tuple(_heading(k, cell) for k, cell in enumerate(cells))
             if len(headings) > 1 and is_header(headings):
                 return _rows(text, i, headings, separator)
     return None
@@ -184,15 +196,13 @@ def letters(name: str) -> str:
     return "".join(c for c in name.lower() if c.isascii() and c.isalnum())
 
 
-def _headings(content: str, separator: str) -> tuple[Heading, ...]:
+def _cells(content: str, separator: str) -> list[str]:
     content = content.lstrip(_MARKS).rstrip()
     if separator == _BEHIND_UNITS:
-        cells = re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content)
-    elif separator == _SPACES:
-        cells = content.split()
-    else:
-        cells = content.rstrip(separator).split(separator)
-    return tuple(_heading(i, cell) for i, cell in enumerate(cells))
+        return re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content)
+    if separator == _SPACES:
+        return content.split()
+    return content.rstrip(separator).split(separator)
 
 
 def _heading(index: int, cell: str) -> Heading:
@@ -203,6 +213,12 @@ def _heading(index: int, cell: str) -> Heading:
 
 
 def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) -> Table:
+    for one in headings:
+        if len(one.text) > _LONGEST_NAME:
+            raise text.error(
+                header + 1,
+                f"a name of a column has at most {_LONGEST_NAME} letters; got {shown(one.text)}",
+            )
     rows: list[Cells] = []
     line: list[int] = []
     for n, content in enumerate(text.lines[header + 1 :], start=header + 2):
