@@ -201,11 +201,11 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
 def rounded(table: Table, flight: Flight) -> list[str]:
     """Return what to say of an inertia or a density that was written with too few decimals."""
     told = []
-    for name, dimension, called in (
+    for name, dimension, header in (
         ("moment_of_inertia", *_NEEDED["moment_of_inertia"]),
         ("density", "density", _DENSITY),
     ):
-        heading = table.find(called)
+        heading = table.find(header)
         if heading is None or name not in flight.columns:
             continue
         written = [row[heading.index] for row in table.cells]
