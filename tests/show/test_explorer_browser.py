@@ -196,7 +196,8 @@ def test_a_signal_ends_jupyterlab_and_its_kernels(
     while not started.answers():
         assert monotonic() - begun < LONGEST_WAIT
         sleep(0.1)
-    urlopen(Request(f"{started.address}/api/kernels", data=b"{}", method="POST"), timeout=LONGEST_WAIT)
+    asked = Request(f"{started.address}/api/kernels", data=b"{}", method="POST")
+    urlopen(asked, timeout=LONGEST_WAIT)
     kernels = started.kernels()
     started.process.send_signal(ended)
 
