@@ -67,12 +67,9 @@ class Rational:
 
     def log_slope(self, omega: FloatArray) -> NDArray[Any]:
         """Return d ln G/d omega = j (N'/N - D'/D) at j omega, without the delay, ``(..., k)``."""
-        above, below = (
-            product(polynomials.on_axis(polynomials.derivative(p), omega), inverse(value))
-            for p, value in zip(
-                (self.numerator, self.denominator), self.undelayed(omega), strict=True
-            )
-        )
+        slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
+        rises = [polynomials.on_axis(slope, omega) for slope in slopes]
+        above, below = map(product, rises, map(inverse, self.undelayed(omega)))
         return 1j * (above - below)
 
     def open_poles(self) -> NDArray[Any]:
