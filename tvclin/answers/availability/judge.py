@@ -254,7 +254,8 @@ class Judge:
         both = np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
         if limits is not None:
             for a, limit in enumerate(limits.tolist()):
-                part = np.where(paired, np.nan, limit / both[0, a])
+                over = ~paired & (np.nan_to_num(both[0, a]) > limit)
+                part = np.divide(limit, both[0, a], out=np.ones(over.shape), where=over)
                 both[:, a, survives_all(met[a], part)] = limit
         return both
 
