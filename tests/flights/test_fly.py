@@ -534,7 +534,7 @@ BATCH = Plant.from_coefficients(COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
         ({"rate_limit": 0.1}, "a rate_limit needs an actuator or a sample_rate"),
         ({"law": NOISY}, "noise belongs to samples; give a sample_rate"),
         ({"sample_rate": 0.0}, "sample_rate must be positive"),
-        ({"sample_rate": 39.0, "actuator": SERVO}, "must be at least 40 Hz for an actuator of 20"),
+        ({"sample_rate": 0.1, "actuator": SERVO}, "must be at least 0.16 Hz for an actuator of 20"),
         ({"actuator": 20.0}, "actuator must be an Actuator"),
         (
             {"actuator": Actuator(natural_frequency=[20.0, 30.0])},

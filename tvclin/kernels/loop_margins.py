@@ -45,6 +45,8 @@ class LoopFindings:
     gain_frequencies, phases : ndarray
         Where |L| = 1 [rad/s], rising, and how far L may lag more there until it is -1 [rad],
         ``(k, n)``, filled with NaN.
+    delays : ndarray
+        How much later L may be there until it is -1 [s], ``(k, n)``.
     phase_frequencies, factors : ndarray
         Where L is real and negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN.
     peaks : ndarray
@@ -56,6 +58,7 @@ class LoopFindings:
     marginal: NDArray[np.bool_]
     gain_frequencies: FloatArray
     phases: FloatArray
+    delays: FloatArray
     phase_frequencies: FloatArray
     factors: FloatArray
     peaks: FloatArray
@@ -78,14 +81,13 @@ def classical_margins(found: LoopFindings) -> FloatArray:
     and their frequencies [rad/s] NaN, where there is none.
     """
     # k L is -1 for k = 1/|L| where L is real and negative: the gain may fall by 1/k where k < 1 and
-    # rise to k where k > 1. L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n.
+    # rise to k where k > 1.
     factors, at = found.factors, found.phase_frequencies
     omega, phases = found.gain_frequencies, found.phases
     with np.errstate(divide="ignore"):
         fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
     rise = np.where(factors > 1.0, factors, np.nan)
-    late = phases % (2.0 * np.pi) / omega
-    pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (late, omega))
+    pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (found.delays, omega))
     return np.asarray([_least(values, where) for values, where in pairs])
 
 
@@ -105,8 +107,10 @@ def _findings(loop: AnyLoop) -> LoopFindings:
     at, sizes = _phase_crossovers(loop, omega, *parts)
     peaks = np.full((len(omega), 3, 2), np.nan)
     with np.errstate(divide="ignore"):
+        # L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n
+        delays, factors = phases % (2.0 * np.pi) / gains, 1.0 / sizes
         found = LoopFindings(
-            verdict.unstable_poles, verdict.marginal, gains, phases, at, 1.0 / sizes, peaks
+            verdict.unstable_poles, verdict.marginal, gains, phases, delays, at, factors, peaks
         )
     good = np.flatnonzero(found.stable)
     peaks[good] = _peaks(loop.take(good), omega[good], *(part[good] for part in parts))
