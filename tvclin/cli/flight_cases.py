@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tvclin.cli.fly_shown import Compared
     from tvclin.cli.pulse import PulseOptions
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.laws.law import Law
     from tvclin.flights.condition import FlightCondition
     from tvclin.flights.control import ReportControl
@@ -13,21 +14,10 @@ if TYPE_CHECKING:
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
 
-LAWS = {
-    "trim": "trim",
-    "dead-band": "dead band 0.5",
-    "saturated": "attitude and rate",
-    "half-relief": "half relief",
-    "recoverable": "recoverable attitude",
-}
-"""What the laws of `tvclin laws` are called here."""
-ENGINES = {
-    "planar": "the report's nonlinear equations in one plane",
-    "sixdof": "JSBSim, six degrees of freedom, steps of 0.01 s",
-}
 _TOLERANCE, _HIGHEST = 5e-4, 4.0
 """Of a boundary that is flown, over the largest trim deflection."""
-_WITH_BAND = ("report", "dead-band")
+REPORT = "report"
+"""The report's control, which is no feedback of a sampled law."""
 _SPARE = 1.1
 _LONGEST = 1000.0
 """Of a flight, over the time of its fastest mode; the solver takes about as many steps."""
@@ -54,7 +44,8 @@ class FlightCase:
     @property
     def dead_band(self) -> float | None:
         """K, where the law has one."""
-        return getattr(self.control, "dead_band", None) if self.law in _WITH_BAND else None
+        given = self.law in (REPORT, "dead-band")
+        return getattr(self.control, "dead_band", None) if given else None
 
     @property
     def title(self) -> str:
@@ -83,36 +74,28 @@ class FlightCase:
 
 def flight_wind(vehicle: Any, blows: "PulseOptions", plane: str, along: bool) -> "History":
     """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    wind = blows.blowing(vehicle, plane)
+    wind = blows.blowing(vehicle, plane).history({})
     middle = 0.0 if vehicle.time is None else float(vehicle.time)
     return wind.shift(middle - blows.duration / 2) if along else wind
 
 
-def _control(
-    plant: "Plant", law: str, dead_band: float | None, peak: float
+def designed(
+    plant: "Plant", law: str, dead_band: float | None, peak: float, asked: "GainsAsked | None"
 ) -> "ReportControl | Law":
-    from tvclin.base.errors import one_of
+    """Return the report's control, or a law with its dead band or the gains that are asked for."""
+    from tvclin.base.errors import InputError, one_of
+    from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
     from tvclin.flights.control import ReportControl
 
-    one_of("--law", law, ["report", *LAWS])
-    if law == "report":
+    one_of("--law", law, [REPORT, *LAWS])
+    if law not in (REPORT, DEAD_BAND) and dead_band is not None:
+        raise InputError(f"--dead-band belongs to the laws {REPORT} and {DEAD_BAND}")
+    if law == REPORT:
         return ReportControl(1.0 if dead_band is None else dead_band)
-    return standard_law(plant, law, dead_band, peak)
-
-
-def standard_law(plant: "Plant", law: str, dead_band: float | None, peak: float) -> "Law":
-    """Return a law of `LAWS`, designed on a plant and for a peak [rad]."""
-    from dataclasses import replace
-
-    from tvclin.answers.trials import standard_laws
-    from tvclin.base.errors import InputError
-
-    chosen = standard_laws(plant, peak)[LAWS[law]]
-    if dead_band is None:
-        return chosen
-    if law not in _WITH_BAND:
-        raise InputError("--dead-band belongs to the laws report and dead-band")
-    return replace(chosen, dead_band=dead_band)  # type: ignore[type-var]
+    own: dict[str, Any] = {} if dead_band is None else {"dead_band": dead_band}
+    if law == AUTOPILOT and asked is not None:
+        own = {AUTOPILOT: asked.autopilot(plant)}
+    return design_law(law, plant, peak, **own)
 
 
 def flight_case(
@@ -125,6 +108,7 @@ def flight_case(
     dead_band: float | None,
     limit_deg: float | None,
     condition: "FlightCondition | None",
+    asked: "GainsAsked",
     length: float,
 ) -> FlightCase:
     """Return the case that the options ask for, to be flown for a length [s].
@@ -141,7 +125,7 @@ def flight_case(
 
     plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
     _check_flight(plant, wind, length)
-    control = _control(plant, law, dead_band, float(wind.peak))
+    control = designed(plant, law, dead_band, float(wind.peak), asked)
     least = linear_boundary(plant, control, wind)
     limit = _SPARE * least
     if np.isinf(limit) and limit_deg is None:
@@ -149,8 +133,8 @@ def flight_case(
     if limit_deg is not None:
         limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
-    asked = (vehicle, shape, wind, engine, plane, law, control, condition)
-    return FlightCase(*asked, least, minimum, limit)
+    flown = (vehicle, shape, wind, engine, plane, law, control, condition)
+    return FlightCase(*flown, least, minimum, limit)
 
 
 def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
@@ -186,6 +170,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
     from tvclin.cli.fly_shown import Compared
     from tvclin.flights.beside import fly_beside
+    from tvclin.flights.engines import ENGINES
     from tvclin.linear.models import USUAL_MODEL
 
     start = float(case.wind.onset)
@@ -218,7 +203,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         beside="linear",
         columns=("flown", "linear", "difference"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
-        heads=[case.title, f"flown: {ENGINES[case.engine]}", case.assumed, linear],
+        heads=[case.title, f"flown: {ENGINES[case.engine].words}", case.assumed, linear],
         ends=ends,
         title=f"Limit {np.degrees(case.limit):.4f} deg, {case.limit / case.boundary:.4g} times the"
         " linear boundary",

@@ -1,14 +1,12 @@
 """`tvclin fly --engine linear`: a sampled law, with the nozzle's limits, rigid or flexible."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import only_with
-
 if TYPE_CHECKING:
     from tvclin.cli.fly_shown import Compared
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.laws.law import Law
     from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
     from tvclin.flights.flexible import SampledFlight
@@ -21,15 +19,13 @@ _RATE = 100.0
 """Samples of a law [Hz] where nothing is asked."""
 _SPARE, _HIGHEST = 1.1, 4.0
 """Of the limit over the boundary, and of the limits tried for that over the largest trim."""
-_OF_ALL = ("actuator_frequency", "actuator_damping", "delay_ms", "notch_hz", "low_pass_hz")
-"""Options of gains that any law takes."""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """The options of a law in steps: gains and filters, samples [Hz], and rate limit [deg/s]."""
+    """A law in steps: its gains and what is about it, samples [Hz] and rate limit [deg/s]."""
 
-    gains: GainOptions = field(default_factory=GainOptions)
+    asked: "GainsAsked"
     sample_rate: float | None = None
     rate_limit_deg: float | None = None
 
@@ -37,11 +33,6 @@ class Steps:
     def rate(self) -> float:
         """Samples of the law [Hz]."""
         return _RATE if self.sample_rate is None else self.sample_rate
-
-    @property
-    def hardware(self) -> GainOptions:
-        """The options that any law takes: filters, actuator and delay."""
-        return GainOptions(**{name: getattr(self.gains, name) for name in _OF_ALL})
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,24 +64,20 @@ class LinearCase:
     @cached_property
     def control(self) -> "Law":
         """The law, with the filters that were asked for."""
+        from tvclin.answers.flexible import with_filters
         from tvclin.base.errors import InputError
-        from tvclin.cli.flight_cases import LAWS, standard_law
-        from tvclin.control.laws.attitude import SaturatedLaw
-        from tvclin.control.laws.filtered import FilteredLaw
+        from tvclin.cli.flight_cases import REPORT, designed
+        from tvclin.control.laws.law import Law
 
-        if self.law == "report":
+        if self.law == REPORT:
             raise InputError(
-                "--law report has no actuator and no samples: fly it by --engine planar or sixdof,"
-                " or give --law trim"
+                f"--law {REPORT} has no actuator and no samples: fly it by --engine planar or"
+                " sixdof, or give --law trim"
             )
-        chosen = standard_law(self.frame, self.law, self.dead_band, float(self.wind.peak))
-        if self.law == "saturated":
-            gains = self.steps.gains.autopilot(self.frame)
-            return SaturatedLaw(replace(gains, actuator=None, delay=0.0))
-        own = {k: v for k, v in self.steps.gains.given.items() if k not in _OF_ALL}
-        only_with(f"--law saturated; {LAWS[self.law]} has its own gains", **own)
-        filters = self._hardware.filters
-        return FilteredLaw(chosen, filters=filters) if filters else chosen
+        peak = float(self.wind.peak)
+        chosen = designed(self.frame, self.law, self.dead_band, peak, self.steps.asked)
+        assert isinstance(chosen, Law)
+        return with_filters(chosen, self.steps.asked)
 
     @cached_property
     def nozzle(self) -> dict[str, Any]:
@@ -101,18 +88,13 @@ class LinearCase:
 
         most = self.steps.rate_limit_deg
         return {
-            "actuator": self._hardware.actuator,
-            "delay": float(self._hardware.delay),
+            "actuator": self.steps.asked.actuator,
+            "delay": float(self.steps.asked.delay),
             "sample_rate": number("--sample-rate", self.steps.rate, positive, "Hz"),
             "rate_limit": np.inf
             if most is None
             else float(np.radians(number("--rate-limit-deg", most, positive, "deg/s"))),
         }
-
-    @cached_property
-    def _hardware(self) -> Any:
-        """An autopilot with filters, actuator and delay as asked, whatever its gains."""
-        return replace(self.steps.hardware, attitude_gain=1.0, rate_gain=1.0).autopilot(self.frame)
 
     def boundary(self, plant: "AnyPlant") -> "ClosedLoopBoundary":
         """Return the boundary of the law on a plant."""

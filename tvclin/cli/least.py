@@ -9,9 +9,9 @@ from tvclin.cli.inputs import only_with
 
 if TYPE_CHECKING:
     from tvclin.answers.least_gains.record import LeastGains
-    from tvclin.cli.gains import GainOptions
+    from tvclin.cli.gains import GainOptions, LoopOptions
     from tvclin.control.margins.criteria import Criteria
-    from tvclin.linear.plant import Plant
+    from tvclin.linear.flexible import AnyPlant
     from tvclin.winds.histories import History
 
 Least = Annotated[
@@ -47,7 +47,8 @@ _DURATIONS = (1.0, 0.5, 2.0)
 
 def found_least(
     gains: "GainOptions",
-    plant: "Plant",
+    loop: "LoopOptions",
+    plant: "AnyPlant",
     wind: Any,
     criteria: "Criteria",
     least: bool,
@@ -72,7 +73,7 @@ def found_least(
         return None
     if gains.design not in (None, LEAST_NOZZLE):
         raise InputError(f"give --least or --design {gains.design}, not both")
-    asked = gains.asked(design=LEAST_NOZZLE, crossover=crossover)
+    asked = gains.asked(loop, design=LEAST_NOZZLE, crossover=crossover)
     free = ("attitude", "rate", "alpha") if three_gains else ("attitude", "rate")
     winds: list[History] = [
         type(wind)(peak=wind.peak, duration=part * wind.duration) for part in _DURATIONS

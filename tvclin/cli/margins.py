@@ -7,9 +7,9 @@ import typer
 
 from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
 from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
-from tvclin.cli.flown import Flown, FlownCase, FlownLimitDeg, SampleRate, print_flown
-from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import load_plant, note_structure, only_with
+from tvclin.cli.flown import Flown, FlownLimitDeg, SampleRate, flown_of, print_flown
+from tvclin.cli.gains import GainOptions, LoopOptions, given
+from tvclin.cli.inputs import note_structure, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     LinearVehicle,
@@ -50,6 +50,7 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 def margins(
     vehicle: LinearVehicle = "configuration-i",
     gains: GainOptions = GainOptions(),
+    loop: LoopOptions = LoopOptions(),
     criteria: CriteriaName = "classic",
     gain_db: GainDb = None,
     phase_deg: PhaseDeg = None,
@@ -95,25 +96,22 @@ def margins(
     asked = wanted_criteria(
         criteria, gain_db, phase_deg, delay_margin_ms, mode_gain_db, mode_phase_deg
     )
-    loaded, plant, frame = load_plant(vehicle, model, plane, rigid)
-    if plant is frame:
-        only_with(
-            "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid",
-            mode_gain_db=mode_gain_db,
-            mode_phase_deg=mode_phase_deg,
-            detuned=detuned,
-        )
+    loaded = vehicle_of(vehicle, rigid)
+    case = blows.case(loaded, model, plane, gains.asked(loop), limit_deg)
+    plant = case.plant
+    modes = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
+    of_modes = {"mode_gain_db": mode_gain_db, "mode_phase_deg": mode_phase_deg, "detuned": detuned}
+    only_with(modes, **({} if loaded.structure else of_modes))
     only_with("--flown", limit_deg=None if flown else limit_deg)
-    autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
+    only_with("--flown or --box", **({} if flown or box else given(blows)))
+    autopilot = replace(case.autopilot, sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None
-    case = FlownCase(limit_deg, blows, sample_rate)
-    fine = flown and found.whole.stable
-    in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
-    in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, blows)
+    in_wind = flown_of(case, sample_rate) if flown and found.whole.stable else None
+    in_box = worst_in_box(box or [], case)
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
     if in_box is not None:
-        note_structure(loaded, getattr(plant, "structure", None), plane, "the margins in the box")
+        note_structure(loaded, plane, "the margins in the box")
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
@@ -121,14 +119,14 @@ def margins(
         if in_box is not None:
             box_document = in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
         beside = {"detuned": moved, "flown": in_wind, "box": in_box and box_document}
-        given = {name: one for name, one in beside.items() if one is not None}
-        print_json(head | margins_document(found) | given)
+        more = {name: one for name, one in beside.items() if one is not None}
+        print_json(head | margins_document(found) | more)
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
         if moved is not None:
             print_detuned(moved)
         if in_wind is not None:
-            print_flown(in_wind, case.title)
+            print_flown(in_wind, case, sample_rate)
         if in_box is not None:
             print_worst(in_box, in_all)
     if not (found.met and (in_box is None or met_in_box(in_box, in_all))):

@@ -11,6 +11,8 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
 from tvclin.vehicle.damping import QUANTITIES, damping_of
+from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure_file import build_structure
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 _ALWAYS = {
@@ -53,6 +55,9 @@ def list_vehicles() -> list[str]:
 def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     """Return a vehicle by its name in the package, or from a TOML file.
 
+    What bends and sloshes stands beside [vehicle], under headings of its own: [structure],
+    [engine], [sensors], and one [[bending]] and [[slosh]] for each mode and tank. All are optional.
+
     Parameters
     ----------
     source : str or path
@@ -71,6 +76,9 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     >>> import tvclin as tv
     >>> tv.load_vehicle("configuration-i").weight
     1480000.0
+    >>> structure = tv.load_vehicle("made-up-booster").structure
+    >>> [mode.frequency for mode in structure.bending], len(structure.slosh)
+    ([13.58, 30.18, 61.18], 2)
     """
     return parse_vehicle(*vehicle_text(source))
 
@@ -93,7 +101,7 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
     table = table_of(text, source, VEHICLE_TABLE)
     with naming(called(source)):
-        return build_vehicle(table)
+        return build_vehicle(table, structure=build_structure(tables_of(text, source)))
 
 
 def needs_whole(what: str) -> str:
@@ -122,7 +130,9 @@ def template() -> str:
     return files("tvclin.vehicle").joinpath("shipped", "template.txt").read_text(encoding="utf-8")
 
 
-def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
+def build_vehicle(
+    given: Mapping[str, Any], heading: str = "[vehicle]", structure: Structure | None = None
+) -> Vehicle:
     """Return the vehicle of a table of keys with their units; the heading is for messages.
 
     Raises
@@ -136,7 +146,7 @@ def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehic
     aerodynamic = values.keys() & _AERODYNAMICS
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
-    return build(**values)
+    return build(**values, structure=structure)
 
 
 def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -308,16 +308,15 @@ class SizingAsked:
 
     def _met(self, pulse: ShapedWind) -> WindOf:
         def met(vehicle: Vehicle) -> History | PlaneWind:
+            blows = replace(pulse, gust=self.gust)
             if pulse.heading is None and self.plane != BOTH:
-                wind = pulse.history({"wind_peak": self.peak_at(vehicle, pulse)})
-                return wind if self.gust is None else wind + self.gust
+                return blows.history({"wind_peak": self.peak_at(vehicle, pulse)})
             peaks = self._peaks(vehicle, pulse)
             if self.plane == BOTH:
-                winds = {plane: part_in(pulse, peaks, plane, self.gust) for plane in PLANES}
-                return PlaneWind(**winds)
+                return PlaneWind(**{plane: part_in(blows, peaks, plane) for plane in PLANES})
             if peaks[self.plane] == 0.0:
                 pulse.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
-            return part_in(pulse, peaks, self.plane, self.gust)
+            return part_in(blows, peaks, self.plane)
 
         return met
 

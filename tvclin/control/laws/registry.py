@@ -1,0 +1,118 @@
+"""The laws by name: how each is designed on a plant, and what of its own it takes.
+
+Trim and dead band hold the attitude, as the report means it, whatever the plant: designed with
+drift they would let its slow mode grow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from tvclin.base.errors import InputError, instance, one_of
+from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
+from tvclin.control.laws.attitude import SaturatedLaw
+from tvclin.control.laws.dead_band import DeadBandLaw
+from tvclin.control.laws.law import Law
+from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
+from tvclin.control.laws.trim import TrimLaw
+from tvclin.linear.plant import RIGID, Plant
+
+AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
+
+
+@dataclass(frozen=True)
+class Design:
+    """How a law is designed.
+
+    Attributes
+    ----------
+    words : str
+        What it is.
+    law : callable
+        From a plant, the peak of a wind [rad], and `own`.
+    own : str
+        What it takes of its own by name; empty for nothing.
+    """
+
+    words: str
+    law: Callable[..., Law]
+    own: str = ""
+
+
+def _feedback(plant: Plant, peak: float, autopilot: Autopilot | None = None) -> Law:
+    del peak
+    if autopilot is None:
+        return SaturatedLaw(canonical_gains(plant.coefficients))
+    return SaturatedLaw(Autopilot(**{name: getattr(autopilot, name) for name in GAINS}))
+
+
+def _trim(plant: Plant, peak: float) -> Law:
+    del peak
+    return TrimLaw(Plant(plant.coefficients, "fixed-path"))
+
+
+def _dead_band(plant: Plant, peak: float, dead_band: float = 0.5) -> Law:
+    del peak
+    return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
+
+
+def _half_relief(plant: Plant, peak: float) -> Law:
+    del peak
+    return SaturatedLaw(half_relief_gains(plant.coefficients))
+
+
+def _recoverable(plant: Plant, peak: float) -> Law:
+    return RecoverableAttitudeLaw(plant, design_peak=peak)
+
+
+LAWS: Mapping[str, Design] = MappingProxyType(
+    {
+        AUTOPILOT: Design(
+            "gains of an autopilot, the canonical ones where none are given", _feedback, AUTOPILOT
+        ),
+        "trim": Design("ideal trim with attitude feedback", _trim),
+        DEAD_BAND: Design("trim up to K times the limit, then all of it", _dead_band, "dead_band"),
+        "half-relief": Design("gains that turn the nose half into the wind", _half_relief),
+        "recoverable-attitude": Design("as far into the wind as can be recovered", _recoverable),
+    }
+)
+
+
+def design_law(name: str, plant: Plant, peak: float, **own: Any) -> Law:
+    """Return a law by its name, designed on a plant and for the peak of a wind.
+
+    Parameters
+    ----------
+    name : str
+        One of `LAWS`.
+    plant : Plant
+        One plant.
+    peak : float
+        Peak of the wind [rad], which the law "recoverable-attitude" is designed for.
+    **own
+        What the law takes of its own: `autopilot`, whose gains the law "autopilot" has in place of
+        the canonical ones, and `dead_band`, K of the law "dead-band" in place of 0.5.
+
+    Raises
+    ------
+    InputError
+        For another name, what the law does not take, and as the law.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    >>> tv.design_law("dead-band", plant, peak=0.09, dead_band=0.8).dead_band
+    0.8
+    """
+    design = LAWS[one_of("law", name, LAWS)]
+    instance("plant", plant, Plant, RIGID)
+    for key in own:
+        if key != design.own:
+            raise InputError(f"{key} is not of the law {name}; leave it out")
+    return design.law(plant, peak, **own)
