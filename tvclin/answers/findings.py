@@ -94,7 +94,7 @@ class Findings:
     @property
     def criteria(self) -> Criteria:
         """What the margins are held to."""
-        return _criteria(self.plan)
+        return self.plan.held_to
 
     @property
     def margins(self) -> Margins | BandMargins | None:
@@ -236,7 +236,7 @@ def _comparison(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> TrimCo
 def _flexible(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
 
-    (plant, autopilot), criteria = loop(), _criteria(plan)
+    (plant, autopilot), criteria = loop(), plan.held_to
     # along a straight wind the stop leaves this plane its part
     limit = None if plan.limit is None else plan.limit / study.of_both
     return flexible_answer(plant, autopilot, criteria, study.history, limit)
@@ -279,13 +279,7 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     """The plant and the autopilot that is asked for; gains that are sought meet the criteria."""
     from tvclin.answers.least_gains.asked import autopilot_asked
 
-    return plan.plant, autopilot_asked(plan.asked, plan.plant, study.history, _criteria(plan))
-
-
-def _criteria(plan: StudyPlan) -> Criteria:
-    from tvclin.control.margins.criteria import CRITERIA
-
-    return plan.criteria or CRITERIA["classic"]
+    return plan.plant, autopilot_asked(plan.asked, plan.plant, study.history, plan.held_to)
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:

@@ -6,20 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.bands import parts_line
+from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GainOptions, LoopOptions
 from tvclin.cli.inputs import note_structure, vehicle_of
-from tvclin.cli.least import (
-    Crossover,
-    Least,
-    Limits,
-    Stops,
-    ThreeGains,
-    draw_front,
-    found_least,
-    print_least,
-)
-from tvclin.cli.margin_tables import lines, poles, print_bounds
-from tvclin.cli.margins import CriteriaName, wanted_criteria
+from tvclin.cli.least import LeastOptions, draw_front, print_least
+from tvclin.cli.margin_tables import MarginsFound, lines, poles, print_bounds
 from tvclin.cli.options import (
     AsJson,
     LinearVehicle,
@@ -50,12 +41,8 @@ def autopilot(
     ] = None,
     gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
-    criteria: CriteriaName = "classic",
-    least: Least = False,
-    three_gains: ThreeGains = False,
-    crossover: Crossover = None,
-    limits: Limits = False,
-    stops: Stops = 0,
+    criteria: CriteriaOptions = CriteriaOptions(),
+    least: LeastOptions = LeastOptions(),
     rigid: Rigid = False,
     model: Model = None,
     plane: Plane = "pitch",
@@ -81,10 +68,8 @@ def autopilot(
     case = blows.case(loaded, model, plane, gains.asked(loop))
     plant, wind = case.plant, case.history
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
-    asked = wanted_criteria(criteria)
-    sought = found_least(
-        gains, loop, plant, wind, asked, least, three_gains, crossover, limits, stops
-    )
+    asked = criteria.wanted(loaded)
+    sought = least.found(case, asked)
     autopilot = case.autopilot if sought is None else sought.autopilot
     found = compare_with_trim(plant, autopilot, wind)
     worst = _worst(found)
@@ -140,7 +125,7 @@ def _document(
     from tvclin.vehicle.vehicle import Vehicle
 
     within = limit_deg is None or np.degrees(found.peak_deflection) <= limit_deg
-    criteria = bool(asked.are_met(found.margins))
+    criteria = MarginsFound.of(found.autopilot, found.plant, asked).met
     slope = speed = float("nan")  # of a vehicle that is known by its coefficients
     if isinstance(vehicle, Vehicle):
         slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
     from tvclin.cli.fly_shown import Compared
     from tvclin.cli.pulse import PulseOptions
-    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.laws.law import Law
     from tvclin.flights.condition import FlightCondition
     from tvclin.flights.control import ReportControl
@@ -18,6 +18,7 @@ _TOLERANCE, _HIGHEST = 5e-4, 4.0
 """Of a boundary that is flown, over the largest trim deflection."""
 REPORT = "report"
 """The report's control, which is no feedback of a sampled law."""
+_WITH_BAND = (REPORT, "dead-band")
 _SPARE = 1.1
 _LONGEST = 1000.0
 """Of a flight, over the time of its fastest mode; the solver takes about as many steps."""
@@ -26,15 +27,41 @@ _SMALLEST = 2.5e-7
 
 
 @dataclass(frozen=True, eq=False)
-class FlightCase:
+class Flying:
+    """A case whose wind is one history, what that is called, and the name of the law."""
+
+    case: "Case"
+    shape: str
+    law: str
+    dead_band: float | None
+
+    @property
+    def wind(self) -> "History":
+        """The wind [rad]."""
+        return self.case.history
+
+    def designed(self, plant: "Plant") -> "ReportControl | Law":
+        """Return the report's control, or the law with its dead band or the gains of the case."""
+        from tvclin.base.errors import InputError, one_of
+        from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
+        from tvclin.flights.control import ReportControl
+
+        one_of("--law", self.law, [REPORT, *LAWS])
+        own: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
+        if own and self.law not in (REPORT, DEAD_BAND):
+            raise InputError(f"--dead-band belongs to the laws {REPORT} and {DEAD_BAND}")
+        if self.law == REPORT:
+            return ReportControl(**own)
+        if self.law == AUTOPILOT:
+            own = {AUTOPILOT: self.case.asked.autopilot(plant)}
+        return design_law(self.law, plant, float(self.wind.peak), **own)
+
+
+@dataclass(frozen=True, eq=False)
+class FlightCase(Flying):
     """What is flown, and its linear boundary and the minimum over all unstable poles [rad]."""
 
-    vehicle: "Vehicle"
-    shape: str
-    wind: Any
     engine: str
-    plane: str
-    law: str
     control: "ReportControl | Law"
     condition: "FlightCondition | None"
     boundary: float
@@ -42,10 +69,11 @@ class FlightCase:
     limit: float
 
     @property
-    def dead_band(self) -> float | None:
-        """K, where the law has one."""
-        given = self.law in (REPORT, "dead-band")
-        return getattr(self.control, "dead_band", None) if given else None
+    def vehicle(self) -> "Vehicle":
+        """The vehicle."""
+        from tvclin.vehicle.linear_vehicle import whole_vehicle
+
+        return whole_vehicle(self.case.vehicle, "a flight")
 
     @property
     def title(self) -> str:
@@ -69,7 +97,7 @@ class FlightCase:
     @property
     def options(self) -> dict[str, Any]:
         """What every flight of it is told."""
-        return {"engine": self.engine, "plane": self.plane, "condition": self.condition}
+        return {"engine": self.engine, "plane": self.case.plane, "condition": self.condition}
 
 
 def flight_wind(vehicle: Any, blows: "PulseOptions", plane: str, along: bool) -> "History":
@@ -79,62 +107,38 @@ def flight_wind(vehicle: Any, blows: "PulseOptions", plane: str, along: bool) ->
     return wind.shift(middle - blows.duration / 2) if along else wind
 
 
-def designed(
-    plant: "Plant", law: str, dead_band: float | None, peak: float, asked: "GainsAsked | None"
-) -> "ReportControl | Law":
-    """Return the report's control, or a law with its dead band or the gains that are asked for."""
-    from tvclin.base.errors import InputError, one_of
-    from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
-    from tvclin.flights.control import ReportControl
-
-    one_of("--law", law, [REPORT, *LAWS])
-    if law not in (REPORT, DEAD_BAND) and dead_band is not None:
-        raise InputError(f"--dead-band belongs to the laws {REPORT} and {DEAD_BAND}")
-    if law == REPORT:
-        return ReportControl(1.0 if dead_band is None else dead_band)
-    own: dict[str, Any] = {} if dead_band is None else {"dead_band": dead_band}
-    if law == AUTOPILOT and asked is not None:
-        own = {AUTOPILOT: asked.autopilot(plant)}
-    return design_law(law, plant, peak, **own)
-
-
 def flight_case(
-    vehicle: "Vehicle",
-    shape: str,
-    wind: Any,
-    engine: str,
-    plane: str,
-    law: str,
-    dead_band: float | None,
-    limit_deg: float | None,
-    condition: "FlightCondition | None",
-    asked: "GainsAsked",
-    length: float,
+    asked: Flying, engine: str, condition: "FlightCondition | None", length: float
 ) -> FlightCase:
-    """Return the case that the options ask for, to be flown for a length [s].
+    """Return what is flown for a length [s], with a tenth of limit to spare if none is given."""
+    from dataclasses import replace
 
-    It has a tenth of limit to spare if none is given.
-    """
     import numpy as np
 
-    from tvclin.base.errors import InputError, within
+    from tvclin.base.errors import InputError
     from tvclin.boundary.optimum.minimum_peak import optimum_deflection
     from tvclin.flights.beside import linear_boundary
-    from tvclin.linear.models import USUAL_MODEL
-    from tvclin.linear.plant import Plant
 
-    plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
+    plant, wind = asked.case.plant.rigid, asked.wind
     _check_flight(plant, wind, length)
-    control = designed(plant, law, dead_band, float(wind.peak), asked)
+    control = asked.designed(plant)
     least = linear_boundary(plant, control, wind)
-    limit = _SPARE * least
-    if np.isinf(limit) and limit_deg is None:
+    limit = _SPARE * least if asked.case.limit is None else asked.case.limit
+    if np.isinf(limit):
         raise InputError("no limit is enough with this dead band; give --limit-deg")
-    if limit_deg is not None:
-        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
-    flown = (vehicle, shape, wind, engine, plane, law, control, condition)
-    return FlightCase(*flown, least, minimum, limit)
+    own = vars(asked)
+    if asked.law in _WITH_BAND:
+        own = vars(replace(asked, dead_band=getattr(control, "dead_band", None)))
+    return FlightCase(
+        **own,
+        engine=engine,
+        control=control,
+        condition=condition,
+        boundary=least,
+        minimum=minimum,
+        limit=limit,
+    )
 
 
 def _check_flight(plant: "Plant", wind: Any, length: float) -> None:

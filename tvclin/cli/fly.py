@@ -4,12 +4,12 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.flight_cases import REPORT, flight_case, flight_wind, fly_nonlinear
-from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
+from tvclin.cli.flight_cases import REPORT, Flying, flight_case, flight_wind, fly_nonlinear
+from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.fly_shown import Shown
 from tvclin.cli.fly_winds import Window, Winds, WindsTime, sounding_wind
 from tvclin.cli.gains import GainOptions, LoopOptions, given
-from tvclin.cli.inputs import note_structure, only_with, vehicle_of
+from tvclin.cli.inputs import limit_of, note_structure, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
@@ -26,6 +26,8 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.pulse import PulseOptions
 
 _LONGEST = 20.0
+_RATE = 100.0
+"""Samples of a law [Hz] where nothing is asked."""
 
 
 @grouped
@@ -101,11 +103,11 @@ def fly(
     """
     import numpy as np
 
+    from tvclin.answers.case import Case
     from tvclin.base.errors import one_of, positive, within
     from tvclin.control.laws.registry import AUTOPILOT, LAWS
     from tvclin.flights.condition import load_flight_condition
     from tvclin.flights.engines import ENGINES
-    from tvclin.linear.flexible import plant_of
     from tvclin.vehicle.linear_vehicle import whole_vehicle
 
     if engine is not None:
@@ -115,7 +117,6 @@ def fly(
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
     loaded = whole_vehicle(vehicle_of(vehicle, rigid), "a flight")
-    bends = loaded.structure is not None
     if winds is None:
         only_with(
             "a sounding, --winds", azimuth_deg=azimuth_deg, window=window, winds_time=winds_time
@@ -131,18 +132,25 @@ def fly(
         gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name
         duration = float(gust.end - gust.onset)
     span, shown = (until * duration, points), Shown(csv, plot, as_json)
-    if engine == "linear" or (engine is None and bends and not along_trajectory):
+    linear = engine == "linear" or (
+        engine is None and loaded.structure is not None and not along_trajectory
+    )
+    chosen = law or (AUTOPILOT if linear else REPORT)
+    only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
+    case = Case(
+        vehicle=loaded,
+        plane=plane,
+        wind=gust,
+        limit=limit_of(limit_deg),
+        gains=gains.asked(loop),
+    )
+    flying = wind, chosen, dead_band
+    if linear:
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
-        chosen = law or AUTOPILOT
-        only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
-        steps = Steps(gains.asked(loop), sample_rate, rate_limit_deg)
-        plant = plant_of(loaded, None, plane)
-        case = LinearCase(loaded, plant, plant.rigid, plane, wind, gust, chosen, dead_band, steps)
+        steps = _RATE if sample_rate is None else sample_rate, rate_limit_deg
         with waiting("flying"):
-            found = fly_linear(case, limit_deg, boundary, np.linspace(0.0, *span))
+            found = fly_linear(LinearCase(case, *flying, *steps), boundary, np.linspace(0.0, *span))
     else:
-        chosen = law or REPORT
-        only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
         only_with(
             "--engine linear",
             **given(loop),
@@ -152,8 +160,7 @@ def fly(
         )
         note_structure(loaded, plane)
         condition = load_flight_condition(vehicle) if along_trajectory else None
-        asked = (chosen, dead_band, limit_deg, condition, gains.asked(loop))
-        one = flight_case(loaded, wind, gust, engine or "planar", plane, *asked, span[0])
+        one = flight_case(Flying(case, *flying), engine or "planar", condition, span[0])
         with waiting("flying"):
             found = fly_nonlinear(one, boundary, *span)
     if not found.show(shown):

@@ -14,21 +14,7 @@ _LARGEST = 700.0
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A case, and the deflection that meets it.
-
-    Attributes
-    ----------
-    case : Case
-        Vehicle and wind.
-    deflection : History
-        The deflection [rad].
-    dead_band : float
-        K.
-    required, limit : float
-        Deflection that is required, and the limit in question [rad], both without sign.
-    governs : str
-        What requires it, as of `RequiredDeflection`.
-    """
+    """A case, and the deflection that meets it, with K, what is required and the limit [rad]."""
 
     case: "Case"
     deflection: "History"

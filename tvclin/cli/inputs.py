@@ -143,6 +143,17 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
 
 
+def limit_of(limit_deg: float | None) -> float | None:
+    """Return the deflection limit [rad] of --limit-deg; None without it."""
+    import numpy as np
+
+    from tvclin.base.errors import within
+
+    if limit_deg is None:
+        return None
+    return float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+
+
 def changed_plan(
     plan: "StudyPlan",
     wind: str | None,
@@ -155,13 +166,9 @@ def changed_plan(
     """Return the plan with what the options say in place of the file."""
     from dataclasses import replace
 
-    import numpy as np
-
-    from tvclin.base.errors import within
-
     changes = {name: value for name, value in given.items() if value is not None}
     if limit_deg is not None:
-        changes["limit"] = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+        changes["limit"] = limit_of(limit_deg)
         if plan.sizing is not None:
             changes["sizing"] = replace(plan.sizing, limit=changes["limit"])
     asked: dict[str, Any] = {"shape": wind, "duration": duration, "heading": heading}

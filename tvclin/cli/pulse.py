@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import limit_of, peak_angle
 from tvclin.cli.options import Duration, PeakDeg, PeakSpeed, Wind
 
 if TYPE_CHECKING:
@@ -44,17 +44,13 @@ class PulseOptions:
         limit_deg: float | None = None,
     ) -> "Case":
         """Return the case of a vehicle in the wind, with a limit and an autopilot if given."""
-        import numpy as np
-
         from tvclin.answers.case import Case
-        from tvclin.base.errors import within
 
-        limit = None if limit_deg is None else within("--limit-deg", limit_deg, 1e-6, 90.0)
         return Case(
             vehicle=vehicle,
             model=model or "",
             plane=plane,
             wind=self.blowing(vehicle, plane),
-            limit=None if limit is None else float(np.radians(limit)),
+            limit=limit_of(limit_deg),
             gains=gains,
         )

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, ending, instance, number, one_of, single
+from tvclin.base.errors import InputError, number, one_of
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.checks import checked_peak, checked_span
-from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.winds.gusts import OneMinusCosineGust, checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import RectangularWind, TriangularWind
 from tvclin.winds.sampled import SampledWind
@@ -28,18 +28,6 @@ SHAPES: dict[str, Callable[..., Any]] = {
 }
 PULSES = {name: SHAPES[name] for name in ("rectangular", "triangular")}
 """The shapes that a study knows, of straight lines."""
-
-
-def pulse(name: str, shape: str, peak: ArrayLike, duration: ArrayLike) -> History:
-    """Return a wind of one of `PULSES`, of a peak [rad] and a duration [s].
-
-    Raises
-    ------
-    InputError
-        For another shape, with the name of the argument, and as the wind.
-    """
-    made: History = PULSES[one_of(name, shape, PULSES)](peak=peak, duration=duration)
-    return made
 
 
 @dataclass(frozen=True)
@@ -84,10 +72,7 @@ class ShapedWind:
         checked_span("duration of the wind", self.duration)
         if self.heading is not None:
             number("heading of the wind", self.heading, unit="rad")
-        if self.gust is not None:
-            instance("gust", self.gust, History, "such as OneMinusCosineGust")
-            single("gust", self.gust.batch)
-            ending("gust", self.gust.end)
+        checked_gust(self.gust)
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return its part in a plane, without a heading; itself where it has none.

@@ -27,7 +27,6 @@ from tvclin.base.errors import (
     number,
     one_of,
     positive,
-    single,
     text,
     within,
 )
@@ -36,6 +35,7 @@ from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.models import USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
@@ -155,9 +155,7 @@ class SizingAsked:
         object.__setattr__(self, "pulses", each("pulses", self.pulses, ShapedWind, "of one shape"))
         instance("soundings", self.soundings, Mapping, "of names to SoundingAsked")
         each("soundings", tuple(self.soundings.values()), SoundingAsked, "with their azimuth")
-        if self.gust is not None:
-            instance("gust", self.gust, History, "such as OneMinusCosineGust")
-            single("gust", self.gust.batch)
+        checked_gust(self.gust)
         self._check_words()
         if not self.pulses and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")

@@ -125,6 +125,13 @@ class StudyPlan(Case):
             )
 
     @property
+    def held_to(self) -> Criteria:
+        """What margins are held to: the classic criteria where nothing is said."""
+        from tvclin.control.margins.criteria import CRITERIA
+
+        return self.criteria or CRITERIA["classic"]
+
+    @property
     def loop_model(self) -> str:
         """The model that the autopilot controls."""
         return flexible_model(self.vehicle, super().loop_model)

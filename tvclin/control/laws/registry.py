@@ -7,7 +7,6 @@ drift they would let its slow mode grow.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -23,25 +22,6 @@ from tvclin.control.laws.trim import TrimLaw
 from tvclin.linear.plant import RIGID, Plant
 
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
-
-
-@dataclass(frozen=True)
-class Design:
-    """How a law is designed.
-
-    Attributes
-    ----------
-    words : str
-        What it is.
-    law : callable
-        From a plant, the peak of a wind [rad], and `own`.
-    own : str
-        What it takes of its own by name; empty for nothing.
-    """
-
-    words: str
-    law: Callable[..., Law]
-    own: str = ""
 
 
 def _feedback(plant: Plant, peak: float, autopilot: Autopilot | None = None) -> Law:
@@ -70,17 +50,17 @@ def _recoverable(plant: Plant, peak: float) -> Law:
     return RecoverableAttitudeLaw(plant, design_peak=peak)
 
 
-LAWS: Mapping[str, Design] = MappingProxyType(
+LAWS: Mapping[str, Callable[..., Law]] = MappingProxyType(
     {
-        AUTOPILOT: Design(
-            "gains of an autopilot, the canonical ones where none are given", _feedback, AUTOPILOT
-        ),
-        "trim": Design("ideal trim with attitude feedback", _trim),
-        DEAD_BAND: Design("trim up to K times the limit, then all of it", _dead_band, "dead_band"),
-        "half-relief": Design("gains that turn the nose half into the wind", _half_relief),
-        "recoverable-attitude": Design("as far into the wind as can be recovered", _recoverable),
+        AUTOPILOT: _feedback,
+        "trim": _trim,
+        DEAD_BAND: _dead_band,
+        "half-relief": _half_relief,
+        "recoverable-attitude": _recoverable,
     }
 )
+"""The design of each: of a plant, the peak of a wind [rad], and what it takes of its own."""
+_OWN = {AUTOPILOT: AUTOPILOT, DEAD_BAND: "dead_band"}
 
 
 def design_law(name: str, plant: Plant, peak: float, **own: Any) -> Law:
@@ -113,6 +93,6 @@ def design_law(name: str, plant: Plant, peak: float, **own: Any) -> Law:
     design = LAWS[one_of("law", name, LAWS)]
     instance("plant", plant, Plant, RIGID)
     for key in own:
-        if key != design.own:
+        if key != _OWN.get(name):
             raise InputError(f"{key} is not of the law {name}; leave it out")
-    return design.law(plant, peak, **own)
+    return design(plant, peak, **own)

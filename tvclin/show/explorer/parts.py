@@ -30,7 +30,7 @@ from tvclin.linear.response import attitude_responses
 from tvclin.show.explorer.choices import CONTROLS, HALF_RELIEF, REPORT
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.shaped import PULSES, pulse
+from tvclin.winds.shaped import PULSES
 
 FloatArray = NDArray[np.float64]
 
@@ -133,7 +133,7 @@ def _needed(plant: Plant, shape: str, dead_band: float, duration: FloatArray) ->
     if np.all(np.isfinite(limit)):
         return np.abs(plant.coefficients.B * limit)
     peak = 0.1
-    wind = pulse("shape", shape, peak, duration)
+    wind = PULSES[shape](peak=peak, duration=duration)
     return np.abs(required_deflection(plant, wind, dead_band).deflection) / peak
 
 
@@ -176,7 +176,7 @@ def motion(
     """
     plant = plant_of(vehicle, plane, model)
     shape, duration, peak = wind
-    gust = pulse("shape", shape, peak, duration)
+    gust = PULSES[one_of("shape", shape, PULSES)](peak=peak, duration=duration)
     name, numbers = law
     times, rate = _samples(plant, duration)
     if one_of("law", name, CONTROLS) == REPORT:
