@@ -86,6 +86,8 @@ def margins(
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
     if in_box is not None:
         note_structure(loaded, plane, "the margins in the box")
+        if sample_rate is not None:
+            typer.echo("Note: the margins in the box are of the continuous autopilot", err=True)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:

@@ -24,25 +24,22 @@ from tvclin.linear.plant import RIGID, Plant
 AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
 
 
-def _feedback(plant: Plant, peak: float, autopilot: Autopilot | None = None) -> Law:
-    del peak
+def _feedback(plant: Plant, _: float, autopilot: Autopilot | None = None) -> Law:
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
+    instance("autopilot", autopilot, Autopilot, "see design_gains")
     return SaturatedLaw(Autopilot(**{name: getattr(autopilot, name) for name in GAINS}))
 
 
-def _trim(plant: Plant, peak: float) -> Law:
-    del peak
+def _trim(plant: Plant, _: float) -> Law:
     return TrimLaw(Plant(plant.coefficients, "fixed-path"))
 
 
-def _dead_band(plant: Plant, peak: float, dead_band: float = 0.5) -> Law:
-    del peak
+def _dead_band(plant: Plant, _: float, dead_band: float = 0.5) -> Law:
     return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
 
 
-def _half_relief(plant: Plant, peak: float) -> Law:
-    del peak
+def _half_relief(plant: Plant, _: float) -> Law:
     return SaturatedLaw(half_relief_gains(plant.coefficients))
 
 
