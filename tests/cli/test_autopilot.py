@@ -70,7 +70,8 @@ def test_an_unstable_loop_has_a_reason_and_no_margins():
     assert "NO NUMBERS" in other.output
 
 
-def test_no_margins_and_notes_fit_a_terminal():
+def test_no_margins_and_notes_fit_a_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
     gains = ("--attitude-gain", "2", "--rate-gain", "1.5")
     lost = run("margins", *gains, "--delay-ms", "900")
     endless = run("margins", *gains, "--actuator-frequency", "0")
@@ -180,7 +181,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
     result = CliRunner().invoke(app, ["laws", "--duration", "4", *arguments])
     document = json.loads(result.stdout)
     limits = {one["law"]: one["limit"] for one in document["trials"]}
-    flown = ("attitude and rate", "trim", "dead band 0.5", "half relief", "recoverable attitude")
+    flown = ("autopilot", "trim", "dead-band", "half-relief", "recoverable-attitude")
     assert tuple(limits) == flown
     assert min(limits.values()) >= document["no_forecast"]["triangle"]
     head = {key: document[key] for key in ("model", "plane", "peak_deg", "cuts", "sample_rate_Hz")}

@@ -35,6 +35,24 @@ def test_a_pipe_gets_a_line_now_and_then(
     ]
 
 
+@pytest.mark.parametrize("before", [0, 600])
+def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], before: int
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
+    with progress.bar("cases") as tell:
+        for case in range(1, 61):  # the first after half a minute, the others one a second
+            now[0] = 34.0 + case
+            tell(before + case, before + 60)
+
+    assert capsys.readouterr().err.splitlines() == [
+        f"{before + 1} of {before + 60} cases",
+        f"{before + 21} of {before + 60} cases, about 39 s left",
+        f"{before + 41} of {before + 60} cases, about 19 s left",
+    ]
+
+
 def test_a_page_tells_of_each_part() -> None:
     plan = tv.load_study("configuration-i")
     asked = tv.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])

@@ -92,7 +92,7 @@ def test_a_process_with_the_code_in_another_place_pays_the_small_threshold(monke
     assert choice.swiftest(total, 1.0) is total
     folder = choice.cache_folder(Path(__file__).parent)
     folder.mkdir()
-    (folder / f"{Path(__file__).stem}.total_{source.digest(total)}-18.py311.nbi").write_text("")
+    (folder / f"{Path(__file__).stem}.total_{source.digest(total)}-18.py311.0.nbc").write_text("")
     assert choice.swiftest(total, 1.0) == "machine code"
 
 

@@ -3,6 +3,8 @@
 import csv
 import io
 import os
+import re
+import stat
 import sys
 import tempfile
 import tomllib
@@ -20,15 +22,22 @@ _LONGEST = 160
 """Of a name that messages quote whole."""
 _PREFIX = 60
 """So much of its name a file carries while it is written, at most four bytes for each letter."""
+_LARGEST, _LARGEST_TABLES = 100_000_000, 4_000_000
+"""Bytes of a text that is read at once, and letters of one of tables: no real one has so many."""
+_LONGEST_LINE = 1_000_000
+_MOST_DOTS = 100
+"""In one key; what parses it takes the square of their number."""
+_QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 
 
 def write_whole(path: Path, write: Callable[[str], Any]) -> None:
-    """Call `write` with a temporary path and move the result into place when it is complete.
+    """Call `write` with a temporary path and move the result into place when it is on the disk.
 
     Parameters
     ----------
     path : Path
-        The file; one that is there already is replaced.
+        The file; one that is there already is replaced, and lends its mode. Of a link the file that
+        it leads to is written.
     write : callable
         Takes the temporary path and writes everything there.
 
@@ -37,7 +46,7 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
     InputError
         When the file cannot be written.
     """
-    name = called(path)
+    name, path = called(path), _behind_links(path)
     if exists(path) and path.is_dir():
         raise InputError(f"{name} is a directory; name a file in it")
     if exists(path) and not path.is_file():
@@ -51,9 +60,9 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
         raise _unwritable(path, error) from None
     try:
         write(temporary)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(temporary).chmod(0o666 & ~mask)
+        with Path(temporary).open("rb+") as file:
+            os.fsync(file.fileno())
+        Path(temporary).chmod(_mode(path))
         Path(temporary).replace(path)
     except OSError as error:
         raise _unwritable(path, error) from None
@@ -99,22 +108,29 @@ def read_text(path: Path, kind: str, start: str = "", errors: str = "strict") ->
     Raises
     ------
     InputError
-        When the file cannot be read, is empty, or is no text.
+        When the file cannot be read, is empty, is no text, or one that nobody writes: of more than
+        100 MB, or with a line of more than a million letters.
     """
     hint, name = f"; {start}" if start else "", called(path)
+    _check_ordinary(path)
     try:
-        with path.open(encoding="utf-8-sig", errors=errors, newline="") as file:
-            text = file.read()
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
     except IsADirectoryError:
         raise InputError(f"{name} is a directory; name {kind} in it") from None
     except FileNotFoundError:
         raise InputError(f"{name} does not exist{hint}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{name} is not a text file in UTF-8") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{name} cannot be read: {reason(error)}") from None
+    if len(content) > _LARGEST:
+        raise InputError(f"{name} has more than {_LARGEST // 1_000_000} MB; name {kind}")
+    try:
+        text = content.decode("utf-8-sig", errors)
+    except UnicodeDecodeError:
+        raise InputError(f"{name} is not a text file in UTF-8") from None
     if not text.strip():
         raise InputError(f"{name} is empty{hint}")
+    _check_lines(text, name)
     return text
 
 
@@ -124,10 +140,11 @@ def tables_of(text: str, source: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        For what is not TOML, tables and lists in each other more than eight deep, and a whole
-        number beyond what a float holds.
+        For what is not TOML, or of more than four million letters, tables and lists in each other
+        more than eight deep, and a whole number beyond what a float holds.
     """
     name = called(source)
+    _check_text(text, name)
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -177,8 +194,67 @@ def make_directory(path: Path) -> None:
         raise _unwritable(path, error) from None
 
 
+def _behind_links(path: Path) -> Path:
+    """Return the file that a link leads to; a path that is no link as it is."""
+    try:
+        linked = path.is_symlink()
+    except (OSError, ValueError):  # no file can have this name
+        linked = False
+    if not linked:
+        return path
+    found = Path(os.path.realpath(path))
+    if found.is_symlink():
+        raise InputError(f"{called(path)} is a link that leads back to itself; name a file")
+    return found
+
+
+def _mode(path: Path) -> int:
+    """Return the mode of a file, or that of a new one."""
+    if path.exists():
+        return stat.S_IMODE(path.stat().st_mode)
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _check_ordinary(path: Path) -> None:
+    """Raise `InputError` for devices and pipes, which may never end; standard input is read."""
+    if not exists(path) or path.is_file() or path.is_dir():
+        return
+    try:
+        if os.path.samestat(path.stat(), os.fstat(0)):
+            return
+    except OSError:  # there is no standard input
+        pass
+    raise InputError(
+        f"{called(path)} is not an ordinary file; name one, or /dev/stdin for what is piped in"
+    )
+
+
+def _check_lines(text: str, name: str) -> None:
+    """Raise `InputError` for a line that no file of words and numbers has."""
+    begin = 0
+    while len(text) - begin > _LONGEST_LINE:
+        last = begin + _LONGEST_LINE + 1
+        end = max(text.rfind("\n", begin, last), text.rfind("\r", begin, last))
+        if end < 0:
+            line = text.count("\n", 0, begin) + 1
+            raise InputError(f"{name}, line {line}: it has more than {_LONGEST_LINE} letters")
+        begin = end + 1
+
+
 def _unwritable(path: Path, error: Exception) -> InputError:
     return InputError(f"{called(path)} cannot be written: {reason(error)}")
+
+
+def _check_text(text: str, name: str) -> None:
+    """Raise `InputError` for what would take minutes to be parsed."""
+    if len(text) > _LARGEST_TABLES:
+        raise InputError(f"{name} has more than {_LARGEST_TABLES // 1_000_000} million letters")
+    for piece in re.split(r"[\n,=\[\]{}]", _QUOTED.sub("quoted", text)):
+        if piece.count(".") > _MOST_DOTS and not piece.lstrip().startswith("#"):
+            key = shown(piece.rsplit(".", 1)[1].strip())
+            raise InputError(f"{name}: {key} is nested more than {_DEEPEST} levels deep")
 
 
 def _check(document: dict[str, Any], name: str) -> None:

@@ -5,10 +5,14 @@ what it needs when it runs.
 """
 
 import gc
+import signal
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import wraps
 from importlib import import_module
+from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
@@ -73,20 +77,18 @@ class Commands(TyperGroup):
         super().__init__(**options)
         self.commands = _Late()  # type: ignore[assignment]  # nothing is ever added to it
 
+    def make_context(self, *given: Any, **options: Any) -> Any:
+        """Read the command line; this prints help and version."""
+        with _in_one_sentence():
+            return super().make_context(*given, **options)
+
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("always", UserWarning)
-                said: set[str] = set()
-                warnings.showwarning = lambda message, *_, **__: _say_once(str(message), said)
-                return super().invoke(ctx)
-        except (ValueError, ArithmeticError, MemoryError, OSError) as error:
-            sentence = _sentence(error)
-            if sentence is None:
-                raise
-            typer.echo(f"Error: {sentence}", err=True)
-            raise typer.Exit(2) from None
+        with _in_one_sentence(), warnings.catch_warnings():
+            warnings.simplefilter("always", UserWarning)
+            said: set[str] = set()
+            warnings.showwarning = lambda message, *_, **__: _say_once(str(message), said)
+            return super().invoke(ctx)
 
 
 app = typer.Typer(
@@ -109,6 +111,19 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
             command(*given, **options)
 
     return run
+
+
+@contextmanager
+def _in_one_sentence() -> Iterator[None]:
+    """Say what is wrong with an input, and leave with exit code 2."""
+    try:
+        yield
+    except (ValueError, ArithmeticError, MemoryError, OSError) as error:
+        sentence = _sentence(error)
+        if sentence is None:
+            raise
+        _say(f"Error: {sentence}")
+        raise typer.Exit(2) from None
 
 
 def _sentence(error: Exception) -> str | None:
@@ -134,8 +149,14 @@ def _sentence(error: Exception) -> str | None:
 
 def _say_once(message: str, said: set[str]) -> None:
     if message not in said:
-        typer.echo(f"Warning: {message}", err=True)
+        _say(f"Warning: {message}")
     said.add(message)
+
+
+def _say(words: str) -> None:
+    from tvclin.cli.output import say
+
+    say(words, err=True)
 
 
 def _version(wanted: bool) -> None:
@@ -157,6 +178,13 @@ def _top(
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line.
+
+    What a terminal has no letter for becomes a question mark; told to end (SIGTERM), it cleans up
+    as after Ctrl-C.
+    """
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="replace")
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     gc.set_threshold(100_000)  # to look for garbage again and again while modules load finds none
     app(prog_name="tvclin")

@@ -7,6 +7,7 @@ import typer
 
 from tvclin.cli.inputs import gust_of, note_source, only_with
 from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
+from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ def availability(
     else:
         balloon = read_sounding(today, time=today_time)
         for note in balloon.notes:
-            typer.echo(f"Note: {today.name}: {note}.", err=True)
+            say(f"Note: {today.name}: {note}.", err=True)
     with bar("read") as progress:
         soundings = read_soundings(
             archive,
@@ -192,11 +193,11 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     from tvclin.cli.output import print_table
 
     name = found.judge.flight.vehicle.name or source
-    typer.echo(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
+    say(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
-    typer.echo(f"Limit {np.degrees(found.limit):.4f} deg")
+    say(f"Limit {np.degrees(found.limit):.4f} deg")
     for azimuth, part in zip(azimuths, found.part(), strict=True):
-        typer.echo(f"towards {azimuth} deg: {part}")
+        say(f"towards {azimuth} deg: {part}")
     names = _MONTHS.split()
     rows = [
         [names[month - 1], azimuth, *_cells(part)]
@@ -211,16 +212,16 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     ]
     heads = ["towards [deg]", *(f"{100 * part:g} %" for part in PLACARD)]
     print_table("The limit that is enough for so many [deg]", heads, parts)
-    typer.echo(
+    say(
         "A sounding that meets its limit more than once is flown only if that decides about"
         f" {np.degrees(found.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
         " it asks for; need_deg is the lower of them, and empty where this limit is not judged. Ask"
         " again for another limit."
     )
     for azimuth, one in zip(azimuths, launch, strict=False):
-        typer.echo(f"Today towards {azimuth} deg: {_said(one)}")
+        say(f"Today towards {azimuth} deg: {_said(one)}")
     for note in found.notes:
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _cells(part: "Part") -> list[str]:

@@ -3,7 +3,7 @@
 from math import isnan
 from typing import TYPE_CHECKING
 
-import typer
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.control.margins.bands import BandMargins, ModeBand, RigidBand
@@ -28,7 +28,7 @@ def print_bands(found: "BandMargins", asked: "Criteria") -> None:
         free = [mode.name for mode in found.modes if mode.stabilised == word]
         judged = any(name in asked_of for name in free)
         if asked.of_modes and free and not judged:
-            typer.echo(
+            say(
                 f"Note: {', '.join(free)}: {word}-stabilised, without a required margin ({option});"
                 " the margins of the whole loop count"
             )

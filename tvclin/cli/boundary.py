@@ -4,8 +4,9 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, only_with
+from tvclin.cli.inputs import only_with, rigid_vehicle_of
 from tvclin.cli.options import LINEAR_HELP, AsJson, Model, Plot, Wind
+from tvclin.cli.output import say
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -71,7 +72,7 @@ def boundary(
     title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
     print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
     for note in _notes(axis, x, K, limits.status):
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
@@ -105,7 +106,7 @@ def _limits(
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         history = shape(peak=1.0, duration=x[:, None])
         return "", boundary_limit(plant, history, K), plant
-    vehicle = load_linear(source, plane)
+    vehicle = rigid_vehicle_of(source, plane)
     plant = Plant.from_vehicle(vehicle, model, plane)
     history = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     return vehicle.name or source, boundary_limit(plant, history, K), plant

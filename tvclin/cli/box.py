@@ -4,12 +4,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
     from tvclin.answers.worst_case import WorstCase
-    from tvclin.cli.pulse import PulseOptions
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.shaped import ShapedWind
 
@@ -27,26 +28,18 @@ Box = Annotated[
 ]
 
 
-def worst_in_box(
-    given: list[str],
-    loaded: "AnyVehicle",
-    autopilot: "Autopilot",
-    model: str,
-    plane: str,
-    blows: "PulseOptions",
-) -> "WorstCase | None":
+def worst_in_box(given: list[str], case: "Case") -> "WorstCase | None":
     """Return the worst case in the box of the options; None without one."""
     if not given:
         return None
     from tvclin.answers.worst_case import BOX_TABLE, worst_case
-    from tvclin.base.errors import InputError, one_of
+    from tvclin.base.errors import InputError
     from tvclin.base.tables import known
     from tvclin.vehicle.linear_vehicle import whole_vehicle
-    from tvclin.winds.shaped import PULSES, ShapedWind
+    from tvclin.winds.shaped import ShapedWind
 
-    vehicle = whole_vehicle(loaded, "--box")
-    shape = one_of("--wind", blows.wind, PULSES)
-    wind = ShapedWind(shape, blows.peak(vehicle, plane), blows.duration)
+    vehicle, wind, autopilot = whole_vehicle(case.vehicle, "--box"), case.wind, case.autopilot
+    assert isinstance(wind, ShapedWind)
     box: dict[str, tuple[float, float]] = {}
     for one in given:
         key, ends, percent = _parted(one)
@@ -64,6 +57,7 @@ def worst_in_box(
         if name in box:
             raise InputError(f"--box gives {name} twice")
         box[name] = (centre + factor * ends[0], centre + factor * ends[1])
+    model, plane = case.plant.model, case.plane
     return worst_case(vehicle, autopilot, box, model=model, plane=plane, wind=wind)
 
 
@@ -128,13 +122,11 @@ def print_worst(found: "WorstCase", asked: "Criteria") -> None:
         rows.append(["required deflection", *cells, _place(one.corner), one.how])
     print_table("Worst case in the box", ["", "nominal", "worst", "at", "how"], rows)
     if not found.stable:
-        typer.echo("In this box the loop becomes UNSTABLE; its margins count as zero there.")
+        say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
     worst = found.margins["disk_margin"]
     at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in worst.at.items())
-    typer.echo(f"Worst disk margin at: {at}")
-    typer.echo(
-        f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}"
-    )
+    say(f"Worst disk margin at: {at}")
+    say(f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}")
 
 
 def _place(corner: bool) -> str:

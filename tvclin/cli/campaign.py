@@ -9,6 +9,7 @@ import typer
 
 from tvclin.cli.inputs import note_structure
 from tvclin.cli.options import AsJson
+from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def init(
 
     write_new(file, template())
     name = called(file)
-    typer.echo(f"Wrote {name}. Change what differs, then: tvclin campaign run {name} -o results")
+    say(f"Wrote {name}. Change what differs, then: tvclin campaign run {name} -o results")
 
 
 @campaign.command()
@@ -72,7 +73,7 @@ def run(
     from tvclin.answers.campaign.file import load_campaign
 
     plan = load_campaign(file)
-    note_structure(plan.vehicle, plan.structure, plan.plane, "all but margins and flights")
+    note_structure(plan.vehicle, plan.plane, "all but margins and flights")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
     with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:
@@ -92,7 +93,7 @@ def resume(
     from tvclin.answers.campaign.manifest import read_manifest
 
     for said in damaged(folder, read_manifest(folder)).values():
-        typer.echo(f"Warning: {said}", err=True)
+        say(f"Warning: {said}", err=True)
     with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:
         found = resume_campaign(folder, executor=executor, shard=shard, progress=progress)
     _print_done(found)
@@ -202,7 +203,7 @@ def _resumable(folder: Path) -> Iterator[None]:
     except KeyboardInterrupt:
         name = called(folder)
         said = f"Stopped; finished chunks are kept. Go on with: tvclin campaign resume {name}"
-        typer.echo(said, err=True)
+        say(said, err=True)
         raise typer.Exit(130) from None
 
 
@@ -217,25 +218,10 @@ def _executor(workers: int | None, scheduler: str | None) -> Iterator["Executor 
         with cluster(scheduler) as lent:
             yield lent
     elif workers is not None:
-        with _stopped_in_order(), processes(workers) as lent:
+        with processes(workers) as lent:
             yield lent
     else:
         yield None
-
-
-@contextmanager
-def _stopped_in_order() -> Iterator[None]:
-    """Let the workers end before this process when it is told to (SIGTERM)."""
-    import signal
-
-    def leave(number: int, _: object) -> None:
-        raise SystemExit(128 + number)
-
-    before = signal.signal(signal.SIGTERM, leave)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _print_done(found: "CampaignResults") -> None:
@@ -243,7 +229,7 @@ def _print_done(found: "CampaignResults") -> None:
 
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""
-    typer.echo(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")
+    say(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")
 
 
 def _degrees(value: float) -> str:

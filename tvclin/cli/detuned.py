@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
     from tvclin.cli.margin_tables import MarginsFound
     from tvclin.control.autopilot.detuning import Detuned
@@ -60,6 +62,6 @@ def print_detuned(found: "Detuned") -> None:
     for edge in found.edges:
         sides = [f"{side:.3f}" for side in (edge.lower, edge.upper) if not isnan(side)]
         if sides:
-            typer.echo(f"{edge.name}: unstable at {' and '.join(sides)} of its frequency")
+            say(f"{edge.name}: unstable at {' and '.join(sides)} of its frequency")
     if all(isnan(side) for edge in found.edges for side in (edge.lower, edge.upper)):
-        typer.echo("Between these frequencies the loop becomes unstable nowhere.")
+        say("Between these frequencies the loop becomes unstable nowhere.")

@@ -5,9 +5,8 @@ import sys
 from importlib import metadata
 from typing import Any
 
-import typer
-
 from tvclin.cli.options import AsJson
+from tvclin.cli.output import say
 
 ADDS = {
     "slycot": "more routines of python-control",
@@ -36,7 +35,7 @@ def doctor(as_json: AsJson = False) -> None:
     print_table("Extras", ["extra: what it adds", "packages"], map(_row, found, found.values()))
     wanting = [extra for extra, names in found.items() if None in names.values()]
     if wanting:
-        typer.echo(f"To add what is missing: {install(*wanting)}")
+        say(f"To add what is missing: {install(*wanting)}")
 
 
 def _row(extra: str, versions: dict[str, str | None]) -> list[str]:

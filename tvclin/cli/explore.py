@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from tvclin.cli.options import VEHICLE_HELP
+from tvclin.cli.output import say
 
 
 def explore(
@@ -41,10 +42,10 @@ def explore(
             raise missing(f"tvclin explore needs {needed}", "notebook")
     path = Path(f"explore-{Path(vehicle).stem}.ipynb")
     if exists(path):
-        typer.echo(f"Opening {path} as it is.")
+        say(f"Opening {path} as it is.")
     else:
         write_text(path, notebook_text(vehicle))
-        typer.echo(f"Wrote {path}.")
+        say(f"Wrote {path}.")
     try:
         open_notebook(path, [*["--no-browser"] * no_browser, *(options or ())])
     except SystemExit as ended:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.flights.beside import FlightBeside
@@ -104,17 +104,17 @@ class Compared:
             for name, (a, b) in [*rows, *self.rows]
         ]
         for line in self.heads:
-            typer.echo(line)
+            say(line)
         print_table(self.title, ["over the wind, in deg", *self.columns], cells)
         for line in self.ends:
-            typer.echo(line)
+            say(line)
 
     def _document(self) -> dict[str, Any]:
         from tvclin.base.documents import picked
 
         case, ends = self.case, self._ends()
         return {
-            **picked(case, "vehicle=vehicle.name engine plane law dead_band"),
+            **picked(case, "vehicle=case.vehicle.name engine plane=case.plane law dead_band"),
             "wind": {"shape": case.shape, **picked(case.wind, "peak_deg onset_s end_s")},
             **picked(self, "limit_deg survived=flight.survived"),
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
@@ -144,6 +144,6 @@ def wind_line(case: Any) -> str:
 
     peak, length = float(np.degrees(case.wind.peak)), float(case.wind.end - case.wind.onset)
     return (
-        f"{case.vehicle.name or 'Vehicle'}\n{case.shape} wind of {peak:.4g} deg and"
-        f" {length:.4g} s, {case.plane}, law {case.law}"
+        f"{case.case.vehicle.name or 'Vehicle'}\n{case.shape} wind of {peak:.4g} deg and"
+        f" {length:.4g} s, {case.case.plane}, law {case.law}"
     )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tvclin.cli.options import TIME_HELP
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.vehicle.vehicle import Vehicle
@@ -61,7 +62,7 @@ def sounding_wind(
     flight, time = load_schedule(source), float(vehicle.time)
     profile = read_sounding(file, time=time_utc)
     for note in profile.notes:
-        typer.echo(f"Note: {file.name}: {note}.", err=True)
+        say(f"Note: {file.name}: {note}.", err=True)
     met = fly_through(profile, flight, azimuth=azimuth, plane=plane, window=length)
     placed = place(met, vehicle, time, "peak", length)
     if not placed.known or placed.calm:
@@ -69,7 +70,7 @@ def sounding_wind(
         raise InputError(f"the wind of {file.name} is {word} at {time:g} s, the vehicle's time")
     first, last = met.known
     if time - length / 2 < first or last < time + length / 2:
-        typer.echo(
+        say(
             f"Note: {file.name} is known from {first:.6g} to {last:.6g} s of flight only; what"
             " blows beyond is not counted.",
             err=True,

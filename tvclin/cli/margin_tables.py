@@ -1,10 +1,9 @@
 """What `tvclin margins` prints: an autopilot, the margins of its loop, and the criteria."""
 
-import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import typer
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -68,7 +67,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
 
     pairs, whole = shown(found.autopilot.rows()), found.whole
     if found.plant.structure is not None:
-        typer.echo(lines(parts_line(found.plant.structure)))
+        say(parts_line(found.plant.structure))
     elif found.autopilot.sample_rate is None:
         pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
@@ -79,22 +78,22 @@ def print_margins(title: str, found: MarginsFound) -> None:
         print_table("", headings, rows)
         print_bounds(found.autopilot, found.plant)
     else:
-        typer.echo(lines(f"NO MARGINS: {whole.reason}"))
+        say(f"NO MARGINS: {whole.reason}")
     if found.bands is not None:
         print_bands(found.bands, found.asked)
     if whole.stable:
         for note in whole.notes:
-            typer.echo(lines(f"Note: {note}"))
-        typer.echo(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
+            say(f"Note: {note}")
+        say(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
         if not found.met:
-            typer.echo("Other gains: --natural-frequency and --damping, or gains of your own.")
+            say("Other gains: --natural-frequency and --damping, or gains of your own.")
 
 
 def print_bounds(autopilot: "Autopilot", plant: "AnyPlant") -> None:
     """Print what no autopilot around a plant with this nozzle and delay can have."""
     found = _bounds(autopilot, plant)
     if found is not None and found.sentence:
-        typer.echo(lines(f"Bounds: {found.sentence}."))
+        say(f"Bounds: {found.sentence}.")
 
 
 def _bounds(autopilot: "Autopilot", plant: "AnyPlant") -> "MarginBounds | None":
@@ -119,11 +118,6 @@ def poles(autopilot: "Autopilot", plant: Any) -> str:
         every = every[(every.real > 0.0) | (apart <= _BESIDE * np.abs(every))]
     shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
-
-
-def lines(text: str) -> str:
-    """Return a text in lines that fit a terminal."""
-    return textwrap.fill(text, width=80, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def _rows(found: "Margins") -> list[tuple[str, list[str]]]:

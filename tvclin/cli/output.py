@@ -1,7 +1,10 @@
 """Tables and JSON."""
 
 import json
+import os
+import textwrap
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -12,6 +15,23 @@ if TYPE_CHECKING:
 
 _BESIDE = 3
 """Blanks beside a column of a table, at the most."""
+
+
+def say(words: str, err: bool = False) -> None:
+    """Print words: in lines that fit the terminal, and as they are into files and pipes."""
+    from rich.console import Console
+
+    console = Console(stderr=err)
+    if console.is_terminal or "COLUMNS" in os.environ:
+        words = "\n".join(map(partial(_filled, console.width), words.split("\n")))
+    typer.echo(words, err=err)
+
+
+def _filled(width: int, line: str) -> str:
+    """Return a line in lines broken between words; names of files and the like stay in one."""
+    return textwrap.fill(
+        line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+    )
 
 
 def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:

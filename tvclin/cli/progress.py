@@ -43,19 +43,26 @@ def bar(what: str) -> Iterator[Progress]:
 
 
 def lines(what: str) -> Progress:
-    """Return what writes on stderr how far the work is, a line in twenty seconds at most."""
+    """Return what writes on stderr how far the work is, a line in twenty seconds at most.
+
+    The time left is counted from the first word on: what was done before, and how long kernels were
+    compiled until then, says nothing of the rate.
+    """
     import typer
 
-    begun = last = monotonic()
+    last = monotonic()
+    first: tuple[float, float] | None = None
 
     def tell(done: float, total: float) -> None:
-        nonlocal last
+        nonlocal first, last
         now = monotonic()
+        first = first or (now, done)
         if now - last < _LINES or not 0.0 < done < total:
             return
         last = now
-        left = (now - begun) * (total - done) / done
-        typer.echo(f"{done:.0f} of {total:.0f} {what}, about {left:.0f} s left", err=True)
+        passed, counted = now - first[0], done - first[1]
+        left = f", about {passed * (total - done) / counted:.0f} s left" if counted > 0.0 else ""
+        typer.echo(f"{done:.0f} of {total:.0f} {what}{left}", err=True)
 
     return tell
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tvclin.cli.inputs import note_structure
+from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -50,9 +51,9 @@ def report(
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
     if plan.limit is not None:
         said[None] = "NOT known to be sufficient"
-    typer.echo(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
+    say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:
-        typer.echo(f"Note: {doubt}.")
-    note_structure(plan.vehicle, plan.structure, plan.plane, "boundaries and sizes on the page")
+        say(f"Note: {doubt}.")
+    note_structure(plan.vehicle, plan.plane, "boundaries and sizes on the page")
     if not all_yes(findings[0]):
         raise typer.Exit(1)

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 
@@ -27,8 +28,8 @@ def reproduce(
     for path in written:
         typer.echo(called(path))
     if chosen_engine(None) == "planar":
-        typer.echo(
+        say(
             "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
             f" JSBSim, {install('sixdof')}."
         )
-    typer.echo(f"Wrote {len(written)} files into {called(output)}.")
+    say(f"Wrote {len(written)} files into {called(output)}.")

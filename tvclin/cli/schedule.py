@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.options import grouped
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.schedule import FlightSchedule
@@ -183,7 +184,7 @@ def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     found.to_csv(output)
     _print(found)
-    typer.echo(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
+    say(f"Wrote {called(output)}: {found.times.size} times. Then: tvclin size {output}")
 
 
 def _print(found: "FlightSchedule") -> None:
@@ -203,4 +204,4 @@ def _print(found: "FlightSchedule") -> None:
         found.vehicle.name, ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"], rows
     )
     for note in found.notes:
-        typer.echo(note)
+        say(note)

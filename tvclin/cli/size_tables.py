@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-import typer
+from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
@@ -21,7 +21,7 @@ def print_sizing(
 
     name = found.schedule.vehicle.name or source
     planes = "both planes, one stop" if found.alone else found.plane
-    typer.echo(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
+    say(f"{name}, {found.model}, {planes}: {', '.join(found.winds)}\n")
     frozen = [name for name in found.required if not name.endswith(VARYING)]
     _print_required(found, "Required deflection [deg]", frozen)
     if len(frozen) < len(found.required):
@@ -30,17 +30,17 @@ def print_sizing(
     if found.alone:
         _print_planes(found, counted)
     if not (found.steady.all() and found.known.all()) or found.beyond_one_pole.any():
-        typer.echo(
+        say(
             "1: beyond the single-pole theory; ~: parameters change while the wind blows; +: beyond"
             " the schedule; ?: a wind is not known"
         )
     if len(found.winds) > 1:
         _print_by_wind(found, frozen, counted)
     trusts = "; K below 1 trusts a forecast" if (found.dead_bands < 1.0).any() else ""
-    typer.echo(f"no forecast: {found.law_words}; minimum: the wind known, appendix C{trusts}")
+    say(f"no forecast: {found.law_words}; minimum: the wind known, appendix C{trusts}")
     _print_total(total)
     for note in (*found.notes, *said):
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _print_required(found: "Sizing", title: str, names: list[str]) -> None:
@@ -133,9 +133,9 @@ def _print_total(total: "DeflectionTotal") -> None:
             )
         if total.sufficient is False:
             said = f"NOT SUFFICIENT, short by {short:.4f} deg"
-        typer.echo(f"Limit {np.degrees(total.limit):.4f} deg: {said}")
+        say(f"Limit {np.degrees(total.limit):.4f} deg: {said}")
     if total.not_sized:
-        typer.echo(f"NOT SIZED {', '.join(total.not_sized)}")
+        say(f"NOT SIZED {', '.join(total.not_sized)}")
 
 
 def _doubts(found: "Sizing", i: int) -> str:

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from tvclin.cli.output import say
+
 if TYPE_CHECKING:
     from tvclin.answers.campaign.quick import DispersedStudy
     from tvclin.answers.findings import Findings
@@ -117,9 +119,9 @@ def print_questions(found: "Findings") -> None:
         False: f"NOT SUFFICIENT: {others}",
         None: "no limit was given",
     }
-    typer.echo(f"Verdict: {said[sufficient(found)]}")
+    say(f"Verdict: {said[sufficient(found)]}")
     for note in () if found.availability is None else found.availability.notes:
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _print_boundaries(result: "Study") -> None:
@@ -159,26 +161,24 @@ def _print_boundaries(result: "Study") -> None:
     )
     needed = limit_cell(deg(result.required_deflection), unit="deg")
     basis = f"(model {result.model}, dead band {result.dead_band:g})"
-    typer.echo(f"Required deflection: {needed} {basis}, {_governed(result)}")
+    say(f"Required deflection: {needed} {basis}, {_governed(result)}")
     if result.limit is not None and result.survivable_peak is not None:
         word = "SUFFICIENT" if result.sufficient else "NOT SUFFICIENT"
         largest = abs(deg(result.survivable_peak))
         said = "any wind of this shape" if np.isinf(largest) else f"peaks up to {largest:.3f} deg"
         of_it = f", {result.peak_of}" if result.peak_of and np.isfinite(largest) else ""
-        typer.echo(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}{of_it}")
-    typer.echo(
+        say(f"Limit {deg(result.limit):.4f} deg: {word}; it survives {said}{of_it}")
+    say(
         "no forecast, bound: lower bound for laws that do not know when the wind will stop; wind"
         " known: the minimum, appendix C; y_BR: limit over ideal trim"
     )
     for note in result.notes:
-        typer.echo(f"Note: {note}.")
+        say(f"Note: {note}.")
 
 
 def _survived(result: "Study") -> list[str]:
     """Which peak the limit survives, for each row, with the model of the verdict."""
     import numpy as np
-
-    from tvclin.answers.findings import blown
 
     if result.limit is None or result.in_both or result.model not in result.boundaries:
         return []
@@ -189,7 +189,7 @@ def _survived(result: "Study") -> list[str]:
         for K, each in zip(result.dead_bands, found.deflection, strict=True)
     ]
     rows += [needs[key].get(result.model, np.nan) for key in ("forecast_free", "minimum")]
-    peak = abs(float(np.degrees(blown(result).peak)))
+    peak = abs(float(np.degrees(result.history.peak)))
     with np.errstate(divide="ignore"):
         peaks = [float(peak * result.limit / np.float64(row)) for row in rows]
     return ["-" if np.isnan(one) else "any" if np.isinf(one) else f"{one:.3f}" for one in peaks]

@@ -99,7 +99,7 @@ def _is_kept(function: Callable[..., Any]) -> bool:
     """Whether machine code of a kernel is kept."""
     file = Path(function.__code__.co_filename)
     kept = cache_folder(file.parent).glob(
-        f"{file.stem}.{function.__name__}_{digest(function)}*.nbi"
+        f"{file.stem}.{function.__name__}_{digest(function)}*.nbc"
     )
     return next(kept, None) is not None
 

@@ -24,6 +24,8 @@ _TOGETHER = 512
 """So many loops are worked on at a time, to bound the memory."""
 _AT_CROSSING = 1e-3
 """The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
+_CLOSE = 1e-6
+"""How far a crossing may be moved when it is polished, over its frequency."""
 _WORTH = 0.3
 """Samples that stand above their neighbours are refined if they reach this part of the highest: a
 lower one could overtake it only if the grid had missed more than two thirds of its height."""
@@ -98,8 +100,7 @@ def _chunks(loop: AnyLoop) -> Iterator[AnyLoop]:
 def _findings(loop: AnyLoop) -> LoopFindings:
     verdict = stability(loop)
     gains = verdict.crossovers
-    phases = _angle(*loop.parts(np.nan_to_num(gains, nan=1.0)))
-    phases = np.where(np.isnan(gains), np.nan, phases)
+    phases = _left(loop, gains)
     omega = frequencies(loop, verdict)
     omega = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
     parts = loop.parts(omega)
@@ -138,16 +139,37 @@ def _phase_crossovers(
     found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
     true = np.abs(angle(found, case)) < _AT_CROSSING
     true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
+    case, found = case[true], found[true]
+    found = _polished(loop.take(case), found)
     # L(0) = N(0)/D(0) is a crossing that no change of sign shows; and so is L at infinity.
     at_zero = np.flatnonzero(above[:, 0].real * below[:, 0].real < 0.0)
     at_infinity = np.flatnonzero(loop.direct < 0.0)
-    case = np.concatenate([at_zero, case[true]])
-    found = np.concatenate([np.zeros(at_zero.size), found[true]])
-    above, below = loop.take(case).parts(found[:, np.newaxis])
+    case = np.concatenate([at_zero, case])
+    found = np.concatenate([np.zeros(at_zero.size), found])
+    above, below = loop.take(case).undelayed(found[:, np.newaxis])
     sizes = np.concatenate([np.abs(above / below)[:, 0], -loop.direct[at_infinity]])
     case = np.concatenate([case, at_infinity])
     found = np.concatenate([found, np.full(at_infinity.size, np.inf)])
     return _rows(case, found, found, len(omega)), _rows(case, found, sizes, len(omega))
+
+
+def _left(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """How far L may lag more [rad] until it is real and negative, at a few frequencies ``(k, m)``.
+
+    Of values that are solved for: a sum over poles has the rounding of its largest terms.
+    """
+    above, below = loop.undelayed(omega)
+    return _angle(product(above, np.exp(-1j * omega * loop.delay[:, np.newaxis])), below)
+
+
+def _polished(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """One step of Newton's to where L is real, from frequencies ``(k,)`` that lack a rounding."""
+    omega = omega[:, np.newaxis]
+    with np.errstate(all="ignore"):
+        turn = loop.log_slope(omega).imag - loop.delay[:, np.newaxis]
+        step = _left(loop, omega) / turn
+        close = np.abs(step) <= _CLOSE * omega
+    return np.where(close, omega - step, omega)[:, 0]
 
 
 def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:

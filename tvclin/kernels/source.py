@@ -9,6 +9,7 @@ Python's `math` raises where machine code goes to infinity.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from types import FunctionType
@@ -59,15 +60,18 @@ def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return a kernel compiled, with all that it calls.
 
     The machine code is kept beside the source, or in the user's cache, under a name that tells
-    what it was made of; where neither can be written it is compiled anew in each process.
+    what it was made of, and with its hash; what is damaged is compiled anew, and where nothing can
+    be written each process compiles for itself.
     """
     import numba  # late: it takes half a second to import
 
+    from tvclin.kernels.kept import Kept
+
     whole = _linked(function, f"{function.__name__}_{digest(function)}", machine_code_within)
-    try:
-        return numba.njit(cache=True, **_options(function))(whole)
-    except RuntimeError:  # no place for a cache
-        return numba.njit(**_options(function))(whole)
+    compiled: Any = numba.njit(**_options(function))(whole)
+    with suppress(RuntimeError):  # no place for it
+        compiled._cache = Kept(whole)
+    return compiled
 
 
 @cache

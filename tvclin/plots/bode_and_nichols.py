@@ -24,7 +24,7 @@ from tvclin.plots.loop_samples import (
     title,
 )
 from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
-from tvclin.plots.style import INK, WARM, control_plot, fine_grid, new_axes
+from tvclin.plots.style import INK, WARM, control_plot, fine_grid, literal, new_axes
 
 if TYPE_CHECKING:
     from control import ControlPlot
@@ -112,7 +112,7 @@ def _draw_box(axes: "Axes", box: tuple[float, float, float], name: str) -> None:
     up, down, aside = box
     if not any(box):
         return
-    label = f"criteria {name}: +{up:g}/-{down:g} dB, {aside:g} deg"
+    label = f"criteria {literal(name)}: +{up:g}/-{down:g} dB, {aside:g} deg"
     style: dict[str, Any] = {"ec": WARM, "fc": WARM, "lw": 1.6, "ls": "--", "zorder": 1.2}
     for point in _critical(*axes.get_xlim()):
         shown = label if point == -180.0 else ""

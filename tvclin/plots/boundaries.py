@@ -31,6 +31,7 @@ from tvclin.plots.style import (
     cycle,
     draw,
     fine_grid,
+    literal,
     new_axes,
 )
 from tvclin.vehicle.coefficients import Coefficients
@@ -169,7 +170,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         limit = float(np.degrees(study.limit))
         axes.axhline(limit, color=WARM, lw=1.6, label="available limit")
     axes.set(
-        title=curves.parameters,
+        title=literal(curves.parameters),
         xlabel="wind duration [s]",
         ylabel="deflection [deg]",
         xlim=(0.0, float(x.max())),
@@ -182,9 +183,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
     each = durations[:, np.newaxis]
-    wind = type(study.wind)(peak=study.wind.peak, duration=each)
-    if study.gust is not None:  # as far from the middle of each wind
-        wind = wind + study.gust.shift(0.5 * (each - float(study.wind.duration)))
+    wind = study.blows.history({"wind_duration": each})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     columns = []
     for model in study.boundaries:

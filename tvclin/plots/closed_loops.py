@@ -14,7 +14,18 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_samples import ON_AXIS, VERDICTS, broken, loop_words, require_one
 from tvclin.plots.marks import Mark, draw_marks, write_numbers
-from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, control_plot, draw, fine_grid
+from tvclin.plots.style import (
+    COLOURS,
+    INK,
+    LINES,
+    WARM,
+    Look,
+    Style,
+    control_plot,
+    draw,
+    fine_grid,
+    literal,
+)
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -75,7 +86,7 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
         ax=panels[:, np.newaxis], plot_inputs=False, show_legend=False, title="", lw=2.0
     )
     lines = [line for panel in drawn.lines.flat for line in panel]
-    figure.suptitle(f"Step of the attitude command: {VERDICTS[status]}\n{broken(words)}")
+    figure.suptitle(literal(f"Step of the attitude command: {VERDICTS[status]}\n{broken(words)}"))
     curves = _step_curves(response, f"{words}; {VERDICTS[status]}")
     final = np.real(closed.dcgain()).ravel() if status == "ok" else np.full(2, np.nan)
     written = []

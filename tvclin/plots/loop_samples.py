@@ -18,6 +18,7 @@ from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.plots.curves import Column, Curves
+from tvclin.plots.style import literal
 
 if TYPE_CHECKING:
     import control
@@ -223,7 +224,7 @@ def _own_words(loop: Loop) -> str:
 
 def title(what: str, samples: LoopSamples, more: str = "") -> str:
     """Return the title of a figure: what it is, the verdict, and what the loop is made of."""
-    return f"{what}: {samples.verdict}{more}\n{broken(samples.words)}"
+    return literal(f"{what}: {samples.verdict}{more}\n{broken(samples.words)}")
 
 
 def broken(words: str) -> str:

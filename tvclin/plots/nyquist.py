@@ -12,7 +12,7 @@ from tvclin.plots.curves import Column, Curves
 from tvclin.plots.loop_marks import margin_marks, mode_marks
 from tvclin.plots.loop_samples import ON_AXIS, LoopSamples, sampled, unstable_poles
 from tvclin.plots.marks import Mark, draw_marks, numbered, write_numbers
-from tvclin.plots.style import INK, WARM, control_plot, fine_grid
+from tvclin.plots.style import INK, WARM, control_plot, fine_grid, literal
 
 if TYPE_CHECKING:
     import control
@@ -72,7 +72,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     for axes in panels:
         fine_grid(axes)
         lines += draw_marks(axes, [*marks, Mark(-1.0, 0.0, shape="X", name="L = -1")])
-    figure.suptitle(f"Nyquist diagram: {_counted(found, samples)}\n{samples.words}")
+    figure.suptitle(literal(f"Nyquist diagram: {_counted(found, samples)}\n{samples.words}"))
     handles, labels = panels[1].get_legend_handles_labels()
     figure.legend(handles[1:], labels[1:], loc="outside lower center", ncols=2)
     far = [numbered(mark, not mark.inside(panels[1])) for mark in marks]

@@ -8,7 +8,7 @@ import numpy as np
 from tvclin.linear.models import MODELS
 from tvclin.linear.modes import Modes, all_modes
 from tvclin.linear.plant import Plant
-from tvclin.plots.style import COLOURS, MARKS, WARM, control_plot, cycle, fine_grid
+from tvclin.plots.style import COLOURS, MARKS, WARM, control_plot, cycle, fine_grid, literal
 from tvclin.vehicle.coefficients import Coefficients
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> "Con
     panels[0].set_title("Poles, and residues of attitude per deflection [1/s]")
     panels[1].set_title("Near the origin")
     if coefficients.name:
-        panels[0].figure.suptitle(coefficients.name)
+        panels[0].figure.suptitle(literal(coefficients.name))
     panels[0].legend(loc="lower center", ncols=2)
     return control_plot(lines, panels)
 

@@ -101,7 +101,7 @@ def sketch_c(
     )
     styles = broken_lines([column.label for column in columns], width=1.8)
     look = Look(
-        title=r"Sketch (c). Solution of eq (C6), $2x^r - 2xy = 1 - y$,  $r = \beta_1/\beta_2$",
+        title="Sketch (c). Solution of eq (C6), 2xʳ - 2xy = 1 - y,  r = β₁/β₂",
         ordinate=r"$x = e^{-\beta_2 t_s}$ [-]",
         styles=styles,
         limits={"": (-0.02, 1.02)},

@@ -6,6 +6,7 @@ pyplot is imported when the first figure is drawn, not before.
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -92,15 +93,16 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
     for one, (heading, columns) in zip(axes, panels.items(), strict=True):
         for column in columns:
             style = look.styles[column.label]
-            lines += one.plot(curves.abscissa, column.values, label=pretty(column.label), **style)
+            label = pretty(literal(column.label))
+            lines += one.plot(curves.abscissa, column.values, label=label, **style)
         _label_panel(one, curves, look, heading)
         _write_notes(one, columns)
     for empty in axes[len(panels) :]:
         empty.set_axis_off()
     if len(panels) > 1:
-        axes[0].figure.suptitle(pretty(look.title))
+        axes[0].figure.suptitle(pretty(literal(look.title)))
     else:
-        axes[0].set_title(pretty(look.title))
+        axes[0].set_title(pretty(literal(look.title)))
     first = {line.get_label(): line for line in reversed(lines)}
     handles = [first[label] for label in dict.fromkeys(line.get_label() for line in lines)]
     axes[0].figure.legend(handles=handles, title=pretty(look.legend), loc="outside right center")
@@ -169,6 +171,11 @@ def fine_grid(axes: "Axes") -> None:
     axes.grid(which="major", color="0.75", lw=0.8)
     axes.grid(which="minor", color="0.9", lw=0.5)
     axes.set_axisbelow(True)
+
+
+def literal(text: str) -> str:
+    """Return a text in which users may have put names so that no dollar sign begins a formula."""
+    return text.replace("$", r"\$")
 
 
 def pretty(text: str) -> str:
@@ -253,7 +260,9 @@ def save_figure(plot: "ControlPlot", path: Path) -> None:
             raise InputError(
                 f"a figure needs a file name such as boundary.png, .pdf or .svg; got {path}"
             )
+        drawn = BytesIO()  # not the file: on a full disk the writer of PDF fails in its own way
         with plt.rc_context({"svg.hashsalt": "tvclin"}):
-            write_whole(path, lambda target: plot.figure.savefig(target, format=kind, dpi=150))
+            plot.figure.savefig(drawn, format=kind, dpi=150)
+        write_whole(path, lambda target: Path(target).write_bytes(drawn.getvalue()))
     finally:
         plt.close(plot.figure)

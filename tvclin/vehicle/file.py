@@ -6,11 +6,13 @@ from importlib.resources import files
 from os import PathLike, fspath
 from typing import Any
 
-from tvclin.base.errors import InputError, naming, one_of, shown
+from tvclin.base.errors import Faults, InputError, naming, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
 from tvclin.vehicle.damping import QUANTITIES, damping_of
+from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure_file import build_structure
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 _ALWAYS = {
@@ -53,6 +55,9 @@ def list_vehicles() -> list[str]:
 def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     """Return a vehicle by its name in the package, or from a TOML file.
 
+    What bends and sloshes stands beside [vehicle], under headings of its own: [structure],
+    [engine], [sensors], and one [[bending]] and [[slosh]] for each mode and tank. All are optional.
+
     Parameters
     ----------
     source : str or path
@@ -71,6 +76,9 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     >>> import tvclin as tv
     >>> tv.load_vehicle("configuration-i").weight
     1480000.0
+    >>> structure = tv.load_vehicle("made-up-booster").structure
+    >>> [mode.frequency for mode in structure.bending], len(structure.slosh)
+    ([13.58, 30.18, 61.18], 2)
     """
     return parse_vehicle(*vehicle_text(source))
 
@@ -91,9 +99,17 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
-    table = table_of(text, source, VEHICLE_TABLE)
-    with naming(called(source)):
-        return build_vehicle(table)
+    faults, vehicle = Faults(), None
+    with faults.kept():
+        table_of(text, source, VEHICLE_TABLE)
+    tables = tables_of(text, source)
+    given = tables.get("vehicle")
+    with faults.kept(), naming(called(source)):
+        structure = build_structure(tables)
+        vehicle = build_vehicle(given, structure=structure) if isinstance(given, dict) else None
+    faults.tell()
+    assert vehicle is not None  # or its table is at fault
+    return vehicle
 
 
 def needs_whole(what: str) -> str:
@@ -111,8 +127,11 @@ def table_of(text: str, source: str, table: Table) -> dict[str, Any]:
         raise InputError(f"{source} holds [{COEFFICIENTS}] alone: {needs_whole('this')}")
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
-    for key in document.keys() - set(HEADINGS):
-        raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
+    faults = Faults()
+    for key in (key for key in document if key not in HEADINGS):
+        with faults.kept():
+            raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
+    faults.tell()
     with naming(source):
         return table.one(document)
 
@@ -122,7 +141,9 @@ def template() -> str:
     return files("tvclin.vehicle").joinpath("shipped", "template.txt").read_text(encoding="utf-8")
 
 
-def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
+def build_vehicle(
+    given: Mapping[str, Any], heading: str = "[vehicle]", structure: Structure | None = None
+) -> Vehicle:
     """Return the vehicle of a table of keys with their units; the heading is for messages.
 
     Raises
@@ -136,7 +157,7 @@ def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehic
     aerodynamic = values.keys() & _AERODYNAMICS
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
-    return build(**values)
+    return build(**values, structure=structure)
 
 
 def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:

@@ -10,6 +10,7 @@ from contextlib import suppress
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
+from tempfile import mkdtemp
 from time import time
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.campaign.cases import evaluate
-from tvclin.answers.campaign.manifest import Manifest, check_versions, read_manifest
+from tvclin.answers.campaign.manifest import NAME, Manifest, check_versions, read_manifest
 from tvclin.base.errors import InputError, imported
-from tvclin.base.files import make_directory, write_whole
+from tvclin.base.files import called, exists, make_directory, write_whole
 from tvclin.kernels.choice import pinned
 
 if TYPE_CHECKING:
@@ -57,7 +58,13 @@ def run_chunk(folder: str, seal: str, chunk: int) -> int:
 def write_chunk(
     folder: Path, manifest: Manifest, chunk: int, columns: dict[str, NDArray[Any]]
 ) -> None:
-    """Write the columns of a chunk."""
+    """Write the columns of a chunk; what stands in its place and is no file is moved aside.
+
+    Raises
+    ------
+    InputError
+        When the folder is not there any more, or the file cannot be written.
+    """
     parquet, pyarrow = _parquet(), arrow()
     table = pyarrow.table(
         {
@@ -73,10 +80,15 @@ def write_chunk(
         _CONTENT: _content(table).encode(),
     }
     table = table.replace_schema_metadata(kept)
+    if not exists(folder / NAME):
+        raise InputError(f"{called(folder)} was removed, with its manifest, while the campaign ran")
     make_directory(folder / FOLDER)
+    file = chunk_file(folder, chunk)
+    if exists(file) and not file.is_file():  # nothing of whoever made it is deleted
+        file.rename(Path(mkdtemp(prefix=f"{file.name}.", dir=file.parent)) / file.name)
     options = {"compression": "none", "write_statistics": False, "write_page_checksum": True}
     write_whole(
-        chunk_file(folder, chunk),
+        file,
         lambda target: parquet.write_table(table, target, use_dictionary=["status"], **options),
     )
 
@@ -123,6 +135,8 @@ def read_columns(
 def _read(folder: Path, manifest: Manifest, chunk: int, names: list[str] | None) -> "pyarrow.Table":
     file = chunk_file(folder, chunk)
     try:
+        if exists(file) and not file.is_file():
+            raise OSError  # a folder, or a pipe that would be waited for
         with _parquet().ParquetFile(file, page_checksum_verification=True) as source:
             kept = source.schema_arrow.metadata or {}
             if kept.get(_SEAL) != manifest.seal.encode() or kept.get(_CHUNK) != b"%d" % chunk:

@@ -19,6 +19,10 @@ from tvclin.kernels.choice import available
 
 NAME = "manifest.json"
 _FORMAT = 1
+_MENDED = (
+    "delete it and run the campaign file into this folder again: that writes the same manifest, and"
+    " keeps the chunks"
+)
 
 
 @dataclass(frozen=True)
@@ -107,12 +111,12 @@ def read_manifest(folder: Path) -> Manifest:
             f"{called(folder)} holds no campaign: {NAME} cannot be read ({reason(error)})"
         ) from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        raise InputError(f"{called(file)} is damaged: it is no manifest") from None
+        raise InputError(f"{called(file)} is damaged: it is no manifest; {_MENDED}") from None
     if kind != _FORMAT:
         raise InputError(f"{file} has the format {shown(kind)}, and this version reads {_FORMAT}")
     if _seal(document) != seal:
         raise InputError(
-            f"{file} was changed after the campaign began; put it back, or begin another campaign"
+            f"{called(file)} was changed after the campaign began; put it back, or {_MENDED}"
         )
     return Manifest(parse_campaign(described), versions, seal)
 

@@ -23,16 +23,14 @@ from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
-from tvclin.base.errors import InputError, number, one_of, shown
+from tvclin.base.errors import Faults, InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
-from tvclin.vehicle.structure import Structure
-from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.file import GUST_TABLE, WIND_TABLE
+from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
 _OF_STUDIES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
@@ -75,11 +73,8 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise InputError(
             "the file is neither a vehicle file (it has no [vehicle]) nor a study (no [study])"
         )
-    known("table", document, [table.name for table in TABLES])
+    _check_tables(document, folder)
     each = {table: table.one(document) for table in _SINGLE}
-    for table in _OF_STUDIES:
-        if table is not AUTOPILOT_TABLE or not _recorded(document):
-            table.read(each[table])
     if not {"study", "campaign"} & document.keys():
         raise InputError("[study] is missing: it names the vehicle")
     study, campaign = each[STUDY_TABLE], each[CAMPAIGN_TABLE]
@@ -92,9 +87,30 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name, _recorded(document))}
 
 
+def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
+    """Raise `InputError` for all that is at fault in the tables of a file, a line for each."""
+    faults, recorded = Faults(), _recorded(document)
+    with faults.kept():
+        known("table", document, [table.name for table in TABLES])
+    for table in _SINGLE:
+        with faults.kept():
+            given = table.one(document)
+            if table in (SOURCE_TABLE, *((AUTOPILOT_TABLE,) if recorded else ())):
+                continue  # it may hold a whole flight, or numbers without a unit
+            if table.name in document or table in _OF_STUDIES:
+                table.read(given)
+    with faults.kept():
+        if "wind" in document and not recorded:
+            winds_of(document, folder)
+    with faults.kept():
+        dispersions_of(document)
+    faults.tell()
+
+
 def _recorded(document: Mapping[str, Any]) -> bool:
     """Whether it is the document of a manifest: only there numbers in SI units have bare names."""
-    vehicle = document.get("campaign", {}).get("vehicle")
+    campaign = document.get("campaign")
+    vehicle = campaign.get("vehicle") if isinstance(campaign, dict) else None
     return "study" not in document and isinstance(vehicle, dict) and "weight" in vehicle
 
 
@@ -108,10 +124,7 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
         return build_vehicle(source, f"[{where}.vehicle]")
     if isinstance(source, dict):
         known(f"key in [{where}.vehicle]", source, [f.name for f in fields(Vehicle)])
-        try:
-            return Vehicle(**source)
-        except TypeError:
-            raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
+        return of_record(Vehicle, source)
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
     return load_vehicle(_beside(source, folder))
@@ -123,28 +136,6 @@ def _beside(source: str, folder: Path) -> str | Path:
     return beside if source not in list_vehicles() and exists(beside) else source
 
 
-def structure_of(document: Mapping[str, Any], folder: Path) -> Structure | None:
-    """Return what bends and sloshes in the vehicle; None where its file has no structure.
-
-    A vehicle in a table of the study has none.
-
-    Raises
-    ------
-    InputError
-        As `load_structure`.
-    """
-    campaign = document.get("campaign", {})
-    if "structure" in campaign:
-        if not _recorded(document):
-            raise InputError("structure belongs into the vehicle file, beside [vehicle]")
-        return of_record(Structure, campaign["structure"])
-    source = (document.get("study", {}) | campaign).get("vehicle")
-    if not isinstance(source, str):
-        return None
-    found = load_structure(_beside(source, folder))
-    return None if found.is_rigid else found
-
-
 def gains_of(table: Mapping[str, Any], document: Mapping[str, Any]) -> GainsAsked:
     """Return what the table [autopilot] asks for."""
     return of_record(GainsAsked, table) if _recorded(document) else GainsAsked.from_table(table)
@@ -154,10 +145,14 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
     """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
     rows, recorded = DISPERSION_TABLE.each(document), _recorded(document)
     correlation = CORRELATION_TABLE.each(document)
-    made = tuple(_dispersion(row, recorded) for row in rows)
+    made, faults = [], Faults()
+    for row in rows:
+        with faults.kept():
+            made.append(_dispersion(row, recorded))
+    faults.tell()
     names = [one.parameter for one in made]
     if not correlation:
-        return Dispersions(made)
+        return Dispersions(tuple(made))
     matrix = np.eye(len(made))
     for row in correlation:
         given = CORRELATION_TABLE.read(row)
@@ -168,7 +163,7 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
             )
         i, j = (names.index(one_of("between in [[correlation]]", name, names)) for name in between)
         matrix[i, j] = matrix[j, i] = number("coefficient", given.get("coefficient", ""))
-    return Dispersions(made, tuple(map(tuple, matrix.tolist())))
+    return Dispersions(tuple(made), tuple(map(tuple, matrix.tolist())))
 
 
 def _dispersion(row: dict[str, Any], recorded: bool) -> Dispersion:

@@ -20,6 +20,7 @@ from tvclin.answers.schedules.table import Column, Heading, Table, letters, read
 from tvclin.answers.schedules.units import WRITTEN, unit_of
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, number, shown
+from tvclin.base.files import called
 from tvclin.base.units import POUND_FORCE, UNITS
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
@@ -173,7 +174,9 @@ def _table(path: str | PathLike[str], wanted: Wanted) -> Table:
         path, "a table of a flight", lambda found: _named(found, time) is not None
     )
     if table is None:
-        raise InputError(f"{path} has no line of column names with {shown(time)} among them")
+        raise InputError(
+            f"{called(path)} has no line of column names with {shown(time)} among them"
+        )
     return table
 
 

@@ -21,6 +21,7 @@ from tvclin.answers.schedules.slopes import Slope, slope_over_mach
 from tvclin.answers.schedules.table import Column, Heading, Table, read_table_text
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, finite, number, one_row, positive, shown, times_row
+from tvclin.base.files import called
 from tvclin.base.units import POUND_FORCE
 
 _POUNDS = {"lb": POUND_FORCE, "lbf": POUND_FORCE, "N": 1.0}
@@ -145,8 +146,8 @@ def _table(path: str | PathLike[str]) -> Table:
     table = read_table_text(path, "a flight that RASAero II exports", is_header)
     if table is None:
         raise InputError(
-            f"{path} has no line of column names such as Time (sec), Thrust (lb), CG (in); export"
-            " the flight again as CSV"
+            f"{called(path)} has no line of column names such as Time (sec), Thrust (lb), CG (in);"
+            " export the flight again as CSV"
         )
     return table
 

@@ -8,10 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from tvclin.base.errors import InputError, shown
+from tvclin.base.files import called
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import Levels, checked_towards
-from tvclin.winds.soundings.text import FloatArray, IntArray, Text
+from tvclin.winds.soundings.text import (
+    LATEST_HEADER,
+    MOST_COLUMNS,
+    FloatArray,
+    IntArray,
+    Text,
+)
 
 _NAMES = {
     "geopotential_height": "height",
@@ -66,8 +73,11 @@ def find_openrocket(text: Text) -> list[Found]:
 
 def header_line(text: Text) -> int | None:
     """Return the index of the first line that names a height and more, or None."""
-    for i, line in enumerate(text.lines):
-        names = [_split(_key(cell))[0] for cell in _cells(line, _delimiter(line))]
+    for i, line in enumerate(text.lines[:LATEST_HEADER]):
+        delimiter = _delimiter(line)
+        if line.count(delimiter) >= MOST_COLUMNS:
+            continue
+        names = [_split(_key(cell))[0] for cell in _cells(line, delimiter)]
         if len(names) > 1 and any(_NAMES.get(name) == "height" for name in names):
             return i
     return None
@@ -109,7 +119,8 @@ def _columns(text: Text, line: int, cells: list[str], units: bool) -> dict[str, 
             continue
         if quantity in columns:
             first = columns[quantity].cell
-            raise text.error(line, f"{quantity} is given twice, as {first} and {cell}; keep one")
+            both = f"{called(first)} and {called(cell)}"
+            raise text.error(line, f"{quantity} is given twice, as {both}; keep one")
         factors = _UNITS[quantity]
         if not units and not unit:
             unit = next(iter(factors))

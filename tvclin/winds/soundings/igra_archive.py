@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
@@ -29,6 +30,10 @@ _BLANK = (33, 39, 45)
 _DERIVED = "-drvd"
 _AT_ONCE = 100_000
 """Levels that are looked at together."""
+_MOST = 1_000_000
+"""Levels of one sounding, at the most; the finest have some ten thousand."""
+_LONGEST = 1000
+"""Bytes of a line, at the most; those of IGRA have 71 and less."""
 _TOLD = 1 << 22
 """Bytes between two words on how far it is."""
 _NO_HOUR, _NO_TIME = 99, b"9999"
@@ -49,7 +54,7 @@ def read_station(path: Path, wanted: Wanted, progress: Progress | None = None) -
     stream = _Stream(called(path), wanted)
     with _opened(path) as (file, total):
         done = told = 0
-        for line in file:
+        for line in _lines(file, called(path)):
             stream.take(line)
             done += len(line)
             if progress is not None and done - told > _TOLD:
@@ -75,9 +80,8 @@ def is_station(path: Path) -> bool:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
-    """The lines of the file, and how many bytes there are."""
+    """The file, and how many bytes there are."""
     import zipfile
-    import zlib
     from io import BufferedReader
 
     try:
@@ -95,10 +99,27 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
                 raise InputError(_derived(texts[0].filename))
             with packed.open(texts[0]) as inner:
                 yield BufferedReader(inner, 1 << 20), texts[0].file_size  # type: ignore[type-var]
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError):
-        raise InputError(f"{called(path)} is no zip that can be read; load it down again") from None
+    except (zipfile.BadZipFile, RuntimeError):
+        raise _no_zip(called(path)) from None
     except OSError as error:
         raise InputError(f"{called(path)} cannot be read: {reason(error)}") from None
+
+
+def _lines(file: IO[bytes], name: str) -> Iterator[bytes]:
+    """Yield the lines of a file, of which none may be longer than a line can be."""
+    try:
+        for number, line in enumerate(iter(partial(file.readline, _LONGEST), b""), start=1):
+            if len(line) == _LONGEST:
+                raise InputError(f"{name}, line {number}: it has {_LONGEST} bytes or more")
+            yield line
+    except (InputError, OSError):
+        raise
+    except Exception:  # each way of packing has errors of its own
+        raise _no_zip(name) from None
+
+
+def _no_zip(name: str) -> InputError:
+    return InputError(f"{name} is no zip that can be read; load it down again")
 
 
 def _derived(name: str) -> str:
@@ -126,6 +147,8 @@ class _Stream:
         if line[:1] == b"#" or (self.number == 1 and BEGINS.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf"))
         elif self.takes and not line.isspace():
+            if len(self.lines) > _AT_ONCE + _MOST:
+                raise InputError(f"{self.name}, line {self.number}: more than {_MOST} levels")
             self.lines.append(line)
             self.numbers.append(self.number)
 

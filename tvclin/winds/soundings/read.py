@@ -8,7 +8,7 @@ from tvclin.winds.soundings import columns, igra, rocketpy, wyoming
 from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.levels import profile_of
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.soundings.text import Text, read_lines
+from tvclin.winds.soundings.text import LATEST_HEADER, MOST_COLUMNS, Text, read_lines
 
 READERS = {
     "csv": columns.find,
@@ -73,7 +73,8 @@ def recognised(text: Text) -> str:
         return "csv"
     raise InputError(
         f"{text.source} is in no format that is recognised; a table needs a header such as"
-        " height_m,speed_m_per_s,direction_deg (or name the format:"
+        f" height_m,speed_m_per_s,direction_deg in its first {LATEST_HEADER} lines, with at most"
+        f" {MOST_COLUMNS} columns (or name the format:"
         f" {', '.join(READERS)})"
     )
 

@@ -17,6 +17,8 @@ from tvclin.base.files import called, read_text
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+MOST_COLUMNS, LATEST_HEADER = 1000, 1000
+"""Columns of a table, and lines up to that with their names: no real one has more."""
 _MISSING = {"", "-", "--", "nan", "na", "n/a", "null", "none"}
 
 
