@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test suite coverage lint bench notebooks docs packages clean help
+.PHONY: study test suite other-processor coverage lint bench notebooks docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -18,6 +18,16 @@ test: $(VENV)/.installed-dev  ## set everything up and pass the tests, with lint
 
 suite:
 	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
+
+# By turns, a day each; PROCESSOR=Prescott takes that one.
+NUMBERS := kernels linear boundary control flights
+PROCESSORS := Haswell Nehalem Prescott Sandybridge
+PROCESSOR ?= $(word $(shell $(PYTHON) -c 'import time; print(1 + time.gmtime().tm_yday % 4)'),$(PROCESSORS))
+
+other-processor: export PYTHONDONTWRITEBYTECODE =
+other-processor: $(VENV)/.installed-dev  ## pass the chapters with numbers as on an older processor
+	OPENBLAS_CORETYPE=$(PROCESSOR) NUMBA_CPU_NAME=generic \
+	  $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q $(addprefix tests/,$(NUMBERS))
 
 coverage: $(VENV)/.installed-dev  ## pass the tests and list the lines that none of them runs
 	$(BIN)/python -m pip install --quiet --no-compile --group coverage
@@ -46,7 +56,7 @@ clean:  ## remove the environment and all caches
 	rm -rf tvclin/kernels/__pycache__
 
 help:  ## list the commands
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/:/'
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/:/'
 
 $(VENV)/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \

@@ -1,4 +1,4 @@
-"""A bound of processor time for one call, whoever made the call."""
+"""What ends a call that never would, whoever made the call: no measure of how fast it is."""
 
 import signal
 from collections.abc import Iterator
@@ -11,19 +11,24 @@ THERE = hasattr(signal, "SIGPROF")
 """Whether the system has timers of POSIX."""
 
 
-class TooSlow(BaseException):
+_ENDLESS = 600.0
+"""Seconds of processor time that nothing takes on the busiest machine; the slowest good call takes
+two, and plain Python a hundred. How much a call may ask for is bounded at its door, in counts."""
+
+
+class Endless(BaseException):
     """What nothing that is called may catch."""
 
 
 @contextmanager
-def within(seconds: float) -> Iterator[None]:
-    """Raise `TooSlow` when a call takes longer; to compile a kernel does not count."""
+def ending() -> Iterator[None]:
+    """Raise `Endless` where a call does not end; to compile a kernel does not count."""
 
     def stop(number: int, frame: FrameType | None) -> None:
-        raise TooSlow(f"more than {seconds} s")
+        raise Endless(f"more than {_ENDLESS} s")
 
     before = signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.setitimer(signal.ITIMER_PROF, _ENDLESS)
     try:
         with _compiling_apart():
             yield

@@ -97,5 +97,5 @@ pendulum_length_m = 2.0
 
 def transfer(matrices, s):
     """Return C (s - A)^-1 B + D at one complex frequency."""
-    A, B, C, D = matrices[:4]
+    A, B, C, D = matrices
     return C @ np.linalg.solve(s * np.eye(A.shape[-1]) - A, B) + D

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.answers.test_sizing_varying import trim_law_is_lost
 from tests.archives import Balloon, days, jet, write
 from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.answers.availability.needs import needs_of_winds
@@ -126,6 +127,37 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     assert near.today(winds[int(np.argmax(needed))]).go is bool(limit > needed.max())
     fixed = tv.availability(flight, rough, limit=1e-4, model="fixed-path", **PITCH)
     assert np.array_equal(fixed.least, fixed.most)  # there nothing needs to be flown
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
+    """As a flight by other steps says; with half of the bound that is lost."""
+    booster = tv.load_schedule("configuration-ii")
+    height = np.unique(np.append(np.arange(0.0, 40e3, 500.0), [9.2e3, 9.201e3, 10.001e3, 10.8e3]))
+    east = np.where((height > 9.2e3) & (height <= 10e3), -50.0, 0.0)
+    east[(height > 10e3) & (height < 10.8e3)] = 50.0
+    wind = tv.WindProfile(height=height, east=east, north=0.0 * height)
+    asked = PITCH | {"model": model}
+    bound = tv.availability(booster, one(wind), limit=1e-4, **asked).least[0]
+    met = tv.fly_through(wind, booster, azimuth=EAST).wind
+    parts = np.array([0.55, 0.9, 0.95, 1.0])
+    lost = trim_law_is_lost(booster, met, model, parts * bound)
+    assert lost.tolist() == [True, False, False, False]
+    for part, flies in ((0.9, True), (0.55, False), (0.4, False)):
+        found = tv.availability(booster, one(wind), limit=part * bound, **asked)
+        assert found.flies[0] == flies
+        assert found.need[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
+        assert any("a flight of the trim law survives" in note for note in found.notes) == flies
+        assert found.today(wind).go is flies
+    for stop in ("square", "round"):
+        turned = tv.WindProfile(height=height, east=east / 2**0.5, north=east / 2**0.5)
+        found = tv.availability(
+            booster, one(turned), limit=0.0, azimuth=EAST, stop=stop, model=model
+        ).least[0]
+        again = tv.availability(
+            booster, one(turned), limit=0.9 * found, azimuth=EAST, stop=stop, model=model
+        )
+        assert again.flies[0] == 1.0
 
 
 def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None:

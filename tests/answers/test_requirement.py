@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.answers.requirement import NOTHING
-from tvclin.boundary.limit import BOUNDARY, MINIMUM, NO_FORECAST, PAIR
+from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY, MINIMUM, NO_FORECAST, PAIR
 from tvclin.cli.app import app
 from tvclin.flights.planar.survival import planar_verdict
 
@@ -34,11 +34,10 @@ def triangle(duration: float, peak: float = PEAK) -> tv.TriangularWind:
 
 
 def trim_law(plant: tv.Plant) -> tv.Autopilot:
-    """Return delta = B (alpha + 10 (theta + theta'/beta)) for each plant of a batch."""
+    """Return delta = B alpha + b 10 (theta + theta'/beta), b = B for what is unstable, of each."""
     c = plant.coefficients
-    return tv.Autopilot(
-        attitude_gain=10.0 * c.B, rate_gain=10.0 * c.B / c.beta, alpha_gain=np.asarray(c.B)
-    )
+    gain, pace = 10.0 * np.abs(c.B) * np.sign(c.mu_delta), np.sqrt(np.abs(c.mu_alpha))
+    return tv.Autopilot(attitude_gain=gain, rate_gain=gain / pace, alpha_gain=np.asarray(c.B))
 
 
 @pytest.mark.parametrize("dead_band", [1.0, 0.5, 0.0])
@@ -50,18 +49,95 @@ def test_on_a_fixed_path_it_is_the_report_s_boundary_to_the_last_bit(configurati
     assert (found.governs, boundary.status) == (BOUNDARY, "ok")
 
 
-def test_a_long_wind_with_a_small_dead_band_needs_the_minimum_over_both_poles(configuration_i):
+def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(configuration_i):
     plant, wind = tv.Plant.from_vehicle(configuration_i, "drift-exact"), triangle(60.0)
     least = tv.optimum_deflection(plant, wind).peak
-    boundary = tv.boundary_limit(plant, wind, 0.5)
-    assert abs(boundary.deflection) < 0.7 * least
-    assert boundary.status == f"{MINIMUM} is larger"
-    found = tv.required_deflection(plant, wind, 0.5)
-    assert found.governs == MINIMUM
-    assert abs(found.deflection) == pytest.approx(least, rel=1e-9)
-    assert not tv.is_sufficient(plant, wind, 0.999 * least, 0.5)
-    assert tv.is_sufficient(plant, wind, 1.001 * least, 0.5)
-    assert tv.survivable_peak(plant, wind, 0.5 * least, 0.5) == pytest.approx(0.5 * PEAK)
+    boundary = tv.boundary_limit(plant, wind, [0.5, 0.0])
+    assert np.all(np.abs(boundary.deflection) < 0.7 * least)
+    assert boundary.status[0].endswith(f"{AFTER_TRIM} is larger")
+    assert boundary.status[1].endswith(f"{MINIMUM} is larger")
+    found = tv.required_deflection(plant, wind, [0.5, 0.0])
+    assert found.governs.tolist() == [AFTER_TRIM, MINIMUM]
+    after, onset = np.abs(found.deflection)
+    assert onset == pytest.approx(least, rel=1e-9)
+    assert 1.01 * least < after < 1.05 * least
+    for need, dead_band in ((after, 0.5), (onset, 0.0)):
+        assert not tv.is_sufficient(plant, wind, 0.999 * need, dead_band)
+        assert tv.is_sufficient(plant, wind, 1.001 * need, dead_band)
+        assert tv.survivable_peak(plant, wind, 0.5 * need, dead_band) == pytest.approx(0.5 * PEAK)
+
+
+@pytest.mark.parametrize("aerodynamic_arm", [None, -7.0])
+def test_an_effector_ahead_of_the_centre_of_gravity_needs_about_as_much(
+    configuration_i, aerodynamic_arm
+):
+    """A stable vehicle and an unstable one; the law's feedback brings the attitude back in both."""
+    vehicle = configuration_i
+    if aerodynamic_arm is not None:
+        vehicle = vehicle.replace(aerodynamic_arm=aerodynamic_arm)
+    ahead = vehicle.replace(control_arm=-vehicle.control_arm)
+    behind, before = (
+        abs(tv.required_deflection(tv.Plant.from_vehicle(v, "drift-exact"), triangle(7.5)).limit)
+        for v in (vehicle, ahead)
+    )
+    assert before == pytest.approx(behind, rel=0.12)  # the side force has the other sign
+    plant = tv.Plant.from_vehicle(ahead, "drift-exact")
+    c = plant.coefficients
+    law = trim_law(plant)
+    limits = before * abs(c.B) * PEAK * np.array([1.01, 1.05, 1.3])
+    flown = tv.fly_many(plant, law, triangle(7.5), deflection_limit=limits, sample_rate=200.0)
+    assert flown.status.tolist() == ["survived"] * 3
+
+
+def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
+    vehicle = tv.Vehicle(
+        weight=2.5183e6,
+        thrust=9.99809e6,
+        moment_of_inertia=6.72992e7,
+        normal_force_slope=9.69659e5,
+        aerodynamic_arm=8.38191,
+        control_arm=25.7814,
+        axial_force=6.11259e5,
+        velocity=379.741,
+        attitude=0.314442,
+    )
+    time = [0.0, 6.2493, 12.0342, 13.4668, 16.0594, 18.2317, 19.7114, 25.6745, 28.3449, 33.8971,
+            37.8076, 38.4849]  # fmt: skip
+    angle = [0.0, 0.041386, 0.016922, 0.015532, 0.004963, 0.025151, 0.05, 0.000993, 0.047048,
+             0.031818, 0.014873, 0.0]  # fmt: skip
+    wind = tv.SampledWind(time=time, angle=angle)
+    needs = [
+        tv.required_deflection(tv.Plant.from_vehicle(vehicle, model), wind)
+        for model in ("drift-exact", "drift-and-speed")
+    ]
+    assert needs[1].limit == pytest.approx(needs[0].limit, rel=5e-3)
+    plant = tv.Plant.from_vehicle(vehicle, "drift-exact")
+    # The least that no control undercuts survives, and above it a band of limits is lost.
+    above = np.array([1.01, 1.02, 1.03, 1.04, 1.049, 1.06, 1.1, 1.2])
+    limits = above * needs[0].needs[BOUNDARY]
+    options = {"deflection_limit": limits, "sample_rate": 100.0}
+    flown = tv.fly_many(plant, trim_law(plant), wind, **options)
+    assert "lost" in flown.status[:4]
+    enough = limits > abs(needs[0].deflection)
+    assert enough.sum() > 1
+    assert np.all(flown.status[enough] == "survived")
+
+
+def test_a_slow_real_pole_of_drift_and_speed_is_flown_itself():
+    """Without the change of its speed the vehicle has a pair, whose flights nobody can judge."""
+    c = tv.Coefficients(
+        mu_alpha=0.0366, mu_delta=3.2277, C1=0.32144, C2=0.0018342, b1=0.32663, b2=0.29266,
+        q=0.012518,
+    )  # fmt: skip
+    exact, whole = tv.Plant(c, "drift-exact"), tv.Plant(c, "drift-and-speed")
+    assert np.iscomplexobj(tv.unstable_modes(exact).poles)
+    assert tv.unstable_modes(whole).poles == pytest.approx([0.108], rel=1e-2)
+    found = tv.required_deflection(whole, triangle(15.0))
+    assert found.limit < 1.05 * found.needs[BOUNDARY] / (c.B * PEAK)
+    limits = abs(found.deflection) * np.array([0.95, 1.01, 1.1, 1.5])
+    options = {"deflection_limit": limits, "sample_rate": 50.0}
+    flown = tv.fly_many(whole, trim_law(whole), triangle(15.0), **options)
+    assert flown.status.tolist() == ["lost", "survived", "survived", "survived"]
 
 
 def test_a_dead_band_of_one_needs_the_bound_without_a_forecast_and_the_law_flown(configuration_i):
@@ -132,9 +208,7 @@ def test_a_stable_vehicle_needs_nothing():
 
 def test_a_stable_vehicle_whose_path_grows_needs_what_the_trim_law_does(configuration_i):
     plant = tv.Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=-7.0), "drift-exact")
-    c = plant.coefficients
-    gain = 10.0 * abs(c.B)
-    law = tv.Autopilot(attitude_gain=gain, rate_gain=gain / np.sqrt(-c.mu_alpha), alpha_gain=c.B)
+    law = trim_law(plant)
     for wind in (triangle(7.5), triangle(15.0), tv.RectangularWind(peak=PEAK, duration=3.0)):
         found = tv.required_deflection(plant, wind)
         limits = abs(found.deflection) * np.array([1.005, 1.3, 2.0])
@@ -200,11 +274,11 @@ def test_every_room_says_no_where_the_pair_needs_more(configuration_i, tmp_path)
 def test_the_command_exits_by_what_is_required():
     given = ["study", "configuration-i", "--model", "drift-exact", "--duration", "60",
              "--dead-band", "0.5", "--json"]  # fmt: skip
-    for limit, code in (("0.10", 1), ("0.12", 0)):
+    for limit, code in (("0.105", 1), ("0.12", 0)):
         result = CliRunner().invoke(app, [*given, "--limit-deg", limit])
         verdict = json.loads(result.stdout)["verdict"]
         assert result.exit_code == code
-        assert verdict["governed_by"] == MINIMUM
+        assert verdict["governed_by"] == AFTER_TRIM
         assert verdict["sufficient"] is (code == 0)
 
 
@@ -218,7 +292,7 @@ def fleet(rng: np.random.Generator, count: int) -> tv.Vehicle:
         moment_of_inertia=2.25e7 * mass * np.exp(rng.uniform(-1.0, 1.0, count)),
         normal_force_slope=6.67e5 * np.exp(rng.uniform(-4.0, 2.0, count)),
         aerodynamic_arm=rng.uniform(0.3, 15.0, count),
-        control_arm=rng.uniform(8.0, 30.0, count),
+        control_arm=rng.uniform(8.0, 30.0, count) * rng.choice([1.0, 1.0, -1.0], count),
         axial_force=rng.uniform(0.0, 0.3, count) * thrust,
         velocity=np.exp(rng.uniform(np.log(40.0), np.log(1500.0), count)),
         attitude=np.radians(rng.uniform(5.0, 90.0, count)),
@@ -267,7 +341,7 @@ def test_no_verdict_is_too_good(seed, model, dead_band):
     assert np.all(needed >= np.nan_to_num(bound) * (1.0 - 1e-9))
     # Flights at what is required are on the edge: one percent above it decides.
     rate = np.clip(400.0 * tv.unstable_modes(plant).poles.real.max(axis=-1), 0.01, 1e6)
-    for above in (1.01, 1.03, 1.3):
+    for above in (1.01, 1.02, 1.05, 1.1, 1.3):
         options = {"deflection_limit": above * given, "sample_rate": rate}
         flown = tv.fly_many(plant, trim_law(plant), wind, **options)
         lost = np.flatnonzero((flown.status == "lost") & finite)

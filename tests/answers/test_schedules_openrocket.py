@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 import pytest
 
@@ -250,6 +252,62 @@ def test_density_gives_the_same_dynamic_pressure_as_pressure(sample, tmp_path) -
     )
 
 
+R = 287.053
+"""Of dry air, J/(kg K), with which OpenRocket makes its density."""
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "zero"),
+    [("K", 1.0, 0.0), ("°C", 1.0, 273.15), ("°F", 5.0 / 9.0, 459.67 * 5.0 / 9.0)],
+)
+def test_pressure_and_temperature_give_the_dynamic_pressure_of_the_density(
+    tmp_path, unit, factor, zero
+) -> None:
+    """Of air of 216.65 K, where the tool's speed of sound makes 0.7 p M^2 1.4 percent less."""
+    T, a = 216.65, 165.77 + 0.606 * 216.65
+    lines = with_column(f"Air temperature ({unit})", lambda _: repr((T - zero) / factor))
+    found = read(written(tmp_path, lines))
+    row = LINES[number_of("3,") - 1].split(",")
+    p, V = 100.0 * float(row[column("Air pressure")]), float(row[column("Total velocity")])
+    q = p / (R * T) * V**2 / 2
+    # the offset of a temperature costs a digit more than the products do
+    assert found.at(3.0).normal_force_slope == pytest.approx(q * S * 2.0, rel=20 * ROUNDING)
+    assert any("q = p V^2/(2 R T) of column Air pressure (mbar) and" in one for one in found.notes)
+    assert 0.7 * p * (V / a) ** 2 / q == pytest.approx(1.0 - 0.0134, abs=5e-5)
+
+
+def test_a_density_of_few_decimals_is_told_and_pressure_with_temperature_counts_first(tmp_path):
+    lines = changed("Normal force", lambda *_: "0.001", "Air density (g/cm³)")
+    plain = read(written(tmp_path, [line.replace("Air pressure", "Pressure") for line in lines]))
+    assert any("3 decimals, 50 percent of it" in note for note in plain.notes)
+    lines = with_column("Air temperature (K)", lambda _: "288.15", lines)
+    found = read(written(tmp_path, lines))
+    assert not any("decimals" in note for note in found.notes)
+    assert any("p V^2/(2 R T)" in note for note in found.notes)
+
+
+def with_column(name: str, cell: Callable[[float], str], lines: Sequence[str] = LINES) -> list[str]:
+    """Return lines with a column behind the others, of a function of the time."""
+    return [
+        f"{line},{name}" if i == HEADER else line if line.startswith("#")
+        else f"{line},{cell(float(line.split(',')[0]))}"
+        for i, line in enumerate(lines)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("decimals", [repr, lambda x: f"{x:.6e}"])
+def test_decimal_commas_between_semicolons_are_decimal_points(tmp_path, decimals) -> None:
+    lines, commas = list(LINES), list(LINES)
+    for i, line in enumerate(LINES):
+        if line.startswith("#"):
+            commas[i] = line.replace(",", ";")
+        else:
+            lines[i] = ",".join(decimals(float(cell)) for cell in line.split(","))
+            commas[i] = lines[i].replace(",", ";").replace(".", ",")
+    expected = read(written(tmp_path, lines))
+    same(read(written(tmp_path, commas, "utf-8-sig")), expected, 0.0)
+
+
 def test_its_own_slope_is_read_where_it_is_there(sample, tmp_path) -> None:
     name = "Normal force coefficient derivative (CN\u03b1) (\u200b)"
     lines = changed("Normal force", lambda *_: 2.0, name)
@@ -337,6 +395,25 @@ def test_the_damping_of_the_file_is_that_of_the_vehicle(tmp_path) -> None:
     damping = tv.Coefficients.from_vehicle(found.at(3.0)).damping
     assert damping == pytest.approx(23.0 / 21.6, rel=10 * ROUNDING)
     assert not np.any(read(OPENROCKET).vehicle.pitch_damping)
+
+
+@pytest.mark.parametrize("part", ["", " part"])
+def test_the_damping_is_the_whole_and_not_one_of_its_parts(tmp_path, part) -> None:
+    """A newer file has all three; one that has only parts has no damping that could be used."""
+    lines = with_column(f"Damping moment coefficient (aerodynamic{part}) (kg·m²/s)", lambda _: "21")
+    lines = with_column(
+        f"Damping moment coefficient (propulsive{part}) (kg·m²/s)", lambda _: "2", lines
+    )
+    parts = read(written(tmp_path, lines))
+    assert not np.any(parts.vehicle.pitch_damping)
+    assert sum("a part of the damping" in note for note in parts.notes) == 2
+    for name in (DAMPING, "Damping moment coefficient (Cdm) (kg·m²/s)"):
+        found = read(written(tmp_path, with_column(name, lambda _: "23", lines)))
+        assert np.all(found.vehicle.pitch_damping == 23.0)
+        assert not any("a part of" in note for note in found.notes)
+        again = [*lines[:HEADER], *with_column(name, lambda _: "23", lines)[HEADER:]]
+        with pytest.raises(tv.InputError, match="Damping moment coefficient is there 2 times"):
+            read(written(tmp_path, with_column(name, lambda _: "23", again)))
 
 
 def test_a_damping_of_the_wrong_sign_is_left_out_and_one_below_the_jets_doubted(tmp_path) -> None:

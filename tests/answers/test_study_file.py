@@ -443,3 +443,31 @@ def test_the_limit_of_an_option_counts_for_the_whole_flight_too() -> None:
     wider = changed_plan(given, None, None, (None, None), 3.0, {})
     assert given.sizing.limit == given.limit
     assert wider.sizing.limit == wider.limit == np.radians(3.0)
+
+
+def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(
+        '[study]\nvehicle = "configuration-ii"\ndead_bnd = [1.0]\n'
+        '[wind]\nshape = "triangular"\npeak_dg = 5\nduration_s = 7\n'
+        '[gust]\npeak_deg = "x"\ndurat_s = 2\n[sutdy]\na = 1\n'
+        '[[dispersion]]\nparameter = "thrust"\npercnt = 3\n'
+        '[[dispersion]]\nparameter = "weight"\nprcent = 3\n'
+    )
+    said = (
+        "unknown table: 'sutdy'; did you mean study?",
+        "unknown key in [study]: 'dead_bnd'; did you mean dead_band?",
+        "peak_deg must be a number; got 'x'",
+        "unknown key in [gust]: 'durat_s'; did you mean duration_s?",
+        "peak_dg has no known unit in [wind]; write peak_rad or peak_deg",
+        "unknown key in [[dispersion]] of thrust: 'percnt'; did you mean percent or part?",
+        "unknown key in [[dispersion]] of weight: 'prcent'; did you mean percent or part?",
+    )
+    found = CliRunner().invoke(app, ["study", str(path)])
+    assert found.exit_code == 2
+    lines = found.stderr.removeprefix("Error: ").splitlines()
+    assert lines == [f"{path}: {line}" for line in said]
+    assert found.stdout == ""
+    with pytest.raises(tv.InputError) as error:
+        tv.load_campaign(path)
+    assert str(error.value).split("\n") == lines

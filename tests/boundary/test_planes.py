@@ -12,7 +12,7 @@ from scipy.special import hyp2f1
 import tvclin as tv
 from tvclin import CircularStop, EllipticStop, InputError, PlaneWind, PolygonStop, SquareStop
 from tvclin.boundary import forecast_free
-from tvclin.boundary.planes.optimum import _by_corners as by_corners
+from tvclin.boundary.planes import optimum
 from tvclin.boundary.planes.pair import Pair
 from tvclin.boundary.planes.unforeseen import unforeseen
 from tvclin.winds.speed import angle_from_speed
@@ -216,29 +216,83 @@ def test_a_cluster_in_a_turning_wind_is_counted_from_inside():
     assert "polygon inside" in found.notes[-1]
 
 
-@pytest.mark.parametrize(("azimuth", "solved"), [(0.5, True), (1.0, False)])
-def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved_and_what_is_left_is_told(
-    azimuth, solved
-):
-    """In a part of the cells two corners share the deflection, which the dual leaves open."""
+def measured(azimuth):
+    """A plant, a wind, and three engines that move beside one that does not."""
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     profile = tv.read_soundings(Path(__file__).parents[1] / "soundings" / "wyoming.txt")[0]
-    wind = profile.to_winds(tv.load_schedule("configuration-i"), azimuth=azimuth)
     engines = [tv.ClusterEngine(at=1.0, state="centred")]
     engines += [tv.ClusterEngine(at=at) for at in (1.0j, -1.0, -1.0j)]
-    best = tv.plane_optimum(plant, wind, tv.Cluster(engines))
-    assert best.certificate.gap < 5e-3
-    assert (best.status == "ok") is solved
-    found = tv.plane_limit(plant, wind, tv.Cluster(engines), dead_band=0.0)
+    wind = profile.to_winds(tv.load_schedule("configuration-i"), azimuth=azimuth)
+    return plant, wind, tv.Cluster(engines)
+
+
+def corners_needed(plant, wind, stop, even=60):
+    """The least peak of a deflection that is constant in cells: one program of all corners."""
+    poles = tv.unstable_modes(plant)
+    p = poles.poles.real
+    x = np.linspace(0.0, 1.0, even + 1)  # e^(-p t) of the fast pole; the other is a power of it
+    x = np.unique(np.concatenate([x ** (p[0] / one) for one in p]))[::-1]
+    cells = x.size - 1
+    parts = np.stack([(x[:-1] ** r - x[1:] ** r) for r in p / p[0]]) / p[:, np.newaxis]
+    rows, asked = [], []
+    onset = float(wind.onset)
+    for axis, blown in ((1.0, wind.pitch), (1.0j, wind.yaw)):
+        for k in range(p.size):
+            moments = np.real(np.conj(axis) * stop.corners)
+            rows.append((parts[k][:, np.newaxis] * moments).ravel())
+            size = -poles.wind_residues[k] / poles.deflection_residues[k]
+            asked.append(size * np.exp(p[k] * onset) * float(blown.laplace(p[k])))
+    each = np.kron(np.eye(cells), np.ones(stop.corners.size))
+    scale = np.abs(asked).max()
+    found = linprog(
+        np.append(np.zeros(each.shape[1]), 1.0),
+        A_ub=np.column_stack([each, -np.ones(cells)]),
+        b_ub=np.zeros(cells),
+        A_eq=np.column_stack([rows, np.zeros(len(rows))]),
+        b_eq=np.asarray(asked) / scale,
+    )
+    return found.fun * scale
+
+
+@pytest.mark.parametrize("azimuth", [0.5, 1.0, 4.5])
+def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved(azimuth):
+    """In a part of the cells two corners share the deflection."""
+    plant, wind, cluster = measured(azimuth)
+    best = tv.plane_optimum(plant, wind, cluster)
+    assert best.status == "ok"
+    assert abs(best.certificate.gap) < 1e-6
+    found = tv.plane_limit(plant, wind, cluster, dead_band=0.0)
     assert found.limit == pytest.approx(best.limit, rel=1e-12)
-    assert any("the minimum is not solved" in note for note in found.notes) is not solved
+    assert not any("the minimum is not solved" in note for note in found.notes)
 
 
-def test_corners_that_cannot_meet_the_conditions_are_no_answer_and_no_crash():
-    cells, toward = np.array([[0.5 + 0.0j, 0.5 + 0.0j]]), np.array([1.0 + 0.0j])
-    _, met = by_corners(cells, np.array([0.5]), toward)
-    assert np.real(np.conj(cells) @ met) == pytest.approx([0.5])
-    assert by_corners(cells, np.array([-0.5]), toward) is None
+def test_it_is_that_of_a_program_of_all_corners():
+    plant, wind, cluster = measured(1.0)
+    stop = cluster.inscribed(24)
+    best = tv.plane_optimum(plant, wind, stop)
+    needed = corners_needed(plant, wind, stop)
+    assert best.certificate.dual <= needed * (1.0 + 1e-9)
+    assert needed == pytest.approx(best.peak, rel=1e-4)  # of wider cells
+
+
+def test_what_is_left_of_a_minimum_is_told(monkeypatch):
+    plant, wind, cluster = measured(1.0)
+    solved = tv.plane_optimum(plant, wind, cluster)
+    monkeypatch.setattr(optimum, "_ROUNDS", 4)
+    rough = tv.plane_optimum(plant, wind, cluster)
+    assert "not converged" in rough.status
+    assert rough.certificate.dual <= solved.peak <= rough.peak
+    found = tv.plane_limit(plant, wind, cluster, dead_band=0.0)
+    assert any("the minimum is not solved" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("width", [1.0, 1e-3, 1e-6])
+def test_a_stop_may_be_thin(width):
+    wind = veering(20, 120, beta=EXACT.coefficients.beta)
+    best = tv.plane_optimum(EXACT, wind, EllipticStop(1.0, width))
+    assert best.status == "ok"
+    assert abs(best.certificate.gap) < 1e-5
+    assert best.certificate.residual < 1e-12
 
 
 def test_a_batch_is_what_each_is_alone():

@@ -153,13 +153,17 @@ DAMAGED: dict[str, tuple[list[str], str]] = {
         [line.replace("Thrust (N)", "Thrust") for line in LINES],
         "unit of the column 'Thrust' is not known; export it in N, kN, lbf, kgf",
     ),
-    "decimal commas": (
+    "decimal commas between tabs": (
         [
-            line.replace(",", ";") if line.startswith("#")
-            else line.replace(",", ";").replace(".", ",")
+            line.replace(",", "\t") if line.startswith("#")
+            else line.replace(",", "\t").replace(".", ",")
             for line in LINES
         ],
-        f"line {number_of('0,0,')}: numbers have decimal commas; export the file again",
+        f"line {number_of('0,0,')}: numbers have decimal commas; export the file with points",
+    ),
+    "decimal commas beside points": (
+        damaged([line.replace(",", ";") for line in LINES], "3;", {"196.503": "196,503"}),
+        f"line {ROW}: numbers have decimal commas, others points; export the file with points",
     ),
     "decimal commas and commas between": (
         [line if line.startswith("#") else line.replace(".", ",") for line in LINES],

@@ -28,7 +28,7 @@ def booster(structure=STRUCTURE):
 def test_it_is_actuator_times_plant(plant, actuator, s):
     found = actuated(plant, actuator)
     assert found.outputs == (*plant.outputs, "deflection")
-    system = transfer(found, s)
+    system = transfer(found.matrices(), s)
     alone = transfer(plant.matrices(), s)
     lag = 1.0 if actuator is None else actuator.tf()(s)
     # What the command does, with the inertia of the engine; the disturbance turns the thrust alone.
@@ -44,12 +44,12 @@ def test_a_batch_of_plants_and_one_of_actuators_are_each_pair():
     vehicles = BOOSTER.replace(thrust=np.array([[2.4e7], [2.5e7]]))
     plants = tv.FlexiblePlant.from_vehicle(vehicles, STRUCTURE, "drift-exact")
     every = actuated(plants, tv.Actuator(natural_frequency=[20.0, 22.0, 24.0], damping=0.8))
-    assert [one.shape for one in every[:4]] == [
+    assert [one.shape for one in every.matrices()] == [
         *((2, 3, 17, 17), (2, 3, 17, len(INPUTS)), (2, 3, 7, 17), (2, 3, 7, len(INPUTS)))
     ]
     vehicle = BOOSTER.replace(thrust=2.5e7)
     one = actuated(tv.FlexiblePlant.from_vehicle(vehicle, STRUCTURE, "drift-exact"), ACTUATOR)
-    for mine, batch in zip(one[:4], every[:4], strict=True):
+    for mine, batch in zip(one.matrices(), every.matrices(), strict=True):
         atol = 1e-15 * np.abs(mine).max(initial=0.0)
         np.testing.assert_allclose(batch[1, 1], mine, rtol=1e-12, atol=atol)
 
@@ -66,7 +66,7 @@ def loop_of(plant, actuator, gains, filters=(), delay=0.0):
     places = [system.outputs.index(f"sensed_attitude{end}") for end in ("", "_rate")]
 
     def loop(s):
-        seen = transfer(system, s)[places, 0]
+        seen = transfer(system.matrices(), s)[places, 0]
         shaped = np.prod([one(s) for one in filters]) if filters else 1.0
         return -np.dot(gains, seen) * shaped * np.exp(-delay * s)
 

@@ -274,7 +274,7 @@ def test_the_exact_loop_is_the_product_of_its_blocks():
         for omega in (0.3, 4.0, 14.0, 40.0):
             s = 1j * omega
             attitude, rate, angle = (
-                transfer(seen, s)[seen.outputs.index(name), 0] for name in names
+                transfer(seen.matrices(), s)[seen.outputs.index(name), 0] for name in names
             )
             asked = (0.36 + 0.05 / s) * attitude * extra(s) * FILTERS[1](s)
             asked += 0.56 * rate * FILTERS[0](s) + 0.1 * angle

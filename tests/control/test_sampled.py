@@ -11,7 +11,7 @@ import tvclin as tv
 from tests.control.test_flexible_loops import AUTOPILOT, FILTERS, booster, to_margin
 from tests.flexible import BOOSTER, transfer
 from tvclin.control.autopilot.actuated import actuated
-from tvclin.control.autopilot.sampled import vehicle_steps
+from tvclin.control.autopilot.wiring import COMMAND
 
 SAMPLED = replace(AUTOPILOT, sample_rate=25.0)
 SLOW = "is below twice the frequency of bending 3"
@@ -36,8 +36,11 @@ def test_the_booster_sampled_at_25_hertz():
     assert found.rigid.phase_margin_deg == to_margin(41.333057)
     assert found.rigid.crossover_frequency == to_margin(1.412942)
     assert m.disk_margin == pytest.approx(0.62741270, abs=1e-8)
+    # A delay of 1.1 samples more is a little less than phase over frequency says.
     late = np.radians(m.phase_margin_deg) / m.crossover_frequency
-    assert m.delay_margin == pytest.approx(late, rel=1e-12)
+    assert m.delay_margin == pytest.approx(late, rel=1e-3)
+    edge = replace(SAMPLED, delay=SAMPLED.delay + m.delay_margin).exact_loop(plant)
+    assert np.abs(edge.closed_loop_poles).max() == pytest.approx(1.0, abs=1e-11)
 
 
 def test_the_booster_sampled_at_12_hertz_and_a_half():
@@ -64,7 +67,7 @@ def by_aliases(autopilot, plant, omega, terms=640):
     for k in range(-terms, terms + 1):
         s = 1j * (omega + 2.0 * np.pi * rate * k)
         hold = (1.0 - np.exp(-s * h)) / (s * h)
-        held += transfer(seen, s)[rows, 0] * hold * np.exp(-s * delay)
+        held += transfer(seen.matrices(), s)[rows, 0] * hold * np.exp(-s * delay)
     z = np.exp(1j * omega * h)
     value = autopilot.attitude_gain * held[0] + autopilot.rate_gain * held[1]
     for one, own in zip(autopilot.filters, (13.0, 32.0), strict=True):
@@ -108,19 +111,19 @@ def test_a_delay_of_any_length_moves_on_in_step_with_the_samples():
 
 
 def test_a_rigid_plant_is_sampled_as_well_with_all_its_feedbacks():
+    """With a hold, half a step late, and the integral of what is held, half a step later still."""
     plant = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
-    gains = {"attitude_gain": 0.36, "rate_gain": 0.56, "alpha_gain": 0.1, "integral_gain": 0.02}
+    gains = {"attitude_gain": 0.36, "rate_gain": 0.56, "alpha_gain": 0.1}
     omega = np.array([0.3, 1.4])
-    exact = tv.Autopilot(**gains, delay=0.02).frequency_response(plant, omega)
-    errors = [
-        np.abs(
-            tv.Autopilot(**gains, delay=0.02 - 0.5 / rate, sample_rate=rate).frequency_response(
-                plant, omega
-            )
-            - exact
-        )
-        for rate in (100.0, 200.0)
-    ]
+    straight, whole = (
+        tv.Autopilot(**gains, **more, delay=0.02).frequency_response(plant, omega)
+        for more in ({}, {"integral_gain": 0.02})
+    )
+    errors = []
+    for rate in (100.0, 200.0):
+        one = tv.Autopilot(**gains, integral_gain=0.02, delay=0.02 - 0.5 / rate, sample_rate=rate)
+        expected = straight + (whole - straight) * np.exp(-0.5j * omega / rate)
+        errors.append(np.abs(one.frequency_response(plant, omega) - expected))
     np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
 
 
@@ -173,20 +176,21 @@ def test_filters_are_exact_at_their_own_frequency():
         assert found / bare == pytest.approx(one(1j * own)[()], rel=1e-10)
 
 
-def test_the_steps_of_the_vehicle_serve_a_flight():
+def test_the_vehicle_moves_in_steps_as_it_does_between_them():
     plant = booster()
-    steps = vehicle_steps(replace(SAMPLED, delay=0.05), plant)
-    assert steps.states == (*plant.states, "actuator_deflection", "actuator_rate")
-    assert (steps.whole, steps.period) == (1, 0.04)
     seen = actuated(plant, SAMPLED.actuator)
+    steps = seen.select((COMMAND,), plant.sensed).to_steps(0.04, 0.05)
+    late = ("deflection_command_1", "deflection_command_2")
+    assert steps.states == (*plant.states, "actuator_deflection", "actuator_rate", *late)
     # From rest under one command: steady for ever is what the exponential says at that time.
     held = np.zeros((18, 18))
     held[:17, :17], held[:17, 17:] = seen.A, seen.B[:, :1]
-    state, commands = np.zeros((17, 1)), [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
-    for k in range(2, 6):
-        state = steps.F @ state + steps.G0 * commands[k - 1] + steps.G1 * commands[k - 2]
-    late = 4 * 0.04 - 0.05  # the first command leaves with the first step
-    np.testing.assert_allclose(state, expm(held * late)[:17, 17:], rtol=1e-9, atol=1e-12)
+    state = np.zeros((19, 1))
+    for _ in range(4):
+        state = steps.A @ state + steps.B
+    moved = 4 * 0.04 - 0.05  # the first command leaves with the first step
+    expected = expm(held * moved)[:17, 17:]
+    np.testing.assert_allclose(state[:17], expected, rtol=1e-9, atol=1e-12)
 
 
 def test_a_batch_of_rates_and_delays_is_each_of_them():

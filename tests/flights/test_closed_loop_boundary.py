@@ -394,7 +394,7 @@ STABLE = Plant.from_coefficients(Coefficients(mu_alpha=-0.2, mu_delta=2.6))
     ("arguments", "message"),
     [
         ({"sample_rate": 0.0}, "sample_rate must be positive"),
-        ({"sample_rate": 39.0, "actuator": SERVO}, "sample_rate must be at least 40 Hz"),
+        ({"sample_rate": 0.1, "actuator": SERVO}, "sample_rate must be at least 0.16 Hz"),
         ({"actuator": 20.0}, "actuator must be an Actuator"),
         ({"actuator": tv.Actuator(natural_frequency=[20.0, 30.0])}, "must be one actuator; got"),
         ({"rate_limit": 0.0}, "rate_limit must be positive"),

@@ -13,7 +13,6 @@ from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,
     factors_at_growth,
-    with_effectiveness,
 )
 from tvclin.flights.closed_loop.sampled import one_flight
 
@@ -109,7 +108,7 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
     for edge in (1.0 / gain[0], gain[1]):
         assert abs(growth_near_rest(replace(one, gain=np.asarray(edge)))) < 1e-8
     for edge in (1.0 / effect[0], effect[1]):
-        changed = replace(one, plant=with_effectiveness(PLANT, edge))
+        changed = replace(one, plant=PLANT.with_effectiveness(edge))
         assert abs(growth_near_rest(changed)) < 1e-8
     late = np.asarray(0.03 + delay_at_growth(one, BETA))
     assert abs(growth_near_rest(replace(one, delay=late))) < 1e-8

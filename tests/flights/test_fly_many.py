@@ -351,7 +351,7 @@ def test_a_stable_plant_flies_to_a_time_but_has_no_fate():
         ({"delay": 1e4}, "delay must be at most 10000 samples"),
         ({"sample_rate": np.ones(2), "delay": np.ones(3)}, "broadcast"),
         ({"sample_rate": None}, "sample_rate must"),
-        ({"actuator": SERVO, "sample_rate": 10.0}, "sample_rate must be at least 40"),
+        ({"actuator": SERVO, "sample_rate": 0.1}, "sample_rate must be at least 0.16"),
         ({"plant": 1}, "plant must be a Plant"),
         ({"wind": 1}, "wind must be a History"),
         ({"until": np.nan}, "until must be finite"),

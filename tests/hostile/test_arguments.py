@@ -14,9 +14,8 @@ from typing import Any
 import pytest
 
 import tvclin as tv
-from tests.clock import TooSlow, within
+from tests.clock import Endless, ending
 from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile
-from tvclin.kernels.choice import available
 
 for extra in ("ipywidgets", "jinja2", "jsbsim", "latex2mathml", "pyarrow"):
     pytest.importorskip(extra)
@@ -24,9 +23,6 @@ for extra in ("ipywidgets", "jinja2", "jsbsim", "latex2mathml", "pyarrow"):
 MORE = int(os.environ.get("TVCLIN_HOSTILE", "0"))
 """As of the other search: so many at random."""
 LONGEST_SENTENCE = 400
-SECONDS = 10.0 if available() else 120.0
-"""Of processor time, for one call: the slowest good one takes two, but boundaries of laws in plain
-Python, which the package says before it begins."""
 CALLED = ("__call__", "__getitem__")
 FUNCTIONS = ("rule", "engine", "shape", "progress", "winds")
 """A function in place of another raises what it raises."""
@@ -46,7 +42,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def complaint(name: str, door: Door, argument: str, value: Any) -> str | None:
     """Return what is wrong with the answer to one argument; None if nothing is."""
     try:
-        with within(SECONDS), warnings.catch_warnings():
+        with ending(), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # the package's own, which are told
             answer = door.call(**(door.good | {argument: value}))
             repr(answer)
@@ -56,7 +52,7 @@ def complaint(name: str, door: Door, argument: str, value: Any) -> str | None:
         said = str(error)
         good = 0 < len(said) < LONGEST_SENTENCE and "\n" not in said
         return None if good else f"its message is no short sentence: {said[:500]!r}"
-    except (Exception, TooSlow) as error:
+    except (Exception, Endless) as error:
         return f"{type(error).__name__}: {str(error)[:200]}"
     return f"a silent NaN in {sorted(lost)}" if lost else None
 

@@ -380,7 +380,7 @@ def test_in_a_notebook_the_panel_is_there_before_its_curve(
             await asyncio.sleep(0.01)
         assert one.image.value != first
 
-    asyncio.run(asyncio.wait_for(filled(), 60.0))
+    asyncio.run(asyncio.wait_for(filled(), 600.0))
     assert known[:3] == [1, 2, 3]
 
 

@@ -165,3 +165,21 @@ def test_a_mass_is_a_weight_over_g() -> None:
         parse_vehicle(by_weight.replace("weight_N", "mass_kg = 1.5e6\nweight_N"), "mine")
     with pytest.raises(tv.InputError, match=r"weight_N or .*, or mass_kg or mass_lb or mass_slug"):
         parse_vehicle(by_weight.replace("weight_N", "# weight_N"), "mine")
+
+
+def test_all_faults_of_a_vehicle_file_are_told_at_once(tmp_path) -> None:
+    path = tmp_path / "v.toml"
+    path.write_text(
+        'colour = 3\n[vehicle]\nweigth_N = 1e6\nmoment_of_inertia_kg_m2 = "big"\n'
+        "thrust_furlong = 3\n[bendng]\na = 1\n"
+    )
+    with pytest.raises(tv.InputError) as error:
+        tv.load_vehicle(path)
+    lines = str(error.value).split("\n")
+    said = ("'colour'", "'bendng'", "did you mean weight_N", "must be a number", "write thrust_N")
+    assert len(lines) == len(said)
+    for line, one in zip(lines, said, strict=True):
+        assert line.startswith(f"{path}: ")
+        assert one in line
+    with pytest.raises(tv.InputError, match=r"(?s)weight must be positive.*\nthrust must be"):
+        tv.load_vehicle("configuration-i").replace(weight=-1.0, thrust=0.0)

@@ -88,9 +88,15 @@ def test_no_level_is_placed_between_two_soundings(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("levels", "why"),
     [
-        ([*FIVE, (30, -9999, 13000, 270, 171.0)], "line 9: a wind of 171 m/s, above 130"),
-        ([*FIVE, (30, -9999, 13000, 400, 17.0)], "line 9: a direction of 400 degrees"),
-        ([*FIVE, (30, -9999, 13000, 270, -3.0)], "line 9: a speed of -3 m/s"),
+        (
+            [*FIVE, (30, -9999, 13000, 270, 171.0)],
+            "line 9: no wind blows with 171 m/s, above 130; check its unit",
+        ),
+        (
+            [*FIVE, (30, -9999, 13000, 400, 17.0)],
+            "line 9: direction must be between 0 and 360 degrees; got 400",
+        ),
+        ([*FIVE, (30, -9999, 13000, 270, -3.0)], "line 9: speed must not be negative; got -3 m/s"),
         ([*FIVE, (30, 123456789, 13000, 270, 3.0)], "line 9: a level is cut short or not in its"),
         (FIVE[:1], "it has fewer than two levels with a height and a wind"),
         ([FIVE[2], FIVE[1], FIVE[0], FIVE[1]], "more than half of its levels lie below"),

@@ -165,7 +165,11 @@ def table(*rows, header="height_m,speed_m_per_s,direction_deg"):
     [
         (table("0,5,10", "1000,8,361"), "line 3: direction must be between 0 and 360 degrees"),
         (table("0,5,10", "1000,-8,36"), "line 3: speed must not be negative; got -8 m/s"),
-        (table("0,5,10", "1000,800,36"), "line 3: no wind blows with 800 m/s; check its unit"),
+        (table("0,5,10", "1000,131,36"), "line 3: no wind blows with 131 m/s, above 130; check"),
+        (
+            table("0,5,10", "9,0,131", header="height_m,u_m_per_s,v_m_per_s"),
+            "line 3: no wind blows",
+        ),
         (table("0,5,10", "1e6,8,36"), "line 3: height must be between .* check its unit"),
         (table("0,5,10", "1000,8,36", "", "900,8,36"), "line 5: .* 900 m comes after 1000 m"),
         (table("0,5,10", "1000,8"), "line 3: the header has 3 columns and this line 2"),

@@ -4,7 +4,8 @@ The report's boundary is one requirement, and not always the largest. A limit is
 is none of these too low for
 
 - the boundary of the control, with the dead band left by trim itself, as in a flight;
-- the minimum over all unstable poles, appendix C, which nothing undercuts;
+- the minimum over all unstable poles, appendix C, which nothing undercuts, from the onset of the
+  wind on, and for 0 < K < 1 from the state on that trim up to K times the limit has left;
 - for K = 1, which claims to need no forecast, the bound without one, and the trim law flown where
   (4b) does not speak for it: in winds that come back, and where the path is as quick.
 """
@@ -27,6 +28,7 @@ from tvclin.answers.trim_flown import (
 from tvclin.base.cards import Row, card
 from tvclin.base.errors import InputError, instance, nonzero, plain, within
 from tvclin.boundary.limit import (
+    AFTER_TRIM,
     BOUNDARY,
     MINIMUM,
     NO_FORECAST,
@@ -120,8 +122,12 @@ def required_deflection(
     mode grows at more than a twentieth of that rate, b1 is above a tenth of it, another
     requirement is larger than that of (4b), or a flight with half a percent more is lost, the trim
     law is flown with limits up to the largest trim deflection, with which it is never limited, and
-    the least above which all that were tried survive is required for K = 1. (The speed is left out
-    in these flights.) For a pair it is that largest trim deflection over K, infinite for K = 0.
+    the least above which all that were tried survive is required for K = 1: every two percent, and
+    for six percent above the highest that is lost every 0.2 percent, so that a narrower band of
+    losses is not excluded. (Where three modes grow, the change of the speed is left out in these
+    flights; where two of drift-exact are a pair as well, no limit below full trim is known to
+    survive, which may ask for too much.) For a pair it is that largest trim deflection over K,
+    infinite for K = 0.
 
     Examples
     --------
@@ -130,7 +136,7 @@ def required_deflection(
     >>> long = tv.TriangularWind(peak=np.radians(5), duration=60.0)
     >>> found = tv.required_deflection(plant, long, dead_band=0.5)
     >>> found.governs, round(found.limit, 3), round(tv.boundary_limit(plant, long, 0.5).limit, 3)
-    ('the minimum over all unstable poles', 0.195, 0.124)
+    ('the minimum over all unstable poles after trim', 0.197, 0.124)
     """
     K = within("dead_band", dead_band, 0.0, 1.0)
     instance("plant", plant, Plant, RIGID)
@@ -155,7 +161,7 @@ def required_deflection(
     needs[TRIM_LAW] = trim_law_flown(plant, blows, flies, least)
     governs = np.full(needs[BOUNDARY].shape, BOUNDARY, dtype=object)
     most = np.array(needs[BOUNDARY])
-    for name in (MINIMUM, NO_FORECAST, TRIM_LAW):
+    for name in (MINIMUM, NO_FORECAST, AFTER_TRIM, TRIM_LAW):
         larger = needs[name] > most * (1.0 + ROUNDING)
         governs, most = np.where(larger, name, governs), np.where(larger, needs[name], most)
     governs = np.where(most == 0.0, NOTHING, governs)

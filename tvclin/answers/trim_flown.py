@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,10 +31,6 @@ _TINY = 1e-12
 """A limit [rad] in place of none, where nothing is needed and nothing asked."""
 _HIGHEST = 4.0
 """Over the trim deflection without drift: where trim grows without end no more is tried."""
-_TRIES, _MANY_TRIES = 12, 48
-"""Limits in a round; with b1 < 0 the law may be lost in a narrow band above limits that survive."""
-_ROUNDS = 3
-"""Of tries, each in the step where the one before found the edge: 1/1331 of the first range."""
 _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""
 
@@ -40,19 +38,30 @@ _MORE = 1e-6
 def trim_law_flown(
     plant: Plant, wind: History, flies: NDArray[np.bool_], least: FloatArray
 ) -> FloatArray:
-    """Return what the trim law needs flown [rad], at least `least`, where it flies; else 0."""
+    """Return what the trim law needs flown [rad], at least `least`, where it flies; else 0.
+
+    The law is not limited by the largest trim deflection. With b1 < 0 trim itself grows without
+    end: no more is tried than a few times the wind's, and where that is lost no limit is enough.
+    """
+    from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
+
     shape = least.shape
     found = np.zeros(shape)
-    if not np.any(flies):
+    which = np.flatnonzero(np.broadcast_to(flies, shape))
+    if not which.size:
         return found
-    trim = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape)
-    grows = np.asarray(plant.coefficients.b1) < 0.0
-    for group, tries in ((flies & ~grows, _TRIES), (flies & grows, _MANY_TRIES)):
-        which = np.flatnonzero(np.broadcast_to(group, shape))
-        if which.size:
-            some, winds = plant.some(which, shape), wind.some(which, shape)
-            low, high = least.ravel()[which], trim.ravel()[which]
-            found.ravel()[which] = _least_flown(some, winds, low, high, tries)
+    some, winds = plant.some(which, shape), wind.some(which, shape)
+    low = np.maximum(least.ravel()[which], _TINY)
+    high = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape).ravel()[which]
+    c = some.coefficients
+    grows = np.broadcast_to(np.asarray(c.b1) < 0.0, which.shape)
+    high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * winds.peak)), high)
+
+    def lost(limits: FloatArray) -> NDArray[np.bool_]:
+        return lost_flown(some, winds, limits, np.ones(limits.shape, dtype=bool))
+
+    edge, never = edges_above_losses(lost, low, np.maximum(high * (1.0 + _MORE), low))
+    found.ravel()[which] = np.where(grows & never, np.inf, edge)
     return found
 
 
@@ -100,21 +109,23 @@ def lost_flown(
 def _survives(
     plant: Plant, wind: History, limit: FloatArray, samples: float = _SAMPLES
 ) -> NDArray[np.bool_]:
-    """Whether delta = B alpha + ``|B|`` gain (theta + theta'/(p + d)) survives with limits [rad].
+    """Whether delta = B alpha + b gain (theta + theta'/(p + d)) survives with limits [rad].
 
-    p + d is the pace of the other pole on a fixed path, beta without damping. The speed of a plant
-    is left out. What is too long to be flown does not survive.
+    b is |B| with the sign of mu_delta, so that the feedback brings the attitude back, and p + d the
+    pace of the other pole on a fixed path, beta without damping. A plant whose speed changes is
+    flown by itself where flights of it can be decided, and else without the change of its speed.
+    What is too long to be flown does not survive.
     """
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.many import fly_many
+    from tvclin.flights.closed_loop.outcomes import decidable
 
     c = plant.coefficients
-    gain, half = _GAIN * np.abs(c.B), np.asarray(c.damping) / 2.0
+    gain, half = _GAIN * np.copysign(c.B, c.mu_delta), np.asarray(c.damping) / 2.0
     pace = half + np.hypot(half, np.sqrt(np.abs(c.mu_alpha)))
     with np.errstate(divide="ignore", invalid="ignore"):  # without a moment nothing is flown
         rate_gain = np.where(pace > 0.0, gain / pace, 0.0)
     law = Autopilot(attitude_gain=gain, rate_gain=rate_gain, alpha_gain=c.B)
-    model = "drift-exact" if plant.model == "drift-and-speed" else plant.model
     limits = np.where(limit > 0.0, limit, _TINY)
     with np.errstate(invalid="ignore", divide="ignore"):
         pole, span = leading_pole(plant)[0], wind.end - wind.onset
@@ -122,30 +133,9 @@ def _survives(
         rate = np.clip(asked, *_RATES)
         flyable = span * rate <= 2.0 * _MOST_SAMPLES
         limits = np.where(flyable, limits, np.nan)
-    flown = fly_many(Plant(c, model), law, wind, deflection_limit=limits, sample_rate=rate)
-    return np.asarray(flown.status == "survived")
-
-
-def _least_flown(
-    plant: Plant, wind: History, low: FloatArray, high: FloatArray, tries: int
-) -> FloatArray:
-    """The least limit [rad] above which all that are tried survive, from `low` to `high`.
-
-    The law is not limited by `high`. With b1 < 0 trim itself grows without end: no more is tried
-    than a few times the wind's, and where that is lost no limit is enough.
-    """
-    c = plant.coefficients
-    grows = np.asarray(c.b1) < 0.0
-    high = np.where(grows, np.minimum(high, _HIGHEST * np.abs(c.B * wind.peak)), high)
-    parts = np.linspace(0.0, 1.0, tries)[:, np.newaxis]
-    high = np.maximum(high * (1.0 + _MORE), low)
-    never = np.zeros(low.shape, dtype=bool)
-    for _ in range(_ROUNDS):
-        tried = low + parts * (high - low)
-        lost = lost_flown(plant, wind, tried, np.ones(tried.shape, dtype=bool))
-        never |= grows & lost[-1]
-        last = np.where(lost.any(axis=0), tries - 1 - np.argmax(lost[::-1], axis=0), -1)
-        everyone = np.arange(low.size)
-        high = tried[np.minimum(last + 1, tries - 1), everyone]
-        low = tried[np.maximum(last, 0), everyone]
-    return np.where(never, np.inf, high)
+    fly = partial(fly_many, law=law, wind=wind, deflection_limit=limits, sample_rate=rate)
+    survived = fly(plant).status == "survived"
+    if plant.model == "drift-and-speed" and not np.all(own := decidable(plant)):
+        steady = fly(Plant(c, "drift-exact")).status == "survived"
+        survived = np.where(own, survived, steady)
+    return np.asarray(survived)

@@ -34,11 +34,43 @@ class InputError(ValueError):
 
 @contextmanager
 def naming(what: str) -> Iterator[None]:
-    """Let an `InputError` within begin with the file, the table or the row that it is about."""
+    """Let each line of an `InputError` within begin with the file, table or row it is about."""
     try:
         yield
     except InputError as error:
-        raise InputError(f"{what}: {error}") from None
+        raise InputError("\n".join(f"{what}: {line}" for line in str(error).split("\n"))) from None
+
+
+class Faults:
+    """Faults of a file that are told at once, a line for each.
+
+    Examples
+    --------
+    >>> faults = Faults()
+    >>> for value in (-1.0, 1.0, -2.0):
+    ...     with faults.kept():
+    ...         _ = positive("number", value)
+    >>> faults.tell()
+    Traceback (most recent call last):
+    tvclin.base.errors.InputError: number must be positive; got -1
+    number must be positive; got -2
+    """
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep the `InputError` of what is within, each line once."""
+        try:
+            yield
+        except InputError as error:
+            self.lines += [line for line in str(error).split("\n") if line not in self.lines]
+
+    def tell(self) -> None:
+        """Raise an `InputError` of all that was kept, if anything was."""
+        if self.lines:
+            raise InputError("\n".join(self.lines))
 
 
 def missing(needs: str, extra: str) -> InputError:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any
 
-from tvclin.base.errors import InputError, number, shown
+from tvclin.base.errors import Faults, InputError, number, shown
 from tvclin.base.units import UNITS, written
 
 
@@ -83,28 +83,31 @@ class Table:
         ------
         InputError
             For an unknown key or unit, what is given twice or not at all, and a value that is no
-            number, or no list, where one must be.
+            number, or no list, where one must be: a line for each.
         """
         if not isinstance(table, Mapping) or not all(isinstance(key, str) for key in table):
             raise InputError(f"{self.heading} must be a table; got {shown(table)}")
         keys, found = self.keys, {}
         given: dict[str, str] = {}
+        faults = Faults()
         for key, value in table.items():
-            if key in self.words:
-                found[key] = value
-            elif key in self.lists:
-                if not isinstance(value, list):
-                    raise InputError(f"{key} in {self.heading} must be a list; got {shown(value)}")
-                found[key] = tuple(value)
-            elif key in keys:
-                name, factor = keys[key]
-                if name in given:
-                    both = f"as {given[name]} and {key}"
-                    raise InputError(f"{name} is given twice in {self.heading}, {both}; keep one")
-                given[name] = key
-                found[name] = number(key, value) * factor
-            else:
-                raise InputError(self._unknown(key))
+            with faults.kept():
+                if key in self.words:
+                    found[key] = value
+                elif key in self.lists:
+                    found[key] = self._list(key, value)
+                elif key in keys:
+                    name, factor = keys[key]
+                    if name in given:
+                        both = f"as {given[name]} and {key}"
+                        raise InputError(
+                            f"{name} is given twice in {self.heading}, {both}; keep one"
+                        )
+                    given[name] = key
+                    found[name] = number(key, value) * factor
+                else:
+                    raise InputError(self._unknown(key))
+        faults.tell()
         self.need(found, self.required)
         return found
 
@@ -118,14 +121,22 @@ class Table:
         }
 
     def need(self, found: Mapping[str, Any], names: Iterable[str]) -> None:
-        """Raise `InputError` for a name that is not among what was found."""
+        """Raise `InputError` for names that are not among what was found."""
+        faults = Faults()
         for name in names:
-            if name not in found:
-                raise InputError(f"a key is missing in {self.heading}: {self.spelled(name)}")
+            with faults.kept():
+                if name not in found:
+                    raise InputError(f"a key is missing in {self.heading}: {self.spelled(name)}")
+        faults.tell()
 
     def write(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return numbers in SI units by their keys, of which `read` makes the same again."""
         return {self.spelled(name).split(" or ")[0]: value for name, value in values.items()}
+
+    def _list(self, key: str, value: object) -> tuple[Any, ...]:
+        if not isinstance(value, list):
+            raise InputError(f"{key} in {self.heading} must be a list; got {shown(value)}")
+        return tuple(value)
 
     def _unknown(self, key: str) -> str:
         keys, words = self.keys, (*self.words, *self.lists)
@@ -140,12 +151,14 @@ class Table:
 
 
 def known(what: str, given: Iterable[str], names: Iterable[str]) -> None:
-    """Raise `InputError` for one that is not among the names, and offer the near ones."""
-    legal = list(names)
+    """Raise `InputError` for those that are not among the names, and offer the near ones."""
+    legal, faults = list(names), Faults()
     for key in given:
-        if key not in legal:
-            near = get_close_matches(key, legal, n=2, cutoff=0.5)
-            raise InputError(f"unknown {what}: {shown(key)}; {_hint(near, legal)}")
+        with faults.kept():
+            if key not in legal:
+                near = get_close_matches(key, legal, n=2, cutoff=0.5)
+                raise InputError(f"unknown {what}: {shown(key)}; {_hint(near, legal)}")
+    faults.tell()
 
 
 def _hint(near: list[str], legal: Iterable[str]) -> str:

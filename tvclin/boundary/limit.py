@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.cards import card
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
+from tvclin.boundary.after_trim import least_after_trim
 from tvclin.boundary.closed_forms import (
     TriangularLimit,
     rectangular_limit,
@@ -65,10 +66,12 @@ PAIR = (
 )
 BOUNDARY = "the boundary of the control"
 MINIMUM = "the minimum over all unstable poles"
+AFTER_TRIM = "the minimum over all unstable poles after trim"
 NO_FORECAST = "the bound without a forecast"
 LARGER = {
     BOUNDARY: "in flight, where the dead band is left by trim itself, more is needed",
     MINIMUM: f"{MINIMUM} is larger",
+    AFTER_TRIM: f"{AFTER_TRIM} is larger",
     NO_FORECAST: f"{NO_FORECAST} is larger",
 }
 ROUNDING = 1e-9
@@ -178,9 +181,10 @@ def open_loop_needs(
     Returns
     -------
     dict of str to ndarray
-        Under `BOUNDARY`, under `MINIMUM` the least peak over all unstable poles, and under
-        `NO_FORECAST`, which only a control with K = 1 claims to need none of, the bound of laws
-        without a forecast (zero for the others).
+        Under `BOUNDARY`, under `MINIMUM` the least peak over all unstable poles from the onset of
+        the wind on, under `NO_FORECAST`, which only a control with K = 1 claims to need none of,
+        the bound of laws without a forecast, and under `AFTER_TRIM` that least peak from where
+        trim has left the vehicle, for the others (see `after_trim`). Zero where one does not apply.
     """
     K = np.asarray(dead_band)
     size = np.abs(np.asarray(boundary.deflection))
@@ -189,11 +193,26 @@ def open_loop_needs(
         if np.any(K == 1.0) and _has_bound(plant)
         else 0.0
     )
-    return {
+    needs = {
         BOUNDARY: size,
         MINIMUM: np.broadcast_to(least_peaks(plant, wind, enough), size.shape),
         NO_FORECAST: np.broadcast_to(np.where(K == 1.0, np.nan_to_num(free), 0.0), size.shape),
     }
+    return needs | {AFTER_TRIM: _after_trim(plant, wind, K, np.max(list(needs.values()), axis=0))}
+
+
+def _after_trim(plant: Plant, wind: History, K: FloatArray, least: FloatArray) -> FloatArray:
+    """The limit [rad] that is lost after trim up to K times it, if above `least`; else zero."""
+    poles = unstable_poles(plant)
+    if poles.shape[-1] < 2 or not np.any((K > 0.0) & (K < 1.0)):
+        return np.zeros(least.shape)
+    pole, paired = leading_pole(plant)
+    problem = Problem(plant, wind, pole, np.where(paired, 1.0, K), least.shape)
+    full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
+    with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
+        asked = least / full
+    found = least_after_trim(problem, poles, asked)
+    return np.where(found > asked, found * full, 0.0)
 
 
 def _has_bound(plant: Plant) -> bool:

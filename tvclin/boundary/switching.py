@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.kernels import switches
+from tvclin.kernels import heights, switches
 from tvclin.kernels.choice import run
 from tvclin.kernels.pieces import rows
 from tvclin.linear.plant import Plant
@@ -100,6 +100,31 @@ class Problem:
         self._run(switches.largest_trims, winds, which[some], numbers[some], out)
         found.ravel()[some] = out
         return found
+
+    def left_at(
+        self, cases: NDArray[np.intp], heights_: FloatArray, poles: NDArray[Any]
+    ) -> NDArray[Any]:
+        """Return what modes ask for when trim is left at a height; all over B alpha_w,max.
+
+        Parameters
+        ----------
+        cases : ndarray
+            Places of some cases in the flattened batch, ``(n,)``.
+        heights_ : ndarray
+            Of trim, positive, ``(n,)``.
+        poles : ndarray
+            Of the modes [1/s], real or complex, ``(n, m)``.
+
+        Returns
+        -------
+        ndarray
+            The limit that each mode by itself asks for, held from then on, ``(n, m)``.
+        """
+        winds, which, numbers = self._arrays
+        found = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
+        work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights_)
+        self._run(heights.at_heights, winds, which[cases], *work, found)
+        return found if np.iscomplexobj(poles) else np.real(found)
 
     @cached_property
     def _arrays(self) -> tuple[Any, NDArray[np.intp], FloatArray]:

@@ -40,8 +40,8 @@ class AnyLoop(Protocol):
     def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator and denominator of G at j omega, ``(k, m)``, for a few frequencies."""
 
-    def log_slope(self, omega: FloatArray) -> FloatArray:
-        """Return d ln|G|/d omega, ``(k, m)``, for a few frequencies."""
+    def log_slope(self, omega: FloatArray) -> NDArray[Any]:
+        """Return d ln G/d omega at j omega, ``(k, m)``, for a few frequencies."""
 
     def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
         """Return whether G is zero or infinite, to rounding, at one frequency each, ``(k,)``."""

@@ -46,16 +46,23 @@ def carry(wind: Any, law: Any) -> None:
     Backwards W_i = integral over the segment + e^(-p width) W_(i+1), forwards x and y = x' of the
     filter.
     """
-    knots, c, rates, kept, work = wind
-    p, _, gain, b1, q, _ = law
-    last = knots.size - 1
+    knots, c, rates, kept, _ = wind
+    p, last = law[0], knots.size - 1
     kept[0, last] = 0.0
     for i in range(last - 1, -1, -1):
         width = knots[i + 1] - knots[i]
         rest = np.exp(-p * width) * kept[0, i + 1]
         kept[0, i] = future(c[i], rates, 0.0, width, p).real + rest
+    drift(wind, law)
+
+
+@bare
+def drift(wind: Any, law: Any) -> None:
+    """Keep the filter's state at each breakpoint alone, in the last two rows of ``kept (3, n)``."""
+    knots, c, rates, kept, work = wind
+    _, _, gain, b1, q, _ = law
     kept[1, 0], kept[2, 0] = 0.0, 0.0
-    for i in range(last):
+    for i in range(knots.size - 1):
         x, y = 0.0, 0.0
         if gain != 0.0:
             width = knots[i + 1] - knots[i]
@@ -139,14 +146,9 @@ def demand(wind: Any, law: Any, i: int, u: float) -> float:
 
 @bare
 def _demand(wind: Any, law: Any, i: int, u: float, x: float, y: float) -> float:
-    """Return the demand of the wind to come and the filter's state.
+    """Return the demand of the wind to come and the filter's state: infinite as `demand` is.
 
-    With W the future of the wind, integral of e^(-p r) f(t + r), and the state (x, y) at t, the
-    Laplace transform of y' = f - b1 y - q x, x' = y from t on is
-
-        Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + (b2 - b1) Y].
-
-    It does not exist where the filter grows as fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >= p.
+    That is where the filter grows as fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >= p.
     """
     knots, c, rates, kept, _ = wind
     p, _, gain, b1, q, _ = law
@@ -158,10 +160,23 @@ def _demand(wind: Any, law: Any, i: int, u: float, x: float, y: float) -> float:
     else:
         left = width - u
         ahead = future(c[i], rates, u, left, p).real + np.exp(-p * left) * kept[0, i + 1]
+    if gain != 0.0 and -0.5 * b1 + np.sqrt(max(0.25 * b1 * b1 - q, 0.0)) >= p:
+        return np.inf
+    return of_future(law, p, ahead, x, y)
+
+
+@bare
+def of_future(law: Any, p: Any, ahead: Any, x: float, y: float) -> Any:
+    """Return the demand of a mode p, which may be complex, by the wind's future and a state.
+
+    With W the future of the wind, integral of e^(-p r) f(t + r), and the state (x, y) at t, the
+    Laplace transform of y' = f - b1 y - q x, x' = y from t on is
+
+        Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + (b2 - b1) Y].
+    """
+    _, _, gain, b1, q, _ = law
     if gain == 0.0:
         return p * ahead
-    if -0.5 * b1 + np.sqrt(max(0.25 * b1 * b1 - q, 0.0)) >= p:
-        return np.inf
     return p * (ahead + gain * (y + ahead - q * x / p) / (p + b1 + q / p))
 
 

@@ -27,14 +27,19 @@ class Flights(NamedTuple):
         Those of each flight, ``(m,)``.
     joint : ndarray
         J of each part of a step, the part after the delay first, ``(p, parts, N, N + 1 + terms)``.
+    fine : ndarray
+        J of a substep of each part, likewise.
+    substeps : ndarray of int
+        How many a part has, ``(p, parts)``.
     ramp : ndarray
-        What the deflection at both ends of a part does to the vehicle, ``(p, parts, n, 2)``; where
-        its acceleration is an input, then what its rates before and after do, ``(p, parts, n, 4)``.
+        What the deflection at both ends of a substep does to the vehicle, ``(p, parts, n, 2)``;
+        where its acceleration is an input, then what its rates before and after do, ``(p, parts, n,
+        4)``.
     lengths : ndarray
         Of a step, and of its parts [s], ``(p, 1 + parts)``.
     quick : ndarray
-        What a nozzle of first order would move in a part with the rate it begins with, over the way
-        that is left; infinite without one, zero for one of second order, ``(p, parts)``.
+        What a nozzle of first order would move in a substep with the rate it begins with, over the
+        way that is left; infinite without one, zero for one of second order, ``(p, parts)``.
     late : ndarray of int
         Whole samples by which a command is late, ``(p,)``.
     shown : ndarray
@@ -42,6 +47,8 @@ class Flights(NamedTuple):
         ``(p, 4, n + 1)``.
     A, gust : ndarray
         Of x' = A x + gust w, for winds that begin in a step, ``(p, n, n)`` and ``(p, n)``.
+    fastest : ndarray
+        Size of the largest eigenvalue of A [1/s], ``(p,)``.
     judges : ndarray
         Rows of the fast and of the slow unstable coordinate, ``(p, 2, N)``.
     reach, ratio : ndarray
@@ -78,25 +85,30 @@ class Flights(NamedTuple):
         What sensors give, and last what the law asks for, ``(m, 6)``; and what the law sees,
         behind its filters, ``(m, 5)``.
     next, series : ndarray
-        Room for the next states, ``(m, max(N, s))`` and ``(m, n)``.
+        Room for the next states, ``(m, max(N, s))``, and for a series, ``(m, 3, n)``.
     commands : ndarray
         The last ones, ``(m, largest late + parts)``.
     mode : ndarray
         +1 or -1 while the whole limit is commanded, ``(m,)``.
+    bounded : ndarray of bool
+        Whether the nozzle met a limit in its last substep, ``(m,)``.
     peaks : ndarray
         See `PEAKS`, ``(m, 6)``.
     piece, settled, outcome, ended : ndarray of int
         The piece of the wind, for how many samples it is settled, outcomes, and the sample at which
         a flight ended or -1, ``(m,)``.
     track : ndarray
-        Of a single flight: y, command, deflection at the end and one where a limit was met, for
-        each part of each step, ``(parts * samples, N + 3)``; of no length if not asked for.
+        Of a single flight: y, command, deflection at the end, one where a limit was met, and when
+        it begins [s], for each substep, ``(substeps, N + 4)``; NaN where a part went by in one.
+        Of no length if not asked for.
     """
 
     vehicle: IntArray
     wind: IntArray
     law: IntArray
     joint: FloatArray
+    fine: FloatArray
+    substeps: IntArray
     ramp: FloatArray
     lengths: FloatArray
     quick: FloatArray
@@ -104,6 +116,7 @@ class Flights(NamedTuple):
     shown: FloatArray
     A: FloatArray
     gust: FloatArray
+    fastest: FloatArray
     judges: FloatArray
     reach: FloatArray
     ratio: FloatArray
@@ -132,6 +145,7 @@ class Flights(NamedTuple):
     series: FloatArray
     commands: FloatArray
     mode: FloatArray
+    bounded: NDArray[np.bool_]
     peaks: FloatArray
     piece: IntArray
     settled: IntArray

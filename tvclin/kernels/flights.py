@@ -6,9 +6,11 @@ the start of the step make
 
     y <- J [y, c, w0, w1, ...],
 
-which is exact while the nozzle meets no limit. In a step in which its rate or its stop bounds it,
-the deflection goes evenly from where it begins to where it ends. A command that takes effect
-between two samples, by a computing delay, parts each step in two.
+which is exact while the nozzle meets no limit. A command that takes effect between two samples, by
+a computing delay, parts each step in two. Where the nozzle is quick beside the samples of the law a
+part is walked in substeps, unless the nozzle goes through all of it without a limit. In a substep
+in which its rate or its stop bounds it, the deflection goes evenly from where it begins to where it
+ends.
 """
 
 import numpy as np
@@ -27,8 +29,8 @@ LOOK = 8
 """Samples between two looks at a flight."""
 _BEYOND = 1.0 + 1e-9
 """Over the stop: a nozzle that rests on it is not told apart from one that is just leaving."""
-_TERMS = 24
-"""Of the series of a wind that begins within a step."""
+_TERMS, _FAR = 24, 2.0
+"""Of the series of a wind that begins within a step, and how far it goes: 2^24/24! is 3e-17."""
 
 
 @bare
@@ -124,21 +126,23 @@ def about(f: Flights, i: int, now: float) -> None:
 def polynomial(
     pieces: FloatArray, knots: FloatArray, w: int, j: int, now: float, here: FloatArray
 ) -> None:
-    """Write the coefficients of a piece of a wind about a time; zeros before the first.
-
-    The Taylor shift c(v) -> c(u + v), by Horner's scheme again and again.
-    """
+    """Write the coefficients of a piece of a wind about a time; zeros before the first."""
     terms = here.size
     if j < 0:
         for r in range(terms):
             here[r] = 0.0
         return
-    u = now - knots[w, j]
     for r in range(terms):
         here[r] = pieces[w, j, r]
-    for low in range(terms - 1):
-        for r in range(terms - 2, low - 1, -1):
-            here[r] += here[r + 1] * u
+    shifted(here, now - knots[w, j])
+
+
+@inlined
+def shifted(c: FloatArray, u: float) -> None:
+    """Make of a polynomial the same about a point u later, by Horner's scheme again and again."""
+    for low in range(c.size - 1):
+        for r in range(c.size - 2, low - 1, -1):
+            c[r] += c[r + 1] * u
 
 
 @inlined
@@ -193,7 +197,7 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
     for part in range(parts - 1, -1, -1):
         now = f.commands[i, (since - part) % ring] if ring > 1 else command
         stop = begin + f.lengths[p, 2] if part > 0 else end
-        moved(f, i, part, parts * (k + 1) - 1 - part, now, begin, stop)
+        through(f, i, part, k, now, begin, stop)
         if part > 0:
             about(f, i, stop)
         begin = stop
@@ -205,27 +209,86 @@ def stepped(f: Flights, i: int, k: int, demand: float, engage: float, release: f
 
 
 @inlined
-def moved(f: Flights, i: int, part: int, row: int, c: float, begin: float, end: float) -> None:
+def through(f: Flights, i: int, part: int, k: int, c: float, begin: float, end: float) -> None:
     """Move vehicle and nozzle through a part of a step, with the command c."""
+    p = f.vehicle[i]
+    length, count = f.lengths[p, 1 + part], f.substeps[p, part]
+    whole = count > 1 and unbounded(f, i, part, c)
+    first, steps = begin, 1 if whole else count
+    for step in range(steps):
+        last = begin + length * (step + 1) / count if step < steps - 1 else end
+        if step > 0:
+            about(f, i, first)
+        moved(f, i, part, whole, c)
+        written(f, i, part, k, step, c, first)
+        for r in range(f.y.shape[1]):
+            f.y[i, r] = f.next[i, r]
+        blown(f, i, first, last)
+        first = last
+
+
+@inlined
+def unbounded(f: Flights, i: int, part: int, c: float) -> bool:
+    """Return whether the nozzle, which moves by itself, meets no limit in any substep of a part."""
+    p, n, size = f.vehicle[i], f.A.shape[1], f.y.shape[1]
+    J, s, v, rate = f.fine[p, part], f.y[i, n], 0.0, 0.0
+    if size > n + 1:
+        v = f.y[i, n + 1]
+    widest, quickest = 0.0, 0.0
+    for _ in range(f.substeps[p, part]):
+        later = J[n, n] * s + J[n, size] * c
+        if size > n + 1:
+            later += J[n, n + 1] * v
+            rate = J[n + 1, n] * s + J[n + 1, n + 1] * v + J[n + 1, size] * c
+        if meets(f, i, part, c, s, v, later, rate):
+            return False
+        widest, quickest = max(widest, abs(later)), max(quickest, abs(later - s))
+        s, v = later, rate
+    raised(f.peaks[i], 2, min(widest, f.limit[i]))
+    raised(f.peaks[i], 3, quickest * f.substeps[p, part] / f.lengths[p, 1 + part])
+    return True
+
+
+@inlined
+def moved(f: Flights, i: int, part: int, whole: bool, c: float) -> None:
+    """Write where vehicle and nozzle come to: through a whole part, or a substep of it."""
     p, n, y, new = f.vehicle[i], f.A.shape[1], f.y[i], f.next[i]
-    freely(f, i, f.joint[p, part], c)
-    bounded = held_back(f, i, part, c)
-    limit = f.limit[i]
-    last = min(max(new[n], -limit), limit)
-    if bounded:
-        first = min(max(y[n], -limit), limit)
-        evenly(f, i, f.joint[p, part], f.ramp[p, part], first, last)
+    limit, f.bounded[i] = f.limit[i], False
+    if whole:
+        freely(f, i, f.joint[p, part], c)
+        return
+    freely(f, i, f.fine[p, part], c)
+    f.bounded[i] = held_back(f, i, part, c)
+    first, last = min(max(y[n], -limit), limit), min(max(new[n], -limit), limit)
+    if f.bounded[i]:
+        evenly(f, i, f.fine[p, part], f.ramp[p, part], first, last)
         if f.ramp.shape[3] > 2:
             jerked(f, i, f.ramp[p, part])
-    size = y.size
-    if row < f.track.shape[0]:
-        for r in range(size):
-            f.track[row, r] = y[r]
-        f.track[row, size], f.track[row, size + 1] = c, last
-        f.track[row, size + 2] = 1.0 if bounded else 0.0
+    if f.substeps[p, part] > 1:
+        raised(f.peaks[i], 2, last)
+        raised(f.peaks[i], 3, (last - first) * f.substeps[p, part] / f.lengths[p, 1 + part])
+
+
+@inlined
+def written(f: Flights, i: int, part: int, k: int, step: int, c: float, begin: float) -> None:
+    """Write a row of the track: where a substep begins, and what moves it."""
+    rows = f.track.shape[0]
+    if rows == 0:
+        return
+    p, y, size, limit, whole, before = f.vehicle[i], f.y[i], f.y.shape[1], f.limit[i], 0, 0
+    for one in range(f.joint.shape[1]):
+        whole += f.substeps[p, one]
+        if one > part:
+            before += f.substeps[p, one]
+    row = k * whole + before + step
+    if row >= rows:
+        return
     for r in range(size):
-        y[r] = new[r]
-    blown(f, i, begin, end)
+        f.track[row, r] = y[r]
+    f.track[row, size] = c
+    f.track[row, size + 1] = min(max(f.next[i, f.A.shape[1]], -limit), limit)
+    f.track[row, size + 2] = 1.0 if f.bounded[i] else 0.0
+    f.track[row, size + 3] = begin
 
 
 @inlined
@@ -243,24 +306,37 @@ def freely(f: Flights, i: int, J: FloatArray, c: float) -> None:
 
 
 @inlined
-def held_back(f: Flights, i: int, part: int, c: float) -> bool:
-    """Return whether rate or stop bound the nozzle in a part, and bound where it comes to.
+def meets(
+    f: Flights, i: int, part: int, c: float, s: float, v: float, later: float, rate: float
+) -> bool:
+    """Return whether rate or stop bound the nozzle in a substep from s, v to later, rate.
 
     One of first order sets out with omega (c - s) and is slower ever after: `quick` is omega times
-    the length of the part, so that it is compared with what the limited rate covers in it.
+    the length of the substep, so that it is compared with what the limited rate covers in it.
     """
+    p, most = f.vehicle[i], f.rate_limit[i]
+    reach = most * f.lengths[p, 1 + part] / f.substeps[p, part]
+    if abs(c - s) * f.quick[p, part] > reach or abs(later - s) > reach:
+        return True
+    if max(abs(later), abs(s)) > _BEYOND * f.limit[i]:
+        return True
+    return f.y.shape[1] > f.A.shape[1] + 1 and max(abs(rate), abs(v)) >= most
+
+
+@inlined
+def held_back(f: Flights, i: int, part: int, c: float) -> bool:
+    """Return whether rate or stop bound the nozzle in a substep, and bound where it comes to."""
     p, n, y, new, most = f.vehicle[i], f.A.shape[1], f.y[i], f.next[i], f.rate_limit[i]
-    reach = most * f.lengths[p, 1 + part]
-    bounded = abs(c - y[n]) * f.quick[p, part] > reach
-    if max(abs(new[n]), abs(y[n])) > _BEYOND * f.limit[i]:
-        bounded = True
+    second = y.size > n + 1
+    v, rate = (y[n + 1], new[n + 1]) if second else (0.0, 0.0)
+    if not meets(f, i, part, c, y[n], v, new[n], rate):
+        return False
+    reach = most * f.lengths[p, 1 + part] / f.substeps[p, part]
     if abs(new[n] - y[n]) > reach:
-        bounded = True
         new[n] = y[n] + (reach if new[n] > y[n] else -reach)
-    if y.size > n + 1 and max(abs(new[n + 1]), abs(y[n + 1])) >= most:
-        bounded = True
-        new[n + 1] = min(max(new[n + 1], -most), most)
-    return bounded
+    if second and max(abs(rate), abs(v)) >= most:
+        new[n + 1] = min(max(rate, -most), most)
+    return True
 
 
 @inlined
@@ -324,24 +400,48 @@ def blown(f: Flights, i: int, begin: float, end: float) -> None:
 def answered(f: Flights, i: int, knot: float, time: float) -> None:
     """Add the answer to what the next piece of wind is more than this, by Taylor series.
 
-    Its terms are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), with x_0 = 0.
+    The terms about the start of a stretch t are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1),
+    x_0 being what came of the stretch before.
     """
     p, n, w = f.vehicle[i], f.A.shape[1], f.wind[i]
-    here, term, terms = f.here[i], f.next[i], f.here.shape[1]
-    polynomial(f.pieces, f.knots, w, f.piece[i], knot, here)
+    more, old, term, found = f.here[i], f.series[i, 0], f.series[i, 1], f.series[i, 2]
     j = f.piece[i] + 1
+    polynomial(f.pieces, f.knots, w, j - 1, knot, more)
+    for r in range(more.size):
+        more[r] = f.pieces[w, j, r] - more[r]
     for r in range(n):
-        term[r] = 0.0
-    old = f.series[i]
-    power = time
+        found[r] = 0.0
+    stretches = 1 + int(f.fastest[p] * time / _FAR)
+    for stretch in range(stretches):
+        if stretch > 0:
+            shifted(more, time / stretches)
+        for r in range(n):
+            term[r] = found[r]
+        added(f.A[p], f.gust[p], more, time / stretches, old, term, found)
+    for r in range(n):
+        f.y[i, r] += found[r]
+
+
+@inlined
+def added(
+    A: FloatArray,
+    gust: FloatArray,
+    more: FloatArray,
+    length: float,
+    old: FloatArray,
+    term: FloatArray,
+    found: FloatArray,
+) -> None:
+    """Add the terms of a stretch that follow the first."""
+    n, power = found.size, length
     for k in range(_TERMS):
-        more = power * (f.pieces[w, j, k] - here[k]) if k < terms else 0.0
+        pushed = power * more[k] if k < more.size else 0.0
         for r in range(n):
             old[r] = term[r]
         for r in range(n):
             total = 0.0
             for q in range(n):
-                total += f.A[p, r, q] * old[q]
-            term[r] = (time * total + f.gust[p, r] * more) / (k + 1)
-            f.y[i, r] += term[r]
-        power *= time
+                total += A[r, q] * old[q]
+            term[r] = (length * total + gust[r] * pushed) / (k + 1)
+            found[r] += term[r]
+        power *= length

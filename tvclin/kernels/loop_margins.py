@@ -24,6 +24,8 @@ _TOGETHER = 512
 """So many loops are worked on at a time, to bound the memory."""
 _AT_CROSSING = 1e-3
 """The phase [rad] that may be left at a crossing; at a jump of the phase more is."""
+_CLOSE = 1e-6
+"""How far a crossing may be moved when it is polished, over its frequency."""
 _WORTH = 0.3
 """Samples that stand above their neighbours are refined if they reach this part of the highest: a
 lower one could overtake it only if the grid had missed more than two thirds of its height."""
@@ -43,6 +45,8 @@ class LoopFindings:
     gain_frequencies, phases : ndarray
         Where |L| = 1 [rad/s], rising, and how far L may lag more there until it is -1 [rad],
         ``(k, n)``, filled with NaN.
+    delays : ndarray
+        How much later L may be there until it is -1 [s], ``(k, n)``.
     phase_frequencies, factors : ndarray
         Where L is real and negative [rad/s], rising, and 1/|L| there, ``(k, m)``, filled with NaN.
     peaks : ndarray
@@ -54,6 +58,7 @@ class LoopFindings:
     marginal: NDArray[np.bool_]
     gain_frequencies: FloatArray
     phases: FloatArray
+    delays: FloatArray
     phase_frequencies: FloatArray
     factors: FloatArray
     peaks: FloatArray
@@ -76,14 +81,13 @@ def classical_margins(found: LoopFindings) -> FloatArray:
     and their frequencies [rad/s] NaN, where there is none.
     """
     # k L is -1 for k = 1/|L| where L is real and negative: the gain may fall by 1/k where k < 1 and
-    # rise to k where k > 1. L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n.
+    # rise to k where k > 1.
     factors, at = found.factors, found.phase_frequencies
     omega, phases = found.gain_frequencies, found.phases
     with np.errstate(divide="ignore"):
         fall = np.where(factors < 1.0, 1.0 / factors, np.nan)
     rise = np.where(factors > 1.0, factors, np.nan)
-    late = phases % (2.0 * np.pi) / omega
-    pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (late, omega))
+    pairs = ((fall, at), (rise, at), (np.abs(phases), omega), (found.delays, omega))
     return np.asarray([_least(values, where) for values, where in pairs])
 
 
@@ -96,16 +100,17 @@ def _chunks(loop: AnyLoop) -> Iterator[AnyLoop]:
 def _findings(loop: AnyLoop) -> LoopFindings:
     verdict = stability(loop)
     gains = verdict.crossovers
-    phases = _angle(*loop.parts(np.nan_to_num(gains, nan=1.0)))
-    phases = np.where(np.isnan(gains), np.nan, phases)
+    phases = _left(loop, gains)
     omega = frequencies(loop, verdict)
     omega = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
     parts = loop.parts(omega)
     at, sizes = _phase_crossovers(loop, omega, *parts)
     peaks = np.full((len(omega), 3, 2), np.nan)
     with np.errstate(divide="ignore"):
+        # L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n
+        delays, factors = phases % (2.0 * np.pi) / gains, 1.0 / sizes
         found = LoopFindings(
-            verdict.unstable_poles, verdict.marginal, gains, phases, at, 1.0 / sizes, peaks
+            verdict.unstable_poles, verdict.marginal, gains, phases, delays, at, factors, peaks
         )
     good = np.flatnonzero(found.stable)
     peaks[good] = _peaks(loop.take(good), omega[good], *(part[good] for part in parts))
@@ -134,16 +139,37 @@ def _phase_crossovers(
     found = roots_between(low, high, lambda w, i: rise[i] * angle(w, case[i]))
     true = np.abs(angle(found, case)) < _AT_CROSSING
     true &= ~loop.take(case).vanishes(found)  # at an undamped pole or zero the phase jumps
+    case, found = case[true], found[true]
+    found = _polished(loop.take(case), found)
     # L(0) = N(0)/D(0) is a crossing that no change of sign shows; and so is L at infinity.
     at_zero = np.flatnonzero(above[:, 0].real * below[:, 0].real < 0.0)
     at_infinity = np.flatnonzero(loop.direct < 0.0)
-    case = np.concatenate([at_zero, case[true]])
-    found = np.concatenate([np.zeros(at_zero.size), found[true]])
-    above, below = loop.take(case).parts(found[:, np.newaxis])
+    case = np.concatenate([at_zero, case])
+    found = np.concatenate([np.zeros(at_zero.size), found])
+    above, below = loop.take(case).undelayed(found[:, np.newaxis])
     sizes = np.concatenate([np.abs(above / below)[:, 0], -loop.direct[at_infinity]])
     case = np.concatenate([case, at_infinity])
     found = np.concatenate([found, np.full(at_infinity.size, np.inf)])
     return _rows(case, found, found, len(omega)), _rows(case, found, sizes, len(omega))
+
+
+def _left(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """How far L may lag more [rad] until it is real and negative, at a few frequencies ``(k, m)``.
+
+    Of values that are solved for: a sum over poles has the rounding of its largest terms.
+    """
+    above, below = loop.undelayed(omega)
+    return _angle(product(above, np.exp(-1j * omega * loop.delay[:, np.newaxis])), below)
+
+
+def _polished(loop: AnyLoop, omega: FloatArray) -> FloatArray:
+    """One step of Newton's to where L is real, from frequencies ``(k,)`` that lack a rounding."""
+    omega = omega[:, np.newaxis]
+    with np.errstate(all="ignore"):
+        turn = loop.log_slope(omega).imag - loop.delay[:, np.newaxis]
+        step = _left(loop, omega) / turn
+        close = np.abs(step) <= _CLOSE * omega
+    return np.where(close, omega - step, omega)[:, 0]
 
 
 def _imaginary(above: ComplexArray, below: ComplexArray) -> FloatArray:

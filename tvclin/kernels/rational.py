@@ -60,15 +60,17 @@ class Rational:
 
     def undelayed(self, omega: FloatArray) -> tuple[NDArray[Any], NDArray[Any]]:
         """Return numerator and denominator at j omega, ``(..., k)``, without the delay."""
-        s = 1j * omega
-        return polynomials.value(self.numerator, s), polynomials.value(self.denominator, s)
+        return (
+            polynomials.on_axis(self.numerator, omega),
+            polynomials.on_axis(self.denominator, omega),
+        )
 
-    def log_slope(self, omega: FloatArray) -> FloatArray:
-        """Return d ln|L|/d omega = Im(D'/D - N'/N), ``(..., k)``."""
-        above, below = self.undelayed(omega)
+    def log_slope(self, omega: FloatArray) -> NDArray[Any]:
+        """Return d ln G/d omega = j (N'/N - D'/D) at j omega, without the delay, ``(..., k)``."""
         slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
-        rises = [polynomials.value(slope, 1j * omega) for slope in slopes]
-        return np.imag(rises[1] / below - rises[0] / above)
+        rises = [polynomials.on_axis(slope, omega) for slope in slopes]
+        above, below = map(product, rises, map(inverse, self.undelayed(omega)))
+        return 1j * (above - below)
 
     def open_poles(self) -> NDArray[Any]:
         """Return the roots of the denominator."""

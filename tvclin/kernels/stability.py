@@ -104,6 +104,6 @@ def _polished(loop: AnyLoop, omega: FloatArray) -> FloatArray:
     with np.errstate(all="ignore"):
         for _ in range(_STEPS):
             above, below = loop.undelayed(omega)
-            step = np.log(np.abs(above / below)) / loop.log_slope(omega)
+            step = np.log(np.abs(above / below)) / loop.log_slope(omega).real
             omega = np.where(np.abs(step) <= _CLOSE * omega, omega - step, omega)
     return omega

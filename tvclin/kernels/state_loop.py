@@ -148,11 +148,11 @@ class StateLoop:
         """Return L without its delay, over one, at j omega ``(k, m)``, by solving for it."""
         return self._over(self._solved(1j * omega)[0], omega)
 
-    def log_slope(self, omega: FloatArray) -> FloatArray:
-        """Return d ln|L|/d omega = -Im(L'/L), ``(k, m)``, with L' = -C (s - A)^-2 B."""
+    def log_slope(self, omega: FloatArray) -> ComplexArray:
+        """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B."""
         value, slope = self._solved(1j * omega)
         with np.errstate(all="ignore"):
-            return -np.imag(slope / value)
+            return 1j * (slope / value)
 
     def vanishes(self, omega: FloatArray) -> NDArray[np.bool_]:
         """Return whether L is zero or infinite, to rounding, at one frequency each ``(k,)``."""
@@ -202,7 +202,7 @@ class StateLoop:
         near = (np.abs(roots.real) < _NEAR_AXIS * np.abs(roots)) & (roots.imag > 0.0)
         omega = _packed(np.where(near, roots.imag, np.nan))
         omega = self._led(omega, size)
-        falls = self.log_slope(omega) < 0.0
+        falls = self.log_slope(omega).real < 0.0
         with np.errstate(invalid="ignore"):
             again = np.diff(omega, axis=-1) <= _SAME * omega[:, 1:]
         again &= falls[:, 1:] == falls[:, :-1]

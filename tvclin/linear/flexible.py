@@ -24,6 +24,7 @@ from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.modes import unstable_poles, wind_strength
 from tvclin.linear.motions import Motions, axial_acceleration, motions
 from tvclin.linear.plant import INPUTS, Plant
+from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import Structure, chosen
@@ -161,6 +162,19 @@ class FlexiblePlant:
         )
 
     @property
+    def sensed(self) -> tuple[str, str]:
+        """Names of the outputs that sensors give: attitude and attitude rate."""
+        return "sensed_attitude", "sensed_attitude_rate"
+
+    def with_effectiveness(self, factor: FloatArray | float) -> FlexiblePlant:
+        """Return the plant whose deflection does so many times as much; its engine's inertia stays.
+
+        Moment and side force alike.
+        """
+        slope = factor * np.asarray(self.vehicle.control_force)
+        return replace(self, vehicle=self.vehicle.replace(control_force_slope=slope))
+
+    @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs; with an engine, the acceleration of the deflection is the third."""
         swinging = () if self.structure.engine is None else ("deflection_acceleration",)
@@ -221,16 +235,17 @@ class FlexiblePlant:
         InputError
             For a batch.
         """
-        import control
-
         if self.batch:
             raise InputError(
                 f"ss() is for one vehicle; this plant is a batch of shape {self.batch} (use"
                 " matrices())"
             )
-        signals = {"inputs": self.inputs, "outputs": self.outputs, "states": self.states}
-        named = {kind: list(names) for kind, names in signals.items()}
-        return control.StateSpace(*self.matrices(), 0, name=f"{self.model}, flexible", **named)
+        return self.system.to_control(f"{self.model}, flexible")
+
+    @property
+    def system(self) -> LinearSystem:
+        """The plant with its signals by name."""
+        return LinearSystem(*self.matrices(), self.inputs, self.outputs, self.states)
 
     def shift(self) -> Shift:
         """Return by how many percent the structure moves the fast pole, and the price of trim.

@@ -25,6 +25,7 @@ from tvclin.base.errors import InputError, instance, one_of
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import System
 from tvclin.linear.models import MODELS, usual_model
+from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.coefficients import NUMBERS, Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 
@@ -116,6 +117,16 @@ class Plant:
     def rigid(self) -> Plant:
         """The plant itself, as that of a `FlexiblePlant` is the one without its structure."""
         return self
+
+    @property
+    def sensed(self) -> tuple[str, str]:
+        """Names of the outputs that sensors give: attitude and attitude rate."""
+        return "attitude", "attitude_rate"
+
+    def with_effectiveness(self, factor: FloatArray | float) -> Plant:
+        """Return the plant whose deflection does so many times as much."""
+        c = self.coefficients
+        return Plant(c.replace(mu_delta=factor * np.asarray(c.mu_delta)), self.model)
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -247,21 +258,13 @@ class Plant:
         InputError
             For a batch.
         """
-        import control
-
         self._require_single("ss")
-        A, B, C, D = self.matrices()
-        return control.StateSpace(
-            A,
-            B,
-            C,
-            D,
-            0,
-            name=self.model,
-            inputs=list(INPUTS),
-            outputs=list(self.outputs),
-            states=list(self.states),
-        )
+        return self.system.to_control(self.model)
+
+    @property
+    def system(self) -> LinearSystem:
+        """The plant with its signals by name."""
+        return LinearSystem(*self.matrices(), self.inputs, self.outputs, self.states)
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from importlib.resources import files
 from os import PathLike, fspath
 from typing import Any
 
-from tvclin.base.errors import InputError, naming, one_of, shown
+from tvclin.base.errors import Faults, InputError, naming, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
@@ -91,9 +91,15 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
-    table = table_of(text, source, VEHICLE_TABLE)
-    with naming(called(source)):
-        return build_vehicle(table)
+    faults, vehicle = Faults(), None
+    with faults.kept():
+        table_of(text, source, VEHICLE_TABLE)
+    given = tables_of(text, source).get("vehicle")
+    with faults.kept(), naming(called(source)):
+        vehicle = build_vehicle(given) if isinstance(given, dict) else None
+    faults.tell()
+    assert vehicle is not None  # or its table is at fault
+    return vehicle
 
 
 def needs_whole(what: str) -> str:
@@ -111,8 +117,11 @@ def table_of(text: str, source: str, table: Table) -> dict[str, Any]:
         raise InputError(f"{source} holds [{COEFFICIENTS}] alone: {needs_whole('this')}")
     if not isinstance(document.get("vehicle"), dict):
         raise InputError(f"{source} has no table [vehicle]; write one with: tvclin init FILE")
-    for key in document.keys() - set(HEADINGS):
-        raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
+    faults = Faults()
+    for key in (key for key in document if key not in HEADINGS):
+        with faults.kept():
+            raise InputError(f"{source}: unknown heading or key {shown(key)} outside [vehicle]")
+    faults.tell()
     with naming(source):
         return table.one(document)
 

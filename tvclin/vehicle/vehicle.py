@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import (
+    Faults,
     InputError,
     finite,
     nonnegative,
@@ -98,7 +99,11 @@ class Vehicle:
 
     def __post_init__(self) -> None:
         text("name", self.name)
-        checked = {name: check(name, getattr(self, name), unit) for name, check, unit in _CHECKS}
+        checked, faults = {}, Faults()
+        for name, check, unit in _CHECKS:
+            with faults.kept():
+                checked[name] = check(name, getattr(self, name), unit)
+        faults.tell()
         for name in ("time", "control_force_slope"):
             given = getattr(self, name)
             check = finite if name == "time" else positive

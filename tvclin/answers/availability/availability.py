@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
-from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, Needs, checked_gust
+from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, checked_gust
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
@@ -141,7 +140,7 @@ def availability(
     ).used_to(soundings)
     needs = judge.needs(soundings, progress)
     added, told = _added(growth, needs.least, needs.most, soundings)
-    needs, near = _flown_where_that_decides(judge, soundings, needs, capability - added)
+    needs, near = judge.decided(soundings, needs, capability - added)
     least, most = (one + added[:, np.newaxis] for one in (needs.least, needs.most))
     one = np.ndim(azimuth) == 0
     return Availability(
@@ -163,25 +162,6 @@ def availability(
         reasons=tuple(needs.why),
         judge=judge,
     )
-
-
-def _flown_where_that_decides(
-    judge: Judge, soundings: Soundings, needs: Needs, limit: FloatArray
-) -> tuple[Needs, list[str]]:
-    """The needs, with the trim law flown where a limit [rad], ``(a,)``, lies between them."""
-    room = limit[:, np.newaxis]
-    with np.errstate(invalid="ignore"):  # NaN where nothing can be said
-        open_ = np.any(needs.known & (needs.least <= room) & (room < needs.most), axis=0)
-    again = np.flatnonzero(open_)
-    if not again.size:
-        return needs, []
-    found = judge.needs(soundings[again], flown=True)
-    least, most = needs.least.copy(), needs.most.copy()
-    least[:, again], most[:, again] = found.least, found.most
-    told = (
-        f"{again.size} soundings whose trim reaches the limit more than once were flown with trim"
-    )
-    return replace(needs, least=least, most=most), [told]
 
 
 def _added(

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.availability.flights import PlaneFlights, survives_all
 from tvclin.answers.availability.growth import WindGrowth
-from tvclin.answers.availability.met import FlownPath, KnownWinds, on_lines
+from tvclin.answers.availability.met import FlownPath, KnownWinds, Winds, on_lines, with_gust
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import FlightTables, TableRows, flight_tables
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
@@ -44,7 +45,6 @@ _AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000
 _RETURNS, _DRIFTS_FAST = 1.2, 1.02
 """Of what a wind asks for, so much a flight may need that meets the limit more than once while the
 path drifts, or once while it drifts fast, as far as docs/availability.md says what was measured."""
-_GUST_PARTS = 64
 _HEIGHTS = 40
 """Of a flight, at which the strength of winds in an archive is looked at."""
 
@@ -133,8 +133,13 @@ class Judge:
         soundings: Soundings,
         progress: Callable[[int, int], None] | None = None,
         flown: bool = False,
+        limits: FloatArray | None = None,
     ) -> Needs:
-        """Return what soundings ask for, flown where that says more; tell how many are done."""
+        """Return what soundings ask for; tell how many are done.
+
+        `flown` where a flight may need more than their bounds say; and where it may survive with
+        limits [rad], ``(a,)``, that are less.
+        """
         least, most = np.full((2, self.azimuths.size, len(soundings)), np.nan)
         known_all = np.ones(least.shape, dtype=bool)
         why = [one and f"{UNUSABLE}: {one}" for one in soundings.why]
@@ -147,17 +152,17 @@ class Judge:
         known = KnownWinds.of(soundings[index], self.path)
         ends = np.cumsum(np.diff(known.offsets) + self.path.height.size)
         last = len(soundings) - index.size
-        at_once = _FLOWN_AT_ONCE if flown else _AT_ONCE
+        at_once = _AT_ONCE if limits is None and not flown else _FLOWN_AT_ONCE
         cuts = np.arange(at_once, ends.max(initial=0), at_once)
         for part in np.split(np.arange(index.size), np.searchsorted(ends, cuts)):
             if part.size:
                 winds, those = known.some(part), index[part]
-                low, high = self._needs(winds, held=False, flown=flown)
+                low, high = self._needs(winds, False, flown, limits)
                 least[:, those], most[:, those] = low, high
                 open_ = winds.incomplete(self.path)
                 if np.any(open_):
                     some = winds.some(np.flatnonzero(open_))
-                    held, higher = self._needs(some, held=True, flown=flown)
+                    held, higher = self._needs(some, True, flown, limits)
                     known_all[:, those[open_]] = low[:, open_] == held
                     least[:, those[open_]] = np.minimum(low[:, open_], held)
                     most[:, those[open_]] = np.maximum(high[:, open_], higher)
@@ -168,6 +173,41 @@ class Judge:
         least[:, fast] = most[:, fast] = np.nan
         why = [one or (TOO_FAST if lost else "") for one, lost in zip(why, fast, strict=True)]
         return Needs(least, most, known_all, why)
+
+    def decided(
+        self, soundings: Soundings, needs: Needs, limits: FloatArray
+    ) -> tuple[Needs, list[str]]:
+        """Return the needs, flown where that decides about limits [rad], ``(a,)``; and what to say.
+
+        What may need more than its bound is flown for what it needs. What its bound says is lost
+        has the limit for its need if it survives with it.
+        """
+        room = np.maximum(limits, 0.0)[:, np.newaxis]
+        least, most, known, told = needs.least.copy(), needs.most.copy(), needs.known.copy(), []
+        with np.errstate(invalid="ignore"):  # NaN where nothing can be said
+            more = needs.known & (needs.least <= room) & (room < needs.most)
+            less = needs.known & (needs.least > room)
+        again = np.flatnonzero(more.any(axis=0))
+        if again.size:
+            found = self.needs(soundings[again], flown=True)
+            least[:, again], most[:, again] = found.least, found.most
+            told.append(
+                f"{again.size} soundings whose trim reaches the limit more than once were flown"
+                " with trim"
+            )
+        again = np.flatnonzero(less.any(axis=0))
+        if again.size:
+            found = self.needs(soundings[again], limits=room[:, 0])
+            here = less[:, again] & (found.least <= room)
+            for old, new in ((least, found.least), (most, found.most), (known, found.known)):
+                old[:, again] = np.where(here, new, old[:, again])
+            survive = int(np.sum(here.any(axis=0)))
+            if survive:
+                told.append(
+                    f"of the soundings that fly {survive} have a bound of their needs above the"
+                    " limit: a flight of the trim law survives with it"
+                )
+        return replace(needs, least=least, most=most, known=known), told
 
     def _left_out(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
         """Of which soundings nothing can be said, and why."""
@@ -182,13 +222,17 @@ class Judge:
                 reasons.append((TOO_SHORT, top < self.known_to))
         return reasons
 
-    def _needs(self, known: KnownWinds, held: bool, flown: bool) -> FloatArray:
+    def _needs(
+        self, known: KnownWinds, held: bool, flown: bool, limits: FloatArray | None
+    ) -> FloatArray:
         """The least and the most needs in all azimuths, ``(2, a, n)``, of both planes."""
         height = known.knots(self.path, held)
         times = np.interp(height, self.path.height, self.path.time)
         fine = self.path.finer(times)
         hidden = known.unknown(height) if held else None
         found = np.zeros((len(self.tables), 2, self.azimuths.size, height.shape[0]))
+        met: list[list[PlaneFlights]] = [[] for _ in self.azimuths]
+        paired = np.zeros(height.shape[0], dtype=bool)
         for p, (plane, tables) in enumerate(self.tables.items()):
             rows = tables.at(fine)
             for a, azimuth in enumerate(self.azimuths.tolist()):
@@ -197,11 +241,23 @@ class Judge:
                 if held and self.strength:
                     most = np.interp(height, self.path.height, self.strength[plane, azimuth])
                     strong = np.maximum(strong, most)
+                winds = []
                 for side in (1.0, -1.0):
                     blows = side * wind if hidden is None else np.where(hidden, strong, side * wind)
-                    met = self._side(plane, height, times, blows, fine, rows, flown)
-                    found[p, :, a] = np.maximum(found[p, :, a], met)
-        return np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
+                    need, those = self._side(plane, height, times, blows, fine, rows, flown)
+                    found[p, :, a] = np.maximum(found[p, :, a], need)
+                    winds += those
+                if not held and self.gust is None and self.growth is None:
+                    del winds[1:]  # it is the same
+                met[a].append(PlaneFlights(tables.mode, winds, found[p, 0, a]))
+            paired |= rows.paired.any(axis=1)
+        both = np.asarray(found.max(axis=0) if self.stop == "square" else np.hypot.reduce(found))
+        if limits is not None:
+            for a, limit in enumerate(limits.tolist()):
+                over = ~paired & (np.nan_to_num(both[0, a]) > limit)
+                part = np.divide(limit, both[0, a], out=np.ones(over.shape), where=over)
+                both[:, a, survives_all(met[a], part)] = limit
+        return both
 
     def _side(
         self,
@@ -212,10 +268,10 @@ class Judge:
         fine: FloatArray,
         rows: TableRows,
         flown: bool,
-    ) -> FloatArray:
+    ) -> tuple[FloatArray, list[Winds]]:
         """What winds [m/s] at heights and times ask for to one side, at the least and the most.
 
-        ``(2, n)``; NaN where too fast.
+        ``(2, n)``; NaN where too fast. And these winds, with their gusts.
         """
         if self.growth is not None:
             wind = wind + self.growth.at(height)
@@ -225,15 +281,14 @@ class Judge:
         if fine is not times:
             angle = on_lines(times, angle, fine)
         need, at_limit = self._on_lines(plane, fine, angle, rows, flown)
+        winds = [(fine, angle)]
         if self.gust is not None:
             top = fine[np.arange(angle.shape[0]), np.argmax(angle, axis=1)]
             blows = np.max(angle, axis=1) > 0.0
-            gusty = [
-                self._on_lines(plane, *_with_gust(self.gust, fine, angle, at), None, flown)[0]
-                for at in (top, at_limit)
-            ]
+            winds = [with_gust(self.gust, blows, fine, angle, at) for at in (top, at_limit)]
+            gusty = [self._on_lines(plane, *wind, None, flown)[0] for wind in winds]
             need = np.where(blows, np.maximum(*gusty), need)
-        return np.where(lost, np.nan, need)
+        return np.where(lost, np.nan, need), winds
 
     def _on_lines(
         self,
@@ -272,15 +327,3 @@ def checked_gust(gust: History | None) -> History | None:
 def _tables(flight: FlightSchedule, model: str, plane: str) -> FlightTables:
     """Return the tables of a flight, kept for the next question about it."""
     return flight_tables(GrowingMode(flight, model, plane, flight.span))
-
-
-def _with_gust(
-    gust: History, times: FloatArray, angle: FloatArray, at: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Winds with a gust whose middle is at a time of each, on straight lines."""
-    middle = 0.5 * (gust.onset + gust.end)
-    own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
-    there = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
-    both = np.sort(np.concatenate([times, there], axis=1), axis=1)
-    wind = on_lines(times, angle, both)
-    return both, wind + np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)

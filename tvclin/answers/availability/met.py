@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
+from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gathered
 from tvclin.winds.soundings.passage import checked_flight
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+Winds = tuple[FloatArray, FloatArray]
+"""Knots [s], and the wind angles [rad] there, each ``(n, k)``; straight lines between them."""
 
 WIDEST = 2000.0
 """Between two levels farther apart [m] the wind is not known."""
@@ -28,6 +31,7 @@ _USUAL = 0.95
 """Of the soundings that know the wind at a height, so many have no more of it."""
 _LONGEST = 0.5
 """s, between two times of a flight at which its trim is looked at."""
+_GUST_PARTS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,3 +205,16 @@ def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArra
     """Return values ``(n, k)`` at other times ``(n, j)`` within theirs, on straight lines."""
     apart = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
     return np.asarray(np.interp(at + apart, (times + apart).ravel(), values.ravel()))
+
+
+def with_gust(
+    gust: History, blows: BoolArray, times: FloatArray, angle: FloatArray, at: FloatArray
+) -> Winds:
+    """Return winds with a gust, where they blow, whose middle is at a time [s] of each."""
+    middle = 0.5 * (gust.onset + gust.end)
+    own = np.linspace(gust.onset, gust.end, _GUST_PARTS + 1)
+    there = np.clip(at[:, np.newaxis] + own - middle, times[:, :1], times[:, -1:])
+    both = np.sort(np.concatenate([times, there], axis=1), axis=1)
+    wind = on_lines(times, angle, both)
+    more = np.interp(both - at[:, np.newaxis] + middle, own, gust(own), 0.0, 0.0)
+    return both, wind + blows[:, np.newaxis] * more

@@ -23,7 +23,7 @@ from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
-from tvclin.base.errors import InputError, number, one_of, shown
+from tvclin.base.errors import Faults, InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
@@ -32,7 +32,7 @@ from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.file import GUST_TABLE, WIND_TABLE
+from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
 _OF_STUDIES = (
     *(STUDY_TABLE, SIZE_TABLE, AVAILABILITY_TABLE, LAWS_TABLE, AUTOPILOT_TABLE),
@@ -75,11 +75,8 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         raise InputError(
             "the file is neither a vehicle file (it has no [vehicle]) nor a study (no [study])"
         )
-    known("table", document, [table.name for table in TABLES])
+    _check_tables(document, folder)
     each = {table: table.one(document) for table in _SINGLE}
-    for table in _OF_STUDIES:
-        if table is not AUTOPILOT_TABLE or not _recorded(document):
-            table.read(each[table])
     if not {"study", "campaign"} & document.keys():
         raise InputError("[study] is missing: it names the vehicle")
     study, campaign = each[STUDY_TABLE], each[CAMPAIGN_TABLE]
@@ -92,9 +89,30 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return found | {"vehicle": _vehicle(found["vehicle"], folder, where.name, _recorded(document))}
 
 
+def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
+    """Raise `InputError` for all that is at fault in the tables of a file, a line for each."""
+    faults, recorded = Faults(), _recorded(document)
+    with faults.kept():
+        known("table", document, [table.name for table in TABLES])
+    for table in _SINGLE:
+        with faults.kept():
+            given = table.one(document)
+            if table in (SOURCE_TABLE, *((AUTOPILOT_TABLE,) if recorded else ())):
+                continue  # it may hold a whole flight, or numbers without a unit
+            if table.name in document or table in _OF_STUDIES:
+                table.read(given)
+    with faults.kept():
+        if "wind" in document and not recorded:
+            winds_of(document, folder)
+    with faults.kept():
+        dispersions_of(document)
+    faults.tell()
+
+
 def _recorded(document: Mapping[str, Any]) -> bool:
     """Whether it is the document of a manifest: only there numbers in SI units have bare names."""
-    vehicle = document.get("campaign", {}).get("vehicle")
+    campaign = document.get("campaign")
+    vehicle = campaign.get("vehicle") if isinstance(campaign, dict) else None
     return "study" not in document and isinstance(vehicle, dict) and "weight" in vehicle
 
 
@@ -154,10 +172,14 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
     """Return the dispersions of the tables [[dispersion]] and [[correlation]]."""
     rows, recorded = DISPERSION_TABLE.each(document), _recorded(document)
     correlation = CORRELATION_TABLE.each(document)
-    made = tuple(_dispersion(row, recorded) for row in rows)
+    made, faults = [], Faults()
+    for row in rows:
+        with faults.kept():
+            made.append(_dispersion(row, recorded))
+    faults.tell()
     names = [one.parameter for one in made]
     if not correlation:
-        return Dispersions(made)
+        return Dispersions(tuple(made))
     matrix = np.eye(len(made))
     for row in correlation:
         given = CORRELATION_TABLE.read(row)
@@ -168,7 +190,7 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
             )
         i, j = (names.index(one_of("between in [[correlation]]", name, names)) for name in between)
         matrix[i, j] = matrix[j, i] = number("coefficient", given.get("coefficient", ""))
-    return Dispersions(made, tuple(map(tuple, matrix.tolist())))
+    return Dispersions(tuple(made), tuple(map(tuple, matrix.tolist())))
 
 
 def _dispersion(row: dict[str, Any], recorded: bool) -> Dispersion:

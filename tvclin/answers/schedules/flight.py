@@ -16,7 +16,7 @@ _LEAST, _LARGEST = 1e-12, 1e12
 """No number of a flight is larger in SI units, and none that must be positive smaller."""
 _POSITIVE = {
     *("mass", "weight", "moment_of_inertia", "thrust", "velocity", "mach", "density", "pressure"),
-    *("sound", "area", "drag_coefficient", "dynamic_pressure", "reference_area"),
+    *("sound", "area", "drag_coefficient", "dynamic_pressure", "reference_area", "temperature"),
 }
 
 

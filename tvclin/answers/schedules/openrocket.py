@@ -33,6 +33,8 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 _WINDY = 0.02
 """Speeds over the ground and through the air that differ by more: there was wind."""
 _HEAT_RATIO = 1.4
+_GAS_CONSTANT = 287.053
+"""R of dry air [J/(kg K)], as OpenRocket has it."""
 
 
 def read_openrocket(
@@ -83,10 +85,11 @@ def read_openrocket(
     Notes
     -----
     Arms from stations: l_a = x_CG - x_CP, l_c = x_gimbal - x_CG. N = q S dC_N/dalpha, eq (B1d),
-    with q = rho V^2/2 or, where there is no density, 0.7 p M^2. OpenRocket's drag force is that
-    along the axis. Its coefficient C_N is never taken for a slope, nor divided by the angle. The
-    column Damping moment coefficient, where it is there, becomes the `pitch_damping`; where it is
-    negative anywhere it is left out, and a note says why.
+    with q = p V^2/(2 R T) where pressure and temperature are there, else rho V^2/2, else 0.7 p M^2,
+    which is up to 1.4 percent too small: OpenRocket's speed of sound is a straight line over the
+    temperature. Its drag force is that along the axis. Its coefficient C_N is never taken for a
+    slope, nor divided by the angle. The column Damping moment coefficient, where it is there,
+    becomes the `pitch_damping`; where it is negative anywhere it is left out, and a note says why.
 
     Examples
     --------
@@ -140,12 +143,21 @@ def _vehicle(
     flight: Flight, gimbal: float, slope: Column, reference_area: float | None
 ) -> dict[str, Column]:
     """The fields of a vehicle over the rows of a flight."""
-    if "density" in flight.columns:
+    if "temperature" in flight.columns:
+        density = flight["pressure"] / (_GAS_CONSTANT * flight["temperature"])
+        q = 0.5 * density * flight["velocity"] ** 2
+        told = (
+            f"q = p V^2/(2 R T) of {flight.origin('pressure')} and {flight.origin('temperature')}"
+        )
+    elif "density" in flight.columns:
         q = 0.5 * flight["density"] * flight["velocity"] ** 2
         told = f"q = rho V^2/2 of {flight.origin('density')}"
     else:
         q = 0.5 * _HEAT_RATIO * flight["pressure"] * flight["mach"] ** 2
-        told = f"q = 0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}"
+        told = (
+            f"q = 0.7 p M^2 of {flight.origin('pressure')} and {flight.origin('mach')}, up to 1.4"
+            " percent too small: export Air temperature too"
+        )
     area: Any = flight["area"]
     on = f"S of {flight.origin('area')}, on which the slope must be"
     if reference_area is not None:

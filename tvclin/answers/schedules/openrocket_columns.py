@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.schedules.build import above_sea
 from tvclin.answers.schedules.flight import Flight
-from tvclin.answers.schedules.table import Column, Heading, Table, read_table_text
+from tvclin.answers.schedules.table import Column, Heading, Table, letters, read_table_text
 from tvclin.base.errors import InputError
 from tvclin.base.files import called
 
@@ -30,10 +30,11 @@ _NEEDED = {
 """What is read: the quantity, and the name of its column."""
 _SLOPE = "Normal force coefficient derivative"
 _COEFFICIENT = "Normal force coefficient"
+_DENSITY = "Air density"
 _DAMPING, _UNREAD = "Damping moment coefficient", "Pitch damping coefficient"
 _ROD = re.compile(r"Event LAUNCHROD occurred at t=([\d.eE+-]+) s")
 _ROUGH = 5e-3
-"""An inertia that is rounded by more is told."""
+"""An inertia or a density that is rounded by more is told."""
 
 
 def table_of(path: str | PathLike[str]) -> Table:
@@ -84,11 +85,13 @@ def _column(table: Table, name: str) -> Column:
 
 
 def _air(table: Table) -> dict[str, Column]:
-    """Density, or pressure, and the speed of sound where it is there."""
-    density, pressure = table.find("Air density"), table.find("Air pressure")
-    sound = table.find("Speed of sound")
+    """Pressure and temperature, else density, else pressure; and the speed of sound if any."""
+    density, pressure = table.find(_DENSITY), table.find("Air pressure")
+    temperature, sound = table.find("Air temperature"), table.find("Speed of sound")
     found = {} if sound is None else {"sound": table.numbers(sound, "speed")}
-    if density is not None:
+    if pressure is not None and temperature is not None:
+        found |= {"temperature": table.numbers(temperature, "temperature")}
+    elif density is not None:
         return found | {"density": table.numbers(density, "density")}
     if pressure is not None:
         return found | {"pressure": table.numbers(pressure, "pressure")}
@@ -154,10 +157,13 @@ def _damping(table: Table) -> dict[str, Column]:
 
 def unread(table: Table) -> list[str]:
     """Return what to say of columns that are not read."""
-    one = table.find(_UNREAD)
-    if one is None:
-        return []
-    return [f"not read: column {one.text}, for its name does not say which rate it refers to"]
+    one, parts = table.find(_UNREAD), []
+    if table.find(_DAMPING) is None:
+        parts = [h for h in table.headings if h.names[0].startswith(letters(_DAMPING))]
+    told = [f"not read: column {part.text}, for it is a part of the damping" for part in parts]
+    if one is not None:
+        told += [f"not read: column {one.text}, for its name does not say which rate it refers to"]
+    return told
 
 
 def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column], list[str]]:
@@ -193,20 +199,26 @@ def trusted_damping(flight: Flight, exit_arm: Column) -> tuple[dict[str, Column]
 
 
 def rounded(table: Table, flight: Flight) -> list[str]:
-    """Return what to say of an inertia that was written with too few decimals."""
-    heading = table.find(_NEEDED["moment_of_inertia"][1])
-    assert heading is not None  # by `_column`
-    written = [row[heading.index] for row in table.cells]
-    if any("e" in cell.lower() for cell in written):
-        return []
-    decimals = max(len(cell.partition(".")[2]) for cell in written)
-    part = 0.5 * 10.0**-decimals * table.factor(heading, "inertia") / flight["moment_of_inertia"]
-    if part.max() < _ROUGH:
-        return []
-    return [
-        f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g} percent of it;"
-        " export more, or another unit"
-    ]
+    """Return what to say of an inertia or a density that was written with too few decimals."""
+    told = []
+    for name, dimension, header in (
+        ("moment_of_inertia", *_NEEDED["moment_of_inertia"]),
+        ("density", "density", _DENSITY),
+    ):
+        heading = table.find(header)
+        if heading is None or name not in flight.columns:
+            continue
+        written = [row[heading.index] for row in table.cells]
+        if any("e" in cell.lower() for cell in written):
+            continue
+        decimals = max(len(cell.partition(".")[2]) for cell in written)
+        part = 0.5 * 10.0**-decimals * table.factor(heading, dimension) / flight[name]
+        if part.max() >= _ROUGH:
+            told.append(
+                f"{heading.text} is written with {decimals} decimals, {100 * part.max():.2g}"
+                " percent of it; export more, or another unit"
+            )
+    return told
 
 
 def free(table: Table, flight: Flight) -> NDArray[np.bool_]:

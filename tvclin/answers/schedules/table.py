@@ -21,14 +21,17 @@ from tvclin.winds.soundings.text import (
 )
 
 FloatArray = NDArray[np.float64]
+Cells = tuple[str, ...]
 
 _SEPARATORS = ",;\t"
 _BEHIND_UNITS, _SPACES = "units", "spaces"
 """Separated by spaces, where names hold spaces too and end in units, and where they do not."""
 _MARKS = "#%!'\" \ufeff"
 """What may stand before the first name: marks of comments, quotes, a byte order mark."""
+_DECIMAL = re.compile(r"[+-]?\d*([.,])\d+([eE][+-]?\d+)?")
+_SYMBOL = re.compile(r"\s*\((?![a-z ]{2,}\))[^()]*\)$")
+"""A symbol in parentheses behind a name; words in small letters are part of the name."""
 _LONGEST_NAME = 200
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ class Heading:
     @property
     def names(self) -> tuple[str, ...]:
         """The letters and digits of its name, and without a symbol in parentheses behind it."""
-        return letters(self.name), letters(re.sub(r"\s*\([^()]*\)\s*$", "", self.name))
+        return letters(self.name), letters(_SYMBOL.sub("", self.name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +86,7 @@ class Table:
     text: Text
     headings: tuple[Heading, ...]
     line: IntArray
-    cells: tuple[tuple[str, ...], ...]
+    cells: tuple[Cells, ...]
 
     @property
     def places(self) -> tuple[str, ...]:
@@ -93,13 +96,16 @@ class Table:
     def find(self, *names: str) -> Heading | None:
         """Return the one column that has the first of some names that is there.
 
+        A column of the very name counts before those that have a symbol behind it.
+
         Raises
         ------
         InputError
             Where two columns have it.
         """
         for name in names:
-            found = [one for one in self.headings if letters(name) in one.names]
+            named = [one for one in self.headings if letters(name) in one.names]
+            found = [one for one in named if letters(name) == one.names[0]] or named
             if len(found) > 1:
                 raise InputError(
                     f"{self.text.source}: the column {name} is there {len(found)} times; keep one"
@@ -129,7 +135,7 @@ class Table:
         """
         unit = self._unit(heading, WRITTEN[dimension] if known is None else known)
         cells = [row[heading.index] for row in self.cells]
-        values = self.text.numbers(heading.name, cells, self.line) * unit.factor
+        values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
         told = (
             f" (its unit is damaged, and taken for {unit.spelling})"
             if unit.mangled and unit.spelling
@@ -169,8 +175,9 @@ def read_table_text(
     ------
     InputError
         For a file that cannot be read, a row with more or fewer cells than there are names, decimal
-        commas, a table without a row, and names that no table has: more than a thousand, below the
-        first thousand lines, or of more than 200 letters.
+        commas that semicolons do not tell from others, a table without a row, and names that no
+        table has: more than a thousand, below the first thousand lines, or of more than 200
+        letters.
     """
     text = read_lines(path, kind, errors="replace")
     for i, content in enumerate(text.lines[:LATEST_HEADER]):
@@ -212,7 +219,8 @@ def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) 
                 header + 1,
                 f"a name of a column has at most {_LONGEST_NAME} letters; got {shown(one.text)}",
             )
-    rows, line = [], []
+    rows: list[Cells] = []
+    line: list[int] = []
     for n, content in enumerate(text.lines[header + 1 :], start=header + 2):
         if not content.strip(" \t,;") or is_comment(content):
             continue
@@ -220,8 +228,6 @@ def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) 
         cells = [cell.strip(' "\u200b') for cell in cells]
         while len(cells) > len(headings) and not cells[-1]:
             cells.pop()
-        if separator != "," and any(_DECIMAL_COMMA.fullmatch(cell) for cell in cells):
-            raise text.error(n, "numbers have decimal commas; export the file again with points")
         if len(cells) != len(headings):
             hint = "; are there decimal commas?" if len(cells) > len(headings) else ""
             raise text.error(
@@ -231,7 +237,26 @@ def _rows(text: Text, header: int, headings: Sequence[Heading], separator: str) 
         line.append(n)
     if not rows:
         raise InputError(f"{text.source} has no row below its line of names")
+    rows = _with_points(text, separator, line, rows)
     return Table(text, tuple(headings), np.array(line, dtype=np.int64), tuple(rows))
+
+
+def _with_points(text: Text, separator: str, line: list[int], rows: list[Cells]) -> list[Cells]:
+    """Cells with decimal points: between semicolons, and without any point, commas are decimal."""
+    if separator == ",":
+        return rows
+    marks = [{one[1] for cell in row if (one := _DECIMAL.fullmatch(cell))} for row in rows]
+    if not any("," in one for one in marks):
+        return rows
+    points = any("." in one for one in marks)
+    if separator != ";" or points:
+        at = next(n for n, one in zip(line, marks, strict=True) if "," in one)
+        others = ", others points" if points else ""
+        raise text.error(at, f"numbers have decimal commas{others}; export the file with points")
+    return [
+        tuple(cell.replace(",", ".") if _DECIMAL.fullmatch(cell) else cell for cell in row)
+        for row in rows
+    ]
 
 
 def is_comment(content: str) -> bool:

@@ -51,9 +51,13 @@ WRITTEN: dict[str, dict[str, float]] = {
         **{"": 1.0, "1/rad": 1.0, "per rad": 1.0},
         **{"1/deg": 1.0 / DEGREE, "per deg": 1.0 / DEGREE},
     },
+    "temperature": {"K": 1.0, "°C": 1.0, "°F": 5.0 / 9.0},
     "number": {"": 1.0},
 }
 """For each quantity the units that are known, and their factors to SI; `lb` is a mass."""
+
+_ZERO = {"°C": 273.15, "°F": 459.67 * 5.0 / 9.0}
+"""What their zeros are in SI, of units that do not start there."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,11 @@ class Unit:
     factor: float
     spelling: str
     mangled: bool
+
+    @property
+    def zero(self) -> float:
+        """Its zero in SI."""
+        return _ZERO.get(self.spelling, 0.0)
 
 
 def unit_of(written: str, known: dict[str, float]) -> Unit | None:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.flights.closed_loop.edges import edges_above_losses
 
 FloatArray = NDArray[np.float64]
 
@@ -23,10 +24,10 @@ _GAIN = 10.0
 _STEP = 0.03
 """Between steps, over the time in which the fastest mode grows by e; the rule is off by a part of
 (_GAIN _STEP)^2/6 in the feedback, a sixtieth of what it settles in."""
-_TRIES, _ROUNDS = 6, 4
-"""Limits in a round, each round in the step where the one before found the edge."""
 _MORE = 1e-6
 """Above the largest trim deflection, with which the law is not limited."""
+_TINY = 1e-12
+"""A limit [rad] in place of none."""
 
 
 def flight_steps(mode: GrowingMode) -> FloatArray:
@@ -52,19 +53,16 @@ def trim_law_needs(
     expected : array_like
         What each needs at the least [rad], ``(r,)``.
     """
-    low = np.broadcast_to(np.asarray(expected, dtype=float), winds.shape[:1])
+    low = np.maximum(np.broadcast_to(np.asarray(expected, dtype=float), winds.shape[:1]), _TINY)
     high = np.maximum(_largest_trim(mode, times, winds) * (1.0 + _MORE), low)
-    parts, everyone = np.linspace(0.0, 1.0, _TRIES), np.arange(low.size)
-    for _ in range(_ROUNDS):
-        tried = low[:, np.newaxis] + parts * (high - low)[:, np.newaxis]
-        lost = _lost(mode, times, winds, tried)
-        last = np.where(lost.any(axis=1), _TRIES - 1 - np.argmax(lost[:, ::-1], axis=1), -1)
-        high = tried[everyone, np.minimum(last + 1, _TRIES - 1)]
-        low = tried[everyone, np.maximum(last, 0)]
-    return high
+
+    def lost(tried: FloatArray) -> NDArray[np.bool_]:
+        return trim_law_lost(mode, times, winds, tried.T).T
+
+    return edges_above_losses(lost, low, high)[0]
 
 
-def _lost(
+def trim_law_lost(
     mode: GrowingMode, times: FloatArray, winds: FloatArray, limits: FloatArray
 ) -> NDArray[np.bool_]:
     """Which flights with limits ``(r, tries)`` end where the limit, held, does not bring back."""

@@ -105,6 +105,12 @@ class Constraints:
         return np.where(np.imag(self.poles) == 0.0, 1, 2)
 
 
+def conditions(poles: NDArray[Any], demands: NDArray[Any], horizon: float = np.inf) -> Constraints:
+    """Return the conditions of poles ``(m,)``, of each pair the upper one, and their demands."""
+    bare = Constraints(poles, np.zeros(0), horizon)
+    return Constraints(poles, bare.in_rows(demands), horizon)
+
+
 def constraints_of(
     plant: Plant, wind: History, start: float = 0.0, horizon: float | None = None
 ) -> Constraints:
@@ -150,8 +156,7 @@ def constraints_of(
         demands = np.full(poles.shape, np.inf)
     if not np.all(np.isfinite(demands)):
         raise InputError(f"start is so late that no deflection can make up for it; got {start} s")
-    bare = Constraints(poles, np.zeros(0), end - start)
-    return Constraints(poles, bare.in_rows(demands), end - start)
+    return conditions(poles, demands, end - start)
 
 
 def _check_single(plant: Plant, wind: History) -> None:

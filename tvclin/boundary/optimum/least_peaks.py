@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError, broadcast, ending, instance
-from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.boundary.optimum.constraints import conditions
+from tvclin.boundary.optimum.minimum_peak import optimum_of
 from tvclin.boundary.recoverable import least_reach
 from tvclin.kernels.choice import run
 from tvclin.kernels.futures import from_onset
@@ -76,12 +77,33 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     count = poles.shape[-1]
     if not count:
         return np.zeros(shape)
+    peaks = None
     if enough is not None and count > 2:
         shape = np.broadcast_shapes(shape, np.shape(enough))
+        peaks = np.broadcast_to(enough, shape).ravel()
     strength = np.broadcast_to(wind_strength(plant, poles), (*shape, count)).reshape(-1, count)
     poles = np.broadcast_to(poles, (*shape, count)).reshape(-1, count)
     with np.errstate(invalid="ignore"):
         demands = -strength * _moments(wind, poles, shape)
+    return peaks_of(poles, demands, peaks).reshape(shape)
+
+
+def peaks_of(
+    poles: NDArray[Any], demands: NDArray[Any], enough: FloatArray | None = None
+) -> FloatArray:
+    """Return the least peaks [rad] that meet the demands of modes, for each case.
+
+    Parameters
+    ----------
+    poles : ndarray
+        Unstable poles [1/s] that are `parted`, the fastest first, ``(n, m)``; NaN where there is
+        none, and both of a pair.
+    demands : ndarray
+        d_i of eq (C1) from the start of the control on [rad s], ``(n, m)``; infinite where the
+        deflection does not reach a pole.
+    enough : ndarray, optional
+        As of `least_peaks`, ``(n,)``.
+    """
     there = ~np.isnan(poles)
     lost = np.any(there & ~np.isfinite(demands), axis=-1)
     number = there.sum(axis=-1)
@@ -100,14 +122,16 @@ def least_peaks(plant: Plant, wind: History, enough: FloatArray | None = None) -
     search = (number > 2) & ~lost
     if enough is not None and np.any(search):
         some = np.flatnonzero(search & (number == 3) & (np.imag(poles[:, 0]) == 0.0))
-        peaks = np.broadcast_to(enough, shape).ravel()[some]
-        proved = _is_enough(poles[some], demands[some], peaks)
-        found[some[proved]] = peaks[proved]
+        proved = _is_enough(poles[some], demands[some], enough[some])
+        found[some[proved]] = enough[some[proved]]
         search[some[proved]] = False
     for k in np.flatnonzero(search):
-        alone = wind.one(int(k), shape)
-        found[k] = optimum_deflection(plant.one(int(k), shape), alone, float(alone.onset)).peak
-    return found.reshape(shape)
+        upper = there[k] & (np.imag(poles[k]) >= 0.0)
+        own, asked = poles[k, upper], demands[k, upper]
+        if not np.any(np.imag(own)):  # of a batch with pairs
+            own, asked = np.real(own), np.real(asked)
+        found[k] = optimum_of(conditions(own, asked)).peak
+    return found
 
 
 def _moments(wind: History, poles: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:

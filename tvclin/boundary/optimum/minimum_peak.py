@@ -144,13 +144,17 @@ def optimum_deflection(
     >>> round(best.peak / (0.1 * plant.coefficients.B), 4), best.switch_times.round(3)
     (0.1391, array([0.284]))
     """
-    constraints = constraints_of(plant, wind, start, horizon)
+    return optimum_of(constraints_of(plant, wind, start, horizon), float(start))
+
+
+def optimum_of(constraints: Constraints, start: float = 0.0) -> Optimum:
+    """Return the deflection of least peak that meets some conditions, from `start` [s] on."""
     if not np.any(constraints.demands):
-        return _nothing(float(start), constraints.demands.size)
+        return _nothing(start, constraints.demands.size)
     window = Window(constraints)
     switches, multipliers = _solve(window)
     switches, limit = _polished(window, switches)
-    deflection = _history(limit, switches + start, float(start), window.end + start)
+    deflection = _history(limit, switches + start, start, window.end + start)
     certificate = certify(window, multipliers, switches, limit)
     norm = window.signed(multipliers).norm
     near = abs(certificate.gap) < _GAP and certificate.residual < _GAP

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.cards import card
 from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.boundary.limit import (
+    AFTER_TRIM,
     BOUNDARY,
     JUMP,
     LARGER,
@@ -32,6 +33,7 @@ from tvclin.boundary.limit import (
     boundary_alone,
     open_loop_needs,
 )
+from tvclin.boundary.optimum.least_peaks import peaks_of
 from tvclin.boundary.planes.optimum import least_in_planes
 from tvclin.boundary.planes.pair import Pair, checked
 from tvclin.boundary.planes.unforeseen import unforeseen
@@ -47,6 +49,8 @@ _GRID, _ROUNDS = 65, 10
 """Points of a grid that is laid into one cell of the one before: after 10 rounds, to rounding."""
 _SLACK = 1e-12
 _FALLEN = 1e-9
+_CLOSE, _NEAR = 1e-3, 1e-2
+"""Parts of a limit: the last step of a search, and from where on another need is looked at."""
 TURNS = (
     "the wind turns, and the deflection held presumes how: a law that limits its command"
     " without changing its direction may need more in flight"
@@ -263,9 +267,58 @@ def _turning(
         MINIMUM: least if modes > 1 else 0.0,
         NO_FORECAST: bound if K == 1.0 else 0.0,
     }
+    if modes > 1 and 0.0 < K < 1.0:
+        needs[AFTER_TRIM] = _lost_after_trim(pair, stop.inside, K, literal, max(needs.values()))
     limit, more = _largest(needs)
     notes += [doubt] if doubt and limit == needs[MINIMUM] else []
     return Needed(limit, held, time, bound, least, (*notes, *more))
+
+
+def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: float) -> float:
+    """The largest limit [rad] that is lost when the dead band is left at K times it, or `least`.
+
+    L <- max(K L, m(L)) from the largest trim on, as in `after_trim`. The rectangle of what each
+    plane asks for by itself is no less than m.
+    """
+    from scipy.optimize import brentq  # late: it takes 0.3 s to import
+
+    driver = pair.trim if literal else pair.of_moment
+    times = pair.times()
+    heights = np.asarray(stop.gauge(driver(times)))
+    limit = float(max(heights.max(), stop.gauge(pair.trim(times)).max()))
+
+    def asked(limit: float, enough: float) -> float:
+        """m(L), or what is no less and enough."""
+
+        def over(t: float) -> float:
+            return float(stop.gauge(driver(np.asarray([t])))[0]) - K * limit
+
+        if heights.max() < K * limit:
+            return 0.0
+        k = int(np.argmax(heights >= K * limit))
+        t = float(times[k])
+        if k > 0 and over(times[k - 1]) < 0.0 < over(t):
+            t = float(brentq(over, times[k - 1], t, xtol=1e-12))
+        alone = [_alone_after(pair, plane, t) for plane in (0, 1)]
+        corners = [complex(alone[0], side * alone[1]) for side in (1.0, -1.0)]
+        apart = float(np.max(stop.gauge([*corners, *(-one for one in corners)])))
+        return apart if apart <= enough else least_in_planes(pair, stop, t).peak
+
+    while limit > least:
+        lowest = max(K * limit, least)
+        below = max(asked(limit, lowest), lowest)
+        if below > limit * (1.0 - _CLOSE):
+            return limit
+        limit = below
+        if limit <= least * (1.0 + _NEAR) and asked(least, least) <= least * (1.0 + _CLOSE):
+            return least
+    return least
+
+
+def _alone_after(pair: Pair, plane: int, t: float) -> float:
+    """The least peak [rad] of one plane by itself from `t` [s] on, trimmed until then."""
+    poles, z = pair.poles[plane][np.newaxis], pair.left_at(plane, t)[np.newaxis]
+    return float(peaks_of(poles, z / poles)[0])
 
 
 def _largest(needs: dict[str, float]) -> tuple[float, list[str]]:
@@ -301,10 +354,14 @@ def _straight(
     gauges = stop.gauge([direction, -direction])
     one_way, both_ways = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
     bound = needs[NO_FORECAST] * both_ways
+    after = needs[AFTER_TRIM]
+    if 0.0 < K < 1.0:
+        after = float(open_loop_needs(plant, wind, K, boundary)[AFTER_TRIM])
     limit, more = _largest(
         {
             BOUNDARY: needs[BOUNDARY] * one_way,
             MINIMUM: needs[MINIMUM] * both_ways,
+            AFTER_TRIM: after * both_ways,
             NO_FORECAST: bound if K == 1.0 else 0.0,
         }
     )

@@ -23,7 +23,7 @@ from tvclin.base.cards import card
 from tvclin.base.errors import single
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.boundary.planes.pair import Pair, checked
-from tvclin.boundary.stops import CircularStop, PolygonStop, Stop, Vectors, along
+from tvclin.boundary.stops import CircularStop, Stop, Vectors
 from tvclin.linear.plant import Plant
 from tvclin.winds.plane_wind import PlaneWind, unit
 
@@ -32,15 +32,12 @@ FloatArray = NDArray[np.float64]
 _CELLS = 500
 _THINNEST = 1e-8
 """A cell that is thinner, times the fastest pole, has no moments but rounding."""
-_NODES = 4
-_STEPS = 400
-_CELLS_GAP, _WIDEST_GAP = 1e-5, 1e-3
-"""What cells leave of a gap, and the widest that is called solved."""
-_FEW_CORNERS = 32
-_BESIDE = np.array([-0.1, -0.03, -0.01, -0.003, 0.0, 0.003, 0.01, 0.03, 0.1])
-"""Angles [rad] from the direction of a cell at which corners are looked for that share it."""
-_EVERY = 16
-"""Cells between instants from which on slow modes may be served alone."""
+_NODES = 32
+"""In each cell: where a polygon's support has a kink the error falls with their square."""
+_ROUNDS, _LEFT = 200, 1e-7
+"""Of cutting planes at most, and what they may leave of a gap; some twenty do."""
+_WIDEST_GAP = 1e-3
+"""The widest gap that is called solved."""
 OK = "ok"
 NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
@@ -120,12 +117,20 @@ def plane_optimum(
     return least_in_planes(pair, stop.inside)
 
 
-def least_in_planes(pair: Pair, stop: Stop) -> PlaneOptimum:
-    """Return `plane_optimum` of arguments that are checked."""
+def least_in_planes(pair: Pair, stop: Stop, left: float | None = None) -> PlaneOptimum:
+    """Return `plane_optimum` of arguments that are checked; from `left` [s] on, trimmed until then.
+
+    Without `left` it is from the onset of the wind on.
+    """
+    if left is not None:
+        asked = np.concatenate([pair.left_at(plane, left) for plane in (0, 1)])
+        return _answer(pair, *_solved(_Moments(pair, stop, asked), left))
     if pair.equal and pair.wind.one_direction and isinstance(stop, CircularStop):
         return _along_a_line(pair)
-    moments = _Moments(pair, stop)
     start = np.asarray([float(pair.wind.onset)])
+    moments = _Moments(
+        pair, stop, np.concatenate([pair.of_modes(plane, start)[:, 0] for plane in (0, 1)])
+    )
     if pair.equal and moments.poles.size == 2:
         held = pair.demanded(start)
         peak = float(stop.gauge(held)[0])
@@ -152,10 +157,14 @@ def _answer(
 
 @dataclass(frozen=True, eq=False)
 class _Moments:
-    """The conditions, in cells that are even in e^(-p t) for every pole."""
+    """The conditions, in cells that are even in e^(-p t) for every pole.
+
+    `demands` are what every mode of pitch and then of yaw asks for from the start of the control.
+    """
 
     pair: Pair
     stop: Stop
+    demands: FloatArray
 
     @cached_property
     def poles(self) -> FloatArray:
@@ -166,11 +175,6 @@ class _Moments:
         """1 for each pole of the pitch plane, j for each of the yaw plane."""
         pitch, yaw = (one.size for one in self.pair.poles)
         return np.repeat([1.0 + 0.0j, 1.0j], [pitch, yaw])
-
-    @cached_property
-    def demands(self) -> FloatArray:
-        onset = np.asarray([float(self.pair.wind.onset)])
-        return np.concatenate([self.pair.of_modes(plane, onset)[:, 0] for plane in (0, 1)])
 
     @cached_property
     def edges(self) -> FloatArray:
@@ -209,106 +213,53 @@ class _Moments:
 
 
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
-    """Minimise N^2/2 - l . d in cells; of few corners, by a linear program."""
-    size = float(np.abs(moments.demands).max())
-    d, cells, stop = moments.demands / size, moments.cells, moments.stop
-    if isinstance(stop, PolygonStop) and stop.corners.size <= _FEW_CORNERS:
-        solved = _by_corners(cells, d, stop.corners)
-        if solved is not None:
-            return _mended(moments, onset, *solved, size)
-    dual, deflections = _by_dual(cells, d, stop)
-    whole = _mended(moments, onset, dual, deflections, size)
-    if isinstance(stop, PolygonStop) and whole[2].gap >= _WIDEST_GAP:
-        # where a cell belongs to two corners the dual does not say how much of each
-        near = stop.farthest((dual @ cells)[:, np.newaxis] * np.exp(1j * _BESIDE))
-        solved = _by_corners(cells, d, near)
-        if solved is not None:
-            mended = _mended(moments, onset, dual, solved[1], size)
-            whole = min(whole, mended, key=lambda one: one[2].primal)
-    fast = np.concatenate([poles == poles.max() for poles in moments.pair.poles])
-    if whole[2].gap < _CELLS_GAP or np.all(fast):
-        return whole
-    some, deflections = _by_dual(cells[fast], d[fast], stop)
-    best = np.zeros(d.size)
-    best[fast] = some
-    late = [_late(moments, d, fast, deflections, k) for k in range(0, deflections.size, _EVERY)]
+    """Solve l . d -> max, N(l) <= 1 in cells, by cutting planes (Kelley 1960).
 
-    def far(held: Vectors) -> float:
-        missing = d - np.real(np.conj(cells) @ held)
-        return float(stop.gauge(held).max() + np.abs(missing).sum())
+    N(l) is the largest l . m of the moments m of any deflection v within S, and one that reaches it
+    is furthest along l everywhere. Of the v_i of earlier rounds a small linear program knows
 
-    served = _mended(moments, onset, best, min(late, key=far), size)
-    return min(whole, served, key=lambda one: one[2].primal)
+        max of l . d with l . m_i <= 1   =   min of sum w_i with sum w_i m_i = d, w >= 0
 
-
-def _late(
-    moments: _Moments, d: FloatArray, fast: NDArray[np.bool_], early: Vectors, k: int
-) -> Vectors:
-    """What serves the fast modes up to a cell, and from there on holds what the slow ones lack.
-
-    Where slow poles are far slower, they are served when the fast ones are long settled; their
-    multipliers are then smaller than any number.
-    """
-    cells, found = moments.cells, early.copy()
-    for axis in (1.0, 1j):
-        mine = np.flatnonzero(~fast & (moments.axes == axis))
-        row = np.real(np.conj(axis) * cells[mine[0]]) if mine.size else np.zeros(found.size)
-        later = float(row[k:].sum())
-        if later:  # else its share of these cells is below all numbers
-            part = np.real(np.conj(axis) * found)
-            held = (d[mine[0]] - row[:k] @ part[:k]) / later
-            found[k:] += axis * (held - part[k:])
-    return found
-
-
-def _by_dual(cells: Vectors, d: FloatArray, stop: Stop) -> tuple[FloatArray, Vectors]:
-    """The multipliers that minimise N^2/2 - l . d, and the deflections at the stop."""
-    from scipy.optimize import minimize, root  # late: they take 0.3 s to import
-
-    def height(multipliers: FloatArray) -> tuple[float, FloatArray]:
-        summed = multipliers @ cells
-        farthest = stop.farthest(summed)
-        norm = float(along(summed, farthest).sum())
-        turned = np.real(np.conj(cells) @ farthest)
-        return float(0.5 * norm**2 - multipliers @ d), norm * turned - d
-
-    options = {"gtol": 1e-11, "maxiter": _STEPS}
-    best = minimize(height, d, jac=True, method="BFGS", options=options).x
-    # a slow pole may have a multiplier many decades below the others: then slopes say more
-    level = root(lambda multipliers: height(multipliers)[1], best, method="hybr", tol=1e-14)
-    if np.abs(level.fun).max() < np.abs(height(best)[1]).max():
-        best = level.x
-    summed = best @ cells
-    return best, float(stop.support(summed).sum()) * stop.farthest(summed)
-
-
-def _by_corners(
-    cells: Vectors, d: FloatArray, corners: Vectors
-) -> tuple[FloatArray, Vectors] | None:
-    """The multipliers and the deflections of the linear program for corners, of all or each cell.
-
-    In each cell the deflection is a sum of corners with weights w >= 0, sum w <= L. None where no
-    sum of these corners meets the conditions.
+    so that sum w_i v_i meets the conditions with the peak sum w_i, while l . d/N(l) is below. What
+    is furthest along its l comes next, and along what lies halfway from the best l to it.
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
-    from scipy.sparse import coo_array, eye_array, hstack, kron
 
-    count, each = cells.shape[1], corners.shape[-1]
-    moments = np.real(np.conj(cells)[:, :, np.newaxis] * corners).reshape(d.size, -1)
-    sums = kron(eye_array(count), np.ones((1, each)))
-    shared = hstack([sums, coo_array(-np.ones((count, 1)))]).tocsr()
-    found = linprog(
-        np.append(np.zeros(count * each), 1.0),
-        A_ub=shared,
-        b_ub=np.zeros(count),
-        A_eq=np.hstack([moments, np.zeros((d.size, 1))]),
-        b_eq=d,
-        method="highs",
-    )
-    if found.x is None:
-        return None
-    weights = found.x[:-1].reshape(count, each)
-    return found.eqlin.marginals, np.sum(weights * corners, axis=-1)
+    stop, cells = moments.stop, moments.cells
+    size = float(np.abs(moments.demands).max())
+    # Functions that are orthonormal over the cells, each counted over the reach in its plane: then
+    # N(l) is at least |l| times the shortest reach, and so bounds l.
+    even, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
+    reach = stop.support(moments.axes)
+    rows = (even[: cells.shape[1]] + 1j * even[cells.shape[1] :]).T / reach[:, np.newaxis]
+    triangle = triangle * reach[:, np.newaxis]
+    d = np.linalg.lstsq(triangle.T, moments.demands / size, rcond=None)[0]
+    ends = np.sqrt(2.0) * stop.gauge([1.0, 1.0j, -1.0, -1.0j]).max() * reach
+    best, trial, shares = np.zeros(d.size), d, np.zeros(0)
+    known: list[Vectors] = []
+    met: list[FloatArray] = []
+    for _ in range(_ROUNDS):
+        for multipliers in (trial, 0.5 * (best + trial)):
+            known.append(stop.farthest(multipliers @ rows))
+            met.append(np.real(np.conj(rows) @ known[-1]))
+            one = multipliers / (multipliers @ met[-1])
+            best = one if one @ d > best @ d else best
+        found = linprog(
+            -d,
+            A_ub=np.array(met),
+            b_ub=np.ones(len(met)),
+            bounds=np.stack([-ends, ends], axis=1),
+            method="highs",
+            options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
+        )
+        if found.x is None:  # in a stop that is very thin; what is known so far is a deflection too
+            break
+        trial, shares = found.x, -found.ineqlin.marginals
+        if trial @ d <= (1.0 + _LEFT) * (best @ d):
+            break
+    deflections = np.asarray(known)[: shares.size].T @ shares
+    multipliers = np.linalg.lstsq(triangle, best, rcond=None)[0]
+    return _mended(moments, onset, multipliers, deflections, size)
 
 
 def _mended(

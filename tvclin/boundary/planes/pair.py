@@ -101,6 +101,11 @@ class Pair:
         wind = (self.wind.pitch, self.wind.yaw)[plane]
         return self._strengths[plane][:, np.newaxis] * wind.future(self.poles[plane], t)
 
+    def left_at(self, plane: int, t: float) -> FloatArray:
+        """Return what every mode of one plane asks for when trim is left at `t` [s], ``(N,)``."""
+        trim, poles = (self.trim.pitch, self.trim.yaw)[plane], self.poles[plane]
+        return poles * np.asarray(trim.future(poles, np.asarray([t])))[:, 0]
+
     def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
         """Return vectors times e^(-p time), each part with the fast pole of its plane."""
         pitch, yaw = (np.exp(-p[0] * time) for p in self.poles)

@@ -10,38 +10,24 @@ The actuator is stiff: what it does to the deflection holds whatever the vehicle
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
-from tvclin.base.errors import InputError, broadcast
-from tvclin.control.autopilot.actuator import THROUGH, Actuator
+from tvclin.base.errors import InputError
+from tvclin.control.autopilot.actuator import Actuator
 from tvclin.linear.flexible import AnyPlant
-
-FloatArray = NDArray[np.float64]
+from tvclin.linear.system import LinearSystem, connect, gain
 
 INPUTS = ("deflection_command", "deflection_disturbance", "wind")
 _STATES = ("actuator_deflection", "actuator_rate")
+_DISTURBED = gain("deflection", {"deflection_disturbance": 1.0})
+_AT_ONCE = gain("deflection", {"deflection_command": 1.0})
 
 
-class Actuated(NamedTuple):
-    """A, B, C, D with leading batch axes, and the names of states and outputs.
+def actuated(plant: AnyPlant, actuator: Actuator | None) -> LinearSystem:
+    """Return a plant with its actuator, from the command to the outputs.
 
     The inputs are `INPUTS`. A disturbance turns the thrust and not the engine, so that it has no
     inertia. The outputs are those of the plant, and the deflection with its disturbance.
-    """
-
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
-    D: FloatArray
-    states: tuple[str, ...]
-    outputs: tuple[str, ...]
-
-
-def actuated(plant: AnyPlant, actuator: Actuator | None) -> Actuated:
-    """Return a plant with its actuator, from the command to the outputs.
 
     Parameters
     ----------
@@ -57,24 +43,21 @@ def actuated(plant: AnyPlant, actuator: Actuator | None) -> Actuated:
         For an engine with inertia and any but a second-order actuator.
     """
     check_engine(plant, actuator)
-    A, B, C, D = plant.matrices()
-    swinging = B.shape[-1] - 2
-    a, b, c, d = THROUGH if actuator is None else actuator.matrices()
-    batch = broadcast(plant=A.shape[:-2], actuator=a.shape[:-2])
-    n, k = A.shape[-1], a.shape[-1]
-    # Each signal is a row of factors on the states and the inputs.
-    signals = np.zeros((*batch, 1, 1)) + np.eye(n + k + len(INPUTS))
-    x, bent, command, disturbance, wind = np.split(signals, np.cumsum([n, k, 1, 1]), axis=-2)
-    turning = a @ bent + b @ command
-    deflection = c @ bent + d @ command + disturbance
-    forces = np.concatenate([deflection, wind, turning[..., k - swinging :, :]], axis=-2)
-    motion = np.concatenate([A @ x + B @ forces, turning], axis=-2)
-    seen = np.concatenate([C @ x + D @ forces, deflection], axis=-2)
-    return Actuated(
-        *(motion[..., : n + k], motion[..., n + k :], seen[..., : n + k], seen[..., n + k :]),
-        (*plant.states, *_STATES[:k]),
-        (*plant.outputs, "deflection"),
+    blocks = [plant.system, turning(actuator), _DISTURBED]
+    return connect(blocks, INPUTS, (*plant.outputs, "deflection"))
+
+
+def turning(actuator: Actuator | None) -> LinearSystem:
+    """Return an actuator from its command to deflection and, of second order, its acceleration."""
+    if actuator is None:
+        return _AT_ONCE
+    A, B, C, D = actuator.matrices()
+    order = A.shape[-1]
+    C, D = (
+        np.concatenate([of, as_it_turns[..., 1:, :]], -2) for of, as_it_turns in ((C, A), (D, B))
     )
+    outputs = ("deflection", "deflection_acceleration")[:order]
+    return LinearSystem(A, B, C, D, ("deflection_command",), outputs, _STATES[:order])
 
 
 def check_engine(plant: AnyPlant, actuator: Actuator | None) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -27,12 +27,14 @@ from tvclin.control.autopilot.answer import WindAnswer, wind_answer
 from tvclin.control.autopilot.diagram import with_diagram
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.sampled import sampled_loop
-from tvclin.control.autopilot.systems import closed_loop, open_loop, wind_response
+from tvclin.control.autopilot.systems import wind_response
 from tvclin.control.autopilot.warnings import pade_misleads, warn_of_feedback, warn_of_sampling
 from tvclin.control.autopilot.wiring import (
-    ClosedLoop,
-    closed,
+    COMMAND,
+    RETURNED,
+    closed_loop,
     exact_loop,
+    open_loop,
     rational_loop,
 )
 from tvclin.control.margins.bands import BandMargins, band_margins
@@ -41,6 +43,7 @@ from tvclin.control.margins.record import Margins, loop_margins
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.plant import Plant
+from tvclin.linear.system import LinearSystem
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
@@ -134,7 +137,8 @@ class Autopilot(Feedback):
         """
         self._require_single("loop", plant)
         warn_of_feedback(self, plant)
-        return open_loop(self, plant)
+        loop = open_loop(self, plant, pade=True).select((COMMAND,), (RETURNED,))
+        return replace(loop, C=0.0 - loop.C, D=0.0 - loop.D).to_control(f"{plant.model} loop")
 
     @with_diagram
     def close(self, plant: AnyPlant) -> control.StateSpace:
@@ -163,14 +167,14 @@ class Autopilot(Feedback):
         UserWarning
             As `loop`. An unstable closed loop is returned like any other: ask for its poles.
         """
-        return closed_loop(plant, self._closed("close", plant))
+        return self._closed("close", plant).to_control(f"{plant.model} with autopilot")
 
     def closed_loop_poles(self, plant: AnyPlant) -> NDArray[np.complex128]:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
         What it takes, refuses and warns of is as of `close`.
         """
-        return np.linalg.eigvals(self._closed("closed_loop_poles", plant).A).astype(complex)
+        return self._closed("closed_loop_poles", plant).poles
 
     def rational_loop(self, plant: Plant) -> Loop:
         """Return the loop as polynomials and an exact delay, for one plant or a batch.
@@ -327,11 +331,10 @@ class Autopilot(Feedback):
         What it takes and refuses is as of `answer`.
         """
         self._require_single("answer", plant)
-        _, A, B, C, D = closed(self, plant)
+        A, B, C, D = (loop := closed_loop(self, plant)).matrices()
         if pade_misleads(self, plant, A):
             raise InputError(_MISLED.format(self.pade_order))
-        labels = (*plant.outputs, "deflection")
-        return partial(wind_answer, A, B[:, 0], C, D[:, 0], labels)
+        return partial(wind_answer, A, B[:, 0], C, D[:, 0], loop.outputs)
 
     def respond(
         self, plant: AnyPlant, wind: History, timepts: ArrayLike
@@ -362,11 +365,11 @@ class Autopilot(Feedback):
         title = f"Response to wind, {name}"
         return wind_response(times, answer(times), wind, answer.labels, name=name, title=title)
 
-    def _closed(self, what: str, plant: AnyPlant) -> ClosedLoop:
+    def _closed(self, what: str, plant: AnyPlant) -> LinearSystem:
         """The closed loop, with warnings that point at the caller of the method that asks."""
         self._require_single(what, plant)
         warn_of_feedback(self, plant, stacklevel=4)
-        found = closed(self, plant)
+        found = closed_loop(self, plant)
         if pade_misleads(self, plant, found.A):
             warnings.warn(f"{_MISLED} (see margins)".format(self.pade_order), stacklevel=3)
         return found

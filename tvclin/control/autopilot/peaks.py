@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.errors import InputError
-from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.feedback import Feedback
-from tvclin.control.autopilot.wiring import wired
+from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.kernels.propagation import answering, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
@@ -88,11 +87,6 @@ def _closed(autopilot: Feedback, plant: AnyPlant) -> tuple[FloatArray, ...]:
     """A and B from the wind of each closed loop, and the rows of its deflection."""
     if np.ndim(autopilot.delay):
         raise InputError("deflection_peaks() is for one delay")
-    wires = wired(autopilot, plant, pade_delay(float(autopilot.delay), autopilot.pade_order))
-    n, m = len(wires.states), autopilot.batch[0]
-    parts: list[Any] = []
-    for rows in (wires.motion, wires.outputs[..., -1:, :]):
-        whole = rows[..., :-1] + rows[..., -1:] @ wires.returned[..., :, :-1]
-        parts.append(np.broadcast_to(whole, (m, *whole.shape[-2:])))
-    (motion, deflection) = parts
-    return motion[..., :n], motion[..., n], deflection[:, 0, :n], deflection[:, 0, n]
+    loop, m = closed_loop(autopilot, plant), autopilot.batch[0]
+    A, B, C, D = (np.broadcast_to(one, (m, *one.shape[-2:])) for one in loop.matrices())
+    return A, B[..., 0], C[:, -1], D[:, -1, 0]

@@ -1,148 +1,155 @@
-"""The loop written down: in state space for python-control, and as polynomials for the rest.
+"""The loop written down: in state space, and as polynomials around a rigid plant.
 
 Both say the same blocks, those of `diagram`; tests hold them to each other.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base.errors import InputError
 from tvclin.control.autopilot.actuated import actuated
-from tvclin.control.autopilot.actuator import THROUGH, Matrices, pade_delay
+from tvclin.control.autopilot.actuator import Matrices, pade_delay
 from tvclin.control.autopilot.feedback import CHAINS, Feedback
 from tvclin.control.margins.loop import Loop
-from tvclin.kernels import polynomials
-from tvclin.kernels.state_space import stacked
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
+from tvclin.kernels import polynomials, state_space
+from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
+from tvclin.linear.system import LinearSystem, connect, gain
+from tvclin.vehicle.filters import Filter
 
 FloatArray = NDArray[np.float64]
 
+COMMAND, RETURNED = "deflection_command", "returned_command"
+DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")
+_LATE = "late_command"
+SEEN = ("attitude_error", "seen_rate", "flight_path_angle", "angle_of_attack", "deflection")
+"""What a law sees behind its filters."""
+ASKED = "asked"
 
-class Wires(NamedTuple):
-    """All signals of a broken loop, each a row of factors on what it depends on.
 
-    That is the states, then wind, attitude command, deflection disturbance, and the deflection
-    command; ``(..., rows, columns)``.
+def open_loop(autopilot: Feedback, plant: AnyPlant, *, pade: bool = False) -> LinearSystem:
+    """Return the broken loop of one or of a batch, from the command to what returns.
 
-    Attributes
-    ----------
-    states : tuple of str
-        Names of the states.
-    motion : ndarray
-        Their rates.
-    outputs : ndarray
-        The outputs of the plant, then the deflection.
-    sensed : ndarray
-        Attitude and attitude rate as the sensors say them, and the angle of attack.
-    returned : ndarray
-        The returned command.
+    Its inputs are `DISTURBANCES` and the command, its outputs those of the plant, the deflection
+    and the returned command. The states are those of the plant, of the actuator, of the delay as
+    its Pade approximation if that is asked for, of the integrator and of the filters.
     """
-
-    states: tuple[str, ...]
-    motion: FloatArray
-    outputs: FloatArray
-    sensed: FloatArray
-    returned: FloatArray
-
-
-def wired(autopilot: Feedback, plant: AnyPlant, delay: Matrices = THROUGH) -> Wires:
-    """Return all signals of the broken loop, of one or of a batch.
-
-    The states are those of the plant, of the actuator, of the delay as it is given here, of the
-    integrator and of the filters.
-    """
-    A, B, C, D, names, _ = actuated(plant, autopilot.actuator)
-    integrators = int(np.any(np.asarray(autopilot.integral_gain)))
-    chains = {name: getattr(autopilot, name) for name in CHAINS}
-    orders = [one.order for chain in chains.values() for one in chain]
-    sizes = [A.shape[-1], len(delay[0]), integrators, *orders, 1, 1, 1, 1]
-    x, late, held, *stored, wind, command, disturbance, sent = np.split(
-        np.eye(sum(sizes)), np.cumsum(sizes)[:-1]
-    )
-    rest = iter(stored)
-    rates: list[FloatArray] = []
-
-    def filtered(name: str, signal: FloatArray) -> FloatArray:
-        for one in chains[name]:
-            a, b, c, d = one.matrices()
-            own = next(rest)
-            rates.append(a @ own + b @ signal)
-            signal = c @ own + d @ signal
-        return signal
-
-    forces = np.vstack([delay[2] @ late + delay[3] @ sent, disturbance, wind])
-    seen = C @ x + D @ forces
-    sensed = stacked(*(seen[..., k : k + 1, :] for k in sensed_places(plant)))
-    error = filtered("attitude_filters", sensed[..., :1, :]) - command
-    returned = (
-        _factor(autopilot.attitude_gain) * error
-        + _factor(autopilot.rate_gain) * filtered("rate_filters", sensed[..., 1:2, :])
-        + _factor(autopilot.alpha_gain) * sensed[..., 2:, :]
-        + _factor(autopilot.integral_gain) * held.sum(axis=0, keepdims=True)
-    )
-    returned = filtered("filters", returned)
-    moving = [A @ x + B @ forces, delay[0] @ late + delay[1] @ sent]
-    states = [
-        *names,
-        *(f"delay_{k}" for k in range(1, len(late) + 1)),
-        *("attitude_error_integral",)[:integrators],
-        *(
-            f"{name.removesuffix('s')}_{k}_{state}"
-            for name, chain in chains.items()
-            for k, one in enumerate(chain, start=1)
-            for state in range(1, one.order + 1)
-        ),
+    vehicle = actuated(plant, autopilot.actuator)
+    late = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
+    waiting = tuple(f"delay_{k}" for k in range(1, len(late[0]) + 1))
+    blocks = [
+        vehicle.renamed({COMMAND: _LATE}),
+        LinearSystem(*late, (COMMAND,), (_LATE,), waiting),
+        *law_of(autopilot, plant),
     ]
-    motion = stacked(*moving, error[..., :integrators, :], *rates)
-    return Wires(tuple(states), motion, seen, sensed, returned)
+    return connect(blocks, (*DISTURBANCES, COMMAND), (*vehicle.outputs, RETURNED))
 
 
-def _factor(gain: float | FloatArray) -> FloatArray:
-    return np.asarray(gain)[..., np.newaxis, np.newaxis]
+def closed_loop(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
+    """Return the closed loop from the disturbances to the outputs of the plant and the deflection.
 
-
-def sensed_places(plant: AnyPlant) -> tuple[int, int, int]:
-    """Return the places of sensed attitude, sensed rate and angle of attack among the outputs."""
-    names = ("attitude", "attitude_rate", "angle_of_attack")
-    if isinstance(plant, FlexiblePlant):
-        names = ("sensed_attitude", "sensed_attitude_rate", "angle_of_attack")
-    first, second, third = (plant.outputs.index(name) for name in names)
-    return first, second, third
+    Its delay is a Pade approximation.
+    """
+    loop = open_loop(autopilot, plant, pade=True).feedback(RETURNED, COMMAND)
+    return loop.select(DISTURBANCES, (*plant.outputs, "deflection"))
 
 
 def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
     """Return the loop with its exact delay: of a `Plant` as polynomials, else in state space."""
     if isinstance(plant, Plant):
         return rational_loop(autopilot, plant)
-    wires = wired(autopilot, plant)
-    n = len(wires.states)
-    A, B = wires.motion[..., :n], wires.motion[..., -1:]
-    return Loop.from_matrices(A, B, 0.0 - wires.returned[..., :n], delay=autopilot.delay)
+    loop = open_loop(autopilot, plant).select((COMMAND,), (RETURNED,))
+    return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, delay=autopilot.delay)
 
 
-class ClosedLoop(NamedTuple):
-    """Names of the states, and the matrices of x' = A x + B w, y = C x + D w."""
+def law_of(
+    autopilot: Feedback, plant: AnyPlant, period: FloatArray | None = None
+) -> list[LinearSystem]:
+    """Return the blocks from what sensors give, less the attitude command, to the command.
 
-    states: tuple[str, ...]
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
-    D: FloatArray
+    With a period [s] they are in steps.
+    """
+    chains = {name: getattr(autopilot, name) for name in CHAINS}
+    integral = np.any(np.asarray(autopilot.integral_gain))
+    size = int(integral)
+    own = LinearSystem(
+        np.zeros((size, size)), np.eye(size, 5), np.eye(size), np.zeros((size, 5)), SEEN,
+        ("attitude_error_integral",)[:size], ("attitude_error_integral",)[:size],
+    )  # fmt: skip
+    gains = {
+        SEEN[0]: autopilot.attitude_gain,
+        SEEN[1]: autopilot.rate_gain,
+        SEEN[3]: autopilot.alpha_gain,
+    }
+    if integral:
+        gains["attitude_error_integral"] = autopilot.integral_gain
+    asked = [gain(SEEN[0], {"attitude_command": -1.0}), gain(ASKED, gains)]
+    return [*law_blocks(chains, own, plant.sensed, period), *asked]
 
 
-def closed(autopilot: Feedback, plant: AnyPlant) -> ClosedLoop:
-    """Return the closed loop of one plant."""
-    delay = pade_delay(float(autopilot.delay), autopilot.pade_order)
-    states, motion, outputs, _, returned = wired(autopilot, plant, delay)
-    n = len(states)
-    # No plant passes its deflection on at once, so the returned command does not contain the
-    # deflection command, and to put the one for the other closes the loop.
-    motion, outputs = (rows[:, :-1] + rows[:, -1:] @ returned[:, :-1] for rows in (motion, outputs))
-    return ClosedLoop(states, motion[:, :n], motion[:, n:], outputs[:, :n], outputs[:, n:])
+def law_blocks(
+    chains: Mapping[str, Sequence[Filter]],
+    own: LinearSystem,
+    sensed: tuple[str, str],
+    period: FloatArray | None = None,
+) -> list[LinearSystem]:
+    """Return the states of a law and its filters: from what is sensed to `SEEN`, and from `ASKED`.
+
+    Parameters
+    ----------
+    chains : mapping
+        The filters of each of `CHAINS`.
+    own : LinearSystem
+        Of the law's own states, from `SEEN`.
+    sensed : tuple of str
+        Names of attitude and attitude rate ahead of the filters.
+    period : ndarray, optional
+        With one [s] all are in steps: the filters by the bilinear rule, each exact at its own
+        frequency, the states with what is seen held from sample to sample.
+    """
+    ends = ((sensed[0], SEEN[0]), (sensed[1], SEEN[1]), (ASKED, RETURNED))
+    blocks = [own if period is None else own.to_steps(period)] if own.states else []
+    for name, (source, target) in zip(CHAINS, ends, strict=True):
+        chain = chains[name]
+        if not chain and source != target:
+            blocks.append(gain(target, {source: 1.0}))
+        passed = [source, *(f"{name} {k}" for k in range(1, len(chain))), target]
+        for k, one in enumerate(chain, start=1):
+            states = (f"{name.removesuffix('s')}_{k}_{j}" for j in range(1, one.order + 1))
+            found = one.matrices() if period is None else in_steps(one, period, f"{name} {k}")
+            blocks.append(
+                LinearSystem(*found, (passed[k - 1],), (passed[k],), tuple(states), period)
+            )
+    return blocks
+
+
+def in_steps(one: Filter, period: FloatArray, name: str) -> Matrices:
+    """Return a filter in steps by s = c (z - 1)/(z + 1), c = w/tan(w h/2): exact at its own w.
+
+    That is the geometric mean of its poles; c = 2/h where it has none. `name` is for messages.
+
+    Raises
+    ------
+    InputError
+        For a filter whose own frequency is not below half the sample rate.
+    """
+    if not one.order:
+        return one.matrices()
+    half = 0.5 * period
+    own = np.abs(one.denominator[..., -1]) ** (1.0 / one.order)
+    turned = own * half  # half the phase of a step
+    if np.any(turned >= 0.5 * np.pi):
+        raise InputError(
+            f"{name} has its own frequency at {np.max(own):.6g} rad/s, which must lie below half"
+            f" the sample rate, {np.pi / np.max(period):.6g} rad/s; raise sample_rate"
+        )
+    own, turned = np.broadcast_arrays(own, turned)
+    c = np.where(own > 0.0, own / np.tan(np.where(own > 0.0, turned, 1.0)), 1.0 / half)
+    return state_space.to_steps(one.matrices(), c)
 
 
 def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:

@@ -19,7 +19,7 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.warnings import warn_of_feedback
-from tvclin.control.autopilot.wiring import closed
+from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.control.margins.record import loop_margins
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.winds.histories import History
@@ -121,7 +121,7 @@ def worst_duration(
     def deflection(duration: float) -> float:
         return abs(answer(shape(peak=peak, duration=duration)).peak("deflection")[0])
 
-    return _worst(deflection, _durations(closed(autopilot, plant)[1], low, high))
+    return _worst(deflection, _durations(closed_loop(autopilot, plant).A, low, high))
 
 
 def _worst(deflection: Callable[[float], float], durations: FloatArray) -> WorstDuration:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,8 +13,14 @@ from tvclin.base.errors import within
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.loop_margins import LoopFindings
 from tvclin.kernels.state_loop import StateLoop
+from tvclin.linear.system import delay_parts
 
 FloatArray = NDArray[np.float64]
+
+_ALIKE = 1.5
+"""Delays up to so many times the least may be the least in truth."""
+_STEPS, _LONGEST, _NEAR = 30, 0.05, 1e-11
+"""Newton's steps to a delay, how long over the frequency, and how near is there."""
 ComplexArray = NDArray[Any]
 
 
@@ -30,15 +37,28 @@ class SampledLoop(Loop):
         The same loops in the variable w, z = (1 + w h/2)/(1 - w h/2).
     batch : tuple of int
         Shape of the batch.
-    period : ndarray
-        h [s], ``(...)``.
+    period, late : ndarray
+        h, and the delay [s], ``(...)``.
+    later : callable
+        Takes delays below h [s] ``(k,)`` and the positions ``(k,)`` of loops in the flattened
+        batch, and gives these loops with those delays.
     """
 
     period: FloatArray
+    late: FloatArray
+    later: Callable[[FloatArray, NDArray[np.intp]], StateLoop]
 
-    def __init__(self, form: StateLoop, batch: tuple[int, ...], period: FloatArray) -> None:
+    def __init__(
+        self,
+        form: StateLoop,
+        batch: tuple[int, ...],
+        period: FloatArray,
+        late: FloatArray,
+        later: Callable[[FloatArray, NDArray[np.intp]], StateLoop],
+    ) -> None:
         self._hold(form, batch)
-        object.__setattr__(self, "period", period)
+        for name, value in (("period", period), ("late", late), ("later", later)):
+            object.__setattr__(self, name, value)
 
     def response(self, omega: ArrayLike) -> ComplexArray:
         """Return L(e^(j omega h)), shape ``batch + omega.shape``; infinite at a pole.
@@ -76,12 +96,47 @@ class SampledLoop(Loop):
 
         peaks = found.peaks.copy()
         peaks[..., 1] = turned(peaks[..., 1])
+        omega = turned(found.gain_frequencies)
         return replace(
             found,
-            gain_frequencies=turned(found.gain_frequencies),
+            gain_frequencies=omega,
+            delays=self._delays(omega, found.phases, found.stable),
             phase_frequencies=turned(found.phase_frequencies),
             peaks=peaks,
         )
+
+    def _delays(
+        self, omega: FloatArray, phases: FloatArray, stable: NDArray[np.bool_]
+    ) -> FloatArray:
+        """How much later L may be until it is -1 [s], ``(k, n)``, the least exactly.
+
+        A delay that is no whole number of samples changes |L| as well. By Newton's steps on
+        ln L(omega, T) = ln(-1), a whole sample being a factor of 1/z.
+        """
+        found = phases % (2.0 * np.pi) / omega
+        if not found.shape[1]:
+            return found
+        least = np.where(np.isnan(found), np.inf, found).min(axis=1, keepdims=True)
+        case, place = np.nonzero(stable[:, np.newaxis] & (found <= _ALIKE * least))
+        h, late = self.period.ravel()[case], self.late.ravel()[case]
+        w, more = omega[case, place], found[case, place]
+        arrived = np.zeros(case.size, dtype=bool)
+        for _ in range(_STEPS if case.size else 0):
+            whole, rest = delay_parts(late + more, h)
+            nu = np.tan(0.5 * w * h) / (0.5 * h)
+            form = self.later(rest, case)
+            L, slope = (of(1j * nu[:, np.newaxis])[:, 0] for of in (form.value, form.slope))
+            rate = 1j * slope / L * (1.0 + (0.5 * nu * h) ** 2)  # d ln L/d omega
+            step = np.clip(-np.log(np.abs(L)) / rate.real, -_LONGEST * w, _LONGEST * w)
+            w = np.minimum(w + step, np.pi / h)
+            ahead = np.angle(-L) + rate.imag * step - whole * h * w
+            ahead -= 2.0 * np.pi * np.round(ahead / (2.0 * np.pi))
+            more = np.maximum(more + ahead / w, 0.0)
+            arrived = (np.abs(step) < _NEAR * w) & (np.abs(ahead) < _NEAR)
+            if np.all(arrived):
+                break
+        found[case[arrived], place[arrived]] = more[arrived]
+        return found
 
     def in_plane(self, s: ComplexArray) -> ComplexArray:
         """Return w = (2/h) tanh(s h/2) of s ``(k, m)`` [1/s]."""

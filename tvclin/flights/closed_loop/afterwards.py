@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.flights.closed_loop.growth import chosen
 from tvclin.flights.closed_loop.law_batch import LawBatch
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING
 from tvclin.flights.closed_loop.sampled import finish
@@ -22,6 +21,15 @@ _QUIET = 2
 """After so many stretches without a limit a nozzle is at rest."""
 _FULL_RATE = 0.999
 """A rate above this part of its limit is bounded by it."""
+
+_SHARED = {"memory", "seen", "told"}
+"""One for each flight, or one for all."""
+_OF_EACH = (
+    *("vehicle", "wind", "law", "gain", "limit", "rate_limit", "start", "finish", "ends"),
+    *("waiting", "settling", "sequence", "y", "states", "here", "sensed", "measured", "next"),
+    *("series", "commands", "mode", "bounded", "peaks", "piece", "settled", "outcome", "ended"),
+)
+"""Arrays of `Flights` with a row for each flight."""
 
 
 def swings_on(f: Flights, laws: LawBatch) -> NDArray[np.bool_]:
@@ -53,7 +61,7 @@ def swings_on(f: Flights, laws: LawBatch) -> NDArray[np.bool_]:
 
 def _flown_on(f: Flights, where: NDArray[np.intp], laws: LawBatch) -> Flights:
     """Some flights from where they ended through a stretch of still air."""
-    g = chosen(f, where)
+    g = _chosen(f, where)
     ring = g.commands.shape[1]
     turned = (g.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
     g.commands[:] = np.take_along_axis(g.commands, turned, axis=1)
@@ -63,3 +71,11 @@ def _flown_on(f: Flights, where: NDArray[np.intp], laws: LawBatch) -> Flights:
     g.outcome[:], g.ended[:], g.peaks[:] = UNDECIDED, -1, 0.0
     finish(g, laws)
     return g
+
+
+def _chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
+    """Return some flights, of one sample in still air; those that are named twice are two."""
+    own = {name for name in _SHARED if len(getattr(f, name)) > 1}
+    rows = {name: getattr(f, name)[index] for name in {*_OF_EACH, *own}}
+    rows["finish"][:] = 1
+    return f._replace(pieces=np.zeros_like(f.pieces), **rows)

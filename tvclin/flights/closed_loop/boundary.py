@@ -169,8 +169,8 @@ def closed_loop_boundary(
     Raises
     ------
     InputError
-        For batches, a plant without a real unstable pole, a wind that never ends, and a sample
-        rate too slow for the actuator.
+        For batches, a plant without a real unstable pole, a wind that never ends, and samples
+        that are far too long for the actuator.
 
     Examples
     --------

@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import (
     InputError,
-    between,
     ending,
     instance,
     nonnegative,
@@ -21,6 +20,7 @@ from tvclin.base.errors import (
 )
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.step_matrices import SUBSTEPS, frequency
 from tvclin.kernels import polynomials
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant
 from tvclin.winds.histories import History
@@ -39,8 +39,8 @@ _LONGEST = 1e5
 """Longest flight [s]."""
 LATE = 10_000
 """Samples by which a command may be late."""
-_SAMPLES = 2.0
-"""Least samples of the law in the time 1/omega_n of the actuator."""
+_MOST_SUBSTEPS = 1000.0
+"""Of the hardware in a sample of the law."""
 
 
 def check_flight(plant: AnyPlant, law: Law, wind: History) -> None:
@@ -57,32 +57,23 @@ def check_flight(plant: AnyPlant, law: Law, wind: History) -> None:
 
 
 def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
-    """Return the rate [Hz]; `InputError` if it is too slow for the actuator."""
+    """Return the rate [Hz] of a law; `InputError` if its samples hold too many substeps."""
     number("sample_rate", sample_rate, positive, "Hz")
-    rate = number("sample_rate", sample_rate, between(*_RATES), "Hz")
     check_actuator(actuator)
-    if actuator is None:
-        return rate
-    least = _SAMPLES * float(actuator.natural_frequency)
-    if rate < least:
-        raise InputError(
-            f"sample_rate must be at least {least:.6g} Hz for an actuator of"
-            f" {actuator.natural_frequency:.6g} rad/s; got {rate:.6g} Hz"
-        )
-    return rate
+    return float(check_sample_rates(sample_rate, actuator))
 
 
 def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
-    """Return the rates [Hz], one or many; `InputError` if one is too slow for its actuator."""
+    """Return the rates [Hz], one or many; `InputError` if one is far too slow for its actuator."""
     rates = within("sample_rate", positive("sample_rate", sample_rate, "Hz"), *_RATES, "Hz")
     if actuator is not None:
         instance("actuator", actuator, Actuator, "see Actuator")
-        least = _SAMPLES * np.asarray(actuator.natural_frequency)
+        least = SUBSTEPS / _MOST_SUBSTEPS * frequency(actuator)
         together(sample_rate=rates, actuator=least)
         if np.any(rates < least):
             raise InputError(
                 f"sample_rate must be at least {least.max():.6g} Hz for an actuator of"
-                f" {least.max() / _SAMPLES:.6g} rad/s; got {shown(plain(rates))} Hz"
+                f" {frequency(actuator).max():.6g} rad/s; got {shown(plain(rates))} Hz"
             )
     return rates
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,9 @@ _LONGEST = 5.0
 step off by at most 12 times the error that it controls; at 16 that is 400 times."""
 _MOST_SWITCHES = 5000
 """Switches of the law and its nozzle in one flight."""
+_MOST_EVALUATIONS = 500_000
+"""Of the equations in one flight: hours with an actuator of 4 Hz. Long after t = 0 the rounding of
+the time alone asks for so many, for steps become as short as it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +91,7 @@ class ContinuousFlight:
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
         state, regime = np.zeros(self._loop.size), Regime()
         self._check_law(start, state)
-        loop = self._loop
+        loop, rates = self._loop, _counted(self._loop.rates)
         found: list[Arc] = []
         for first, last in pairwise(edges):
             gust = smooth_piece(self.wind, float(first))
@@ -102,7 +105,7 @@ class ContinuousFlight:
                         " sample_rate to fly it"
                     )
                 ends = ends_of(loop, regime, gust)
-                result = self._solved((now, float(last)), state, regime, gust, ends)
+                result = self._solved(rates, (now, float(last)), state, regime, gust, ends)
                 found.append(Arc(now, result.sol, regime.mode))
                 before = regime
                 between = touched(result, ends)
@@ -128,6 +131,7 @@ class ContinuousFlight:
 
     def _solved(
         self,
+        rates: Callable[..., FloatArray],
         span: tuple[float, float],
         state: FloatArray,
         regime: Regime,
@@ -139,7 +143,7 @@ class ContinuousFlight:
 
         sharp = 1.0 if self.actuator is None else _NOZZLE
         result = solve_ivp(
-            self._loop.rates,
+            rates,
             span,
             state,
             method="DOP853",
@@ -194,6 +198,21 @@ class ContinuousFlight:
             raise InputError(
                 "a law that looks at the deflection needs an actuator or a sample_rate"
             )
+
+
+def _counted(rates: Callable[..., FloatArray]) -> Callable[..., FloatArray]:
+    """Return the equations of one flight, refused when they are asked for too often."""
+    asked = count(1)
+
+    def counted(t: float, *state: Any) -> FloatArray:
+        if next(asked) > _MOST_EVALUATIONS:
+            raise InputError(
+                f"the flight takes more than {_MOST_EVALUATIONS} evaluations of its equations, at"
+                f" t = {t:.6g} s; let it begin near t = 0, or give a sample_rate to fly it"
+            )
+        return rates(t, *state)
+
+    return counted
 
 
 def _event(end: End) -> Any:

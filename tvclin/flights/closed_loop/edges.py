@@ -31,6 +31,9 @@ STEPS = 60
 """Of a scan."""
 ABOVE, PARTS, LEVELS = 4, 16, 3
 """So many steps above an edge are looked at again, each in so many parts, and that so often."""
+STRIDE, FINE, AHEAD, LAST_PARTS = 0.02, 0.002, 0.06, 10
+"""Steps of many edges at once, over the value; how far above an edge the finer ones reach; and in
+how many parts the last is looked at."""
 _MOST_CUTS = 1000
 _SAMPLES = 5_000_000
 """Of all winds that are flown together: some hundred megabytes."""
@@ -89,6 +92,47 @@ def edge_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray)
     elif low == top:
         edge, status = np.inf, NEVER if status == OK else f"{NEVER}; {OPEN}"
     return Edge(edge, low, values[order], found[order], tuple(looked), status)
+
+
+def edges_above_losses(
+    lost: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return the edges of many cases at once, and which of them are lost at `high` too.
+
+    Values are tried every `STRIDE` from `low` to `high`; above the highest that is lost every
+    `FINE`, until a range of `AHEAD` is clean; and the step that is left in `LAST_PARTS`.
+
+    Parameters
+    ----------
+    lost : callable
+        Which of the values ``(k, n)``, a column for each case, are lost.
+    low, high : ndarray
+        Positive values between which the edges are sought, ``(n,)``.
+    """
+    span = np.log(np.maximum(high / low, 1.0))
+    count = max(int(np.ceil(span.max(initial=0.0) / STRIDE)), 1)
+    parts = np.linspace(0.0, 1.0, count + 1)[:, np.newaxis]
+    values = np.minimum(low * np.exp(span * parts), np.maximum(high, low))
+    gone = lost(values)
+    never, any_lost = gone[-1], gone.any(axis=0)
+    base = _highest(values, gone, low)
+    steps = (1.0 + FINE) ** np.arange(1, int(AHEAD / FINE) + 1)[:, np.newaxis]
+    while True:
+        values = np.minimum(base * steps, high)
+        gone = lost(values) & (values < high) & ~never
+        if not np.any(gone):
+            break
+        base, any_lost = _highest(values, gone, base), any_lost | gone.any(axis=0)
+    parts = np.arange(1, LAST_PARTS)[:, np.newaxis] / LAST_PARTS
+    values = base * (1.0 + FINE * parts)
+    base = _highest(values, lost(values), base)
+    edge = np.where(any_lost, np.minimum(base * (1.0 + FINE / LAST_PARTS), high), low)
+    return np.where(never, high, np.maximum(edge, low)), never
+
+
+def _highest(values: FloatArray, gone: BoolArray, else_: FloatArray) -> FloatArray:
+    """The highest value of each column ``(k, n)`` that is lost, or what is told."""
+    return np.max(np.where(gone, values, else_), axis=0)
 
 
 def _highest_lost(values: FloatArray, found: Words) -> float:

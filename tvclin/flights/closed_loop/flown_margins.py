@@ -41,7 +41,6 @@ from tvclin.flights.closed_loop.many import RINGS, SURVIVED, fly_many
 from tvclin.flights.closed_loop.near_rest import (
     delay_at_growth,
     factors_at_growth,
-    with_effectiveness,
 )
 from tvclin.flights.closed_loop.sampled import Batch, one_flight
 from tvclin.linear.flexible import AnyPlant
@@ -184,7 +183,7 @@ class _Flights:
             elif name.startswith("gain"):
                 options = options | {"gain": by}
             else:
-                plant = with_effectiveness(plant, by)
+                plant = plant.with_effectiveness(by)
             status = fly_many(plant, self.law, wind, **options).status
             if isinstance(self.plant, Plant):  # a rigid one rings near rest, which is known exactly
                 status = np.where(status == RINGS, SURVIVED, status)

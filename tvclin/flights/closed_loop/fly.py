@@ -89,9 +89,9 @@ def fly(
     ------
     InputError
         For batches, limits or a gain that are not positive, a wind that never ends, times long
-        after the flight is lost, a sample rate too slow for the actuator, noise, a delay or a rate
-        limit that need a sample rate, and a law that looks at the deflection where it has neither
-        an actuator nor a sample before it.
+        after the flight is lost, samples that are far too long for the actuator, noise, a delay
+        or a rate limit that need a sample rate, and a law that looks at the deflection where it has
+        neither an actuator nor a sample before it.
 
     Notes
     -----
@@ -99,9 +99,8 @@ def fly(
     limit and the stop of an actuator are hit by the solver, which runs anew from each to the next,
     however short the limit is touched. The attitude is exact to about 1e-9 of its largest value, to
     1e-8 with a law that leans; a flight that is nearly lost multiplies both. With a sample rate a
-    step is exact in which the nozzle meets no limit; in one in which its rate or its stop bounds it
-    the deflection goes evenly from where it begins to where it ends, which is exact while it stays
-    bounded. Either way a late gust is never missed.
+    sample is exact in which the nozzle meets no limit; `fly_many` says how others are walked, and
+    how exactly. Either way a late gust is never missed.
 
     Examples
     --------
@@ -152,6 +151,8 @@ def _continuous(
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
     equations = LinearEquations(plant)
+    # any time is like another, and near zero it is known more sharply
+    wind, times, start = wind.shift(-start), times - start, 0.0
     flight = ContinuousFlight(equations, law, wind, *limits, actuator, gain=gain)
     stop = float(np.nextafter(times.max(), np.inf))
     return flight.shown(flight.arcs(start, max(stop, start + 1e-9)), times)

@@ -1,30 +1,29 @@
-"""How fast sampled loops grow near rest, in still air and far below their limits."""
+"""How fast sampled loops grow near rest, in still air and far below their limits.
+
+There a flight is linear: the states of vehicle, nozzle, law and filters, and the commands that are
+still to come, go over into the next by one matrix, made of those that the kernel steps with.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.control.laws.law import Law, Measurement
 from tvclin.flights.closed_loop.outcomes import SETTLING
-from tvclin.flights.closed_loop.sampled import Batch, finish, flights
-from tvclin.kernels.flight_arrays import Flights
+from tvclin.flights.closed_loop.sampled import Batch, flights
+from tvclin.kernels.control_laws import LawNumbers, asked
+from tvclin.kernels.flight_arrays import MEASURED, Flights
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 _SMALL = 1e-7
 """A state so small, over the reach, is far below every limit and dead band."""
 SLOW = 0.1
 """What turns more slowly, over the fastest growing pole, does not swing but creeps."""
 _TOGETHER = 20_000
-"""Flights of one sample that are flown together."""
-_SHARED = {"memory", "seen", "told"}
-"""One for each flight, or one for all."""
-_OF_EACH = (
-    *("vehicle", "wind", "law", "gain", "limit", "rate_limit", "start", "finish", "ends"),
-    *("waiting", "settling", "sequence", "y", "states", "here", "sensed", "measured", "next"),
-    *("series", "commands", "mode", "peaks", "piece", "settled", "outcome", "ended"),
-)
-"""Arrays of `Flights` with a row for each flight."""
+"""Rows of steps that are worked on together."""
 
 
 def growth_near_rest(batch: Batch) -> float:
@@ -54,10 +53,14 @@ def swing_near_rest(batch: Batch) -> FloatArray:
     than a tenth of the fastest growing pole, as the path does.
     """
     f = flights(batch)
-    size = 1 + f.y.shape[1] + f.states.shape[1] + f.commands.shape[1]
-    parts = np.array_split(np.arange(f.limit.size), -(-f.limit.size * size // _TOGETHER))
+    # Flights that differ in their limit alone are of one loop, unless their law looks at it.
+    looks = np.array([one is None or one.leans for one in batch.laws.numbers])[f.law]
+    keys = np.column_stack([f.vehicle, f.law, f.gain, np.where(looks, f.limit, 0.0)])
+    _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    size = f.y.shape[1] + f.states.shape[1] + f.commands.shape[1]
+    parts = np.array_split(first, -(-first.size * size // _TOGETHER))
     steps = [np.linalg.eigvals(_steps(batch, f, part)) for part in parts]
-    values = np.concatenate(steps).astype(complex)
+    values = np.concatenate(steps).astype(complex)[which.ravel()]
     h = f.lengths[f.vehicle, 0]
     turns = np.abs(np.angle(values)) / h[:, np.newaxis]
     slowest = SLOW * SETTLING / np.maximum(f.settling * h, h)
@@ -69,31 +72,76 @@ def swing_near_rest(batch: Batch) -> FloatArray:
 def step_near_rest(batch: Batch) -> FloatArray:
     """Return the step of one loop near rest, where it is a matrix.
 
-    Its columns are what a step makes of small states: those of the vehicle, of the nozzle and of
-    the law, and the commands that are still to come, the latest first.
+    Its columns are what a step makes of the states of the vehicle, of the nozzle and of the law,
+    and of the commands that are still to come, the latest first.
     """
     return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]
 
 
-def _steps(batch: Batch, f: Flights, cases: NDArray[np.intp]) -> FloatArray:
-    """The steps of some flights at their start, ``(k, size, size)``."""
-    order, own, ring = f.y.shape[1], f.states.shape[1], f.commands.shape[1]
-    ages = np.arange(1, ring)  # of commands that are still to come
-    size = order + own + ages.size
+def _steps(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
+    """The steps of some flights, ``(k, size, size)``; each signal is rows of factors on states."""
+    k, order, own, ring = cases.size, f.y.shape[1], f.states.shape[1], f.commands.shape[1]
+    places, n = f.vehicle[cases], f.A.shape[1]
+    x, held, sent = np.split(np.eye(order + own + ring - 1), [order, order + own])
+
+    def of_each(rows: FloatArray) -> FloatArray:
+        return rows[cases] if len(rows) > 1 else rows
+
+    def spread(rows: FloatArray) -> FloatArray:
+        return np.broadcast_to(rows, (k, *rows.shape[-2:]))
+
+    sensed = np.concatenate([f.shown[places, :, :n] @ x[:n], spread(x[n : n + 1])], axis=1)
+    known = np.concatenate([spread(held), sensed, spread(0.0 * x[:1])], axis=1)
+    seen = of_each(f.seen) @ known if len(f.seen) else sensed
+    slopes = f.gain[cases, np.newaxis] * _slopes(batch, f, cases)
+    asks = slopes[:, np.newaxis] @ np.concatenate([seen, spread(held)], axis=1)
+    known[:, -1:] = asks
+    told = of_each(f.told)[:, np.newaxis] @ known if len(f.told) else asks
+    commands = np.concatenate([told, spread(sent)], axis=1)
+    moved = spread(x)
+    for part in range(f.joint.shape[1] - 1, -1, -1):
+        age = (f.late[places] + part)[:, np.newaxis, np.newaxis]
+        now = np.take_along_axis(commands, age, axis=1)
+        J = f.joint[places, part]
+        moved = J[..., :order] @ moved + J[..., order : order + 1] @ now
+    states = of_each(f.memory) @ known
+    return np.concatenate([moved, states, commands[:, : ring - 1]], axis=1)
+
+
+def _slopes(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
+    """What laws ask for, per number that they see and per state of their own, ``(k, 5 + s)``."""
     reach = max(float(np.abs(batch.plant.coefficients.B).max()), 1.0)
-    small = _SMALL / reach * f.limit[cases, np.newaxis, np.newaxis]
-    f = chosen(f, np.repeat(cases, size + 1))  # the last of each is at rest: what noise does
-    states = np.split((small * np.eye(size + 1, size)).reshape(-1, size), [order, order + own], 1)
-    f.y[:], f.states[:], f.commands[:, -ages % ring] = states
-    finish(f, batch.laws)
-    moved = np.concatenate([f.y, f.states, f.commands[:, (1 - ages) % ring]], axis=1)
-    moved = moved.reshape(-1, size + 1, size)
-    return np.asarray(np.swapaxes((moved[:, :-1] - moved[:, -1:]) / small, 1, 2))
+    small, limit = _SMALL / reach * f.limit[cases], f.limit[cases]
+    found = np.zeros((cases.size, MEASURED + f.states.shape[1]))
+    for place, numbers in enumerate(batch.laws.numbers):
+        mine = np.flatnonzero(f.law[cases] == place)
+        if not mine.size:
+            continue
+        if numbers is None:
+            found[mine] = _of_law(batch.laws.laws[place], small[mine], limit[mine], found.shape[1])
+            continue
+        alone = mine if numbers.leans else mine[:1]
+        rows = [_of_numbers(numbers, small[i], limit[i], found.shape[1]) for i in alone]
+        found[mine] = np.array(rows)
+    return found
 
 
-def chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
-    """Return some flights, of one sample in still air; those that are named twice are two."""
-    own = {name for name in _SHARED if len(getattr(f, name)) > 1}
-    rows = {name: getattr(f, name)[index] for name in {*_OF_EACH, *own}}
-    rows["finish"][:] = 1
-    return f._replace(pieces=np.zeros_like(f.pieces), **rows)
+def _of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
+    """The slopes of a law of the package."""
+    rows = (small * np.eye(width + 1, width)).tolist()
+    values = [asked(numbers, one[:MEASURED], one[MEASURED:], limit) for one in rows]
+    return [(value - values[-1]) / small for value in values[:-1]]
+
+
+def _of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
+    """The slopes of a law in Python, of some flights at once."""
+    own = len(law.states[0])
+    rows = small * np.eye(width + 1, width)[..., np.newaxis]
+    values = [
+        np.broadcast_to(
+            law.demand(Measurement(*one[:MEASURED]), one[MEASURED : MEASURED + own], limit),
+            small.shape,
+        )
+        for one in rows
+    ]
+    return np.stack([(value - values[-1]) / small for value in values[:-1]], axis=-1)

@@ -10,13 +10,18 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import MOST_AXES, InputError
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.sampled import filter_steps
+from tvclin.control.autopilot.feedback import CHAINS
+from tvclin.control.autopilot.wiring import ASKED, RETURNED, SEEN, law_blocks
 from tvclin.control.laws.law import Chains, Law
 from tvclin.kernels.control_laws import LawNumbers
 from tvclin.kernels.flight_arrays import MEASURED
-from tvclin.kernels.propagation import driven, exponentials
+from tvclin.kernels.state_space import beside
+from tvclin.linear.system import LinearSystem, connect
 
 FloatArray = NDArray[np.float64]
+
+SENSED = ("sensed_attitude", "sensed_attitude_rate", *SEEN[2:])
+"""What the sensors give, as of `Measurement`."""
 
 
 class Memory(NamedTuple):
@@ -159,28 +164,16 @@ def _with_filters(
 ) -> Memory:
     """The memory of one law in steps of the lengths [s] ``(m,)``, with rows for `size` states.
 
-    Its own states first, then those of each chain. With the filters in steps, of attitude, rate
-    and demand d,
-
-        x+ = A x + B m,    m' = C x + D m,    s+ = e^(F h) s + P m'.
+    Its own states first, then those of each chain.
     """
     F, G = system
-    own, m = len(F), lengths.size
-    given = driven(F, G)
-    whole = exponentials(given, lengths) if own else np.zeros((m, MEASURED, MEASURED))
-    moved, wide = np.zeros((m, size, size + MEASURED + 1)), size + MEASURED + 1
-    signals = np.broadcast_to(np.eye(wide)[size:], (m, MEASURED + 1, wide)).copy()
-    place = own
-    for row, name in ((0, "attitude"), (1, "attitude_rate"), (MEASURED, "demand")):
-        chain = getattr(chains, name)
-        A, B, C, D = filter_steps(chain, 0.5 * lengths, f"{name}_filters")
-        order = A.shape[-1]
-        mine = slice(place, place + order)
-        moved[:, mine, mine], moved[:, mine, size + row] = A, B[..., 0]
-        signals[:, row, mine], signals[:, row, size + row] = C[..., 0, :], D[..., 0, 0]
-        place += order
-    seen, told = signals[:, :MEASURED], signals[:, MEASURED]
-    if own:
-        moved[:, :own, :own] = whole[:, :own, :own]
-        moved[:, :own] += whole[:, :own, own:] @ seen
-    return Memory(moved, seen, told)
+    names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
+    own = LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), SEEN, names, names)
+    blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), own, SENSED[:2], lengths)
+    law = connect(blocks, (*SENSED, ASKED), (*SEEN, RETURNED))
+    n, wide = len(law.states), size + MEASURED + 1
+    columns = [*range(n), *range(size, wide)]
+    rows = np.zeros((lengths.size, size + MEASURED + 1, wide))
+    rows[:, :n, columns] = beside(law.A, law.B)
+    rows[:, size:, columns] = beside(law.C, law.D)
+    return Memory(rows[:, :size], rows[:, size:-1], rows[:, -1])

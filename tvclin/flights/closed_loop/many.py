@@ -162,13 +162,17 @@ def fly_many(
     ------
     InputError
         For shapes that do not broadcast, a single limit that is not positive, a gain that is not,
-        a delay below zero, and a sample rate too slow for the actuator.
+        a delay below zero, and samples in which the actuator turns more than a hundred times.
 
     Notes
     -----
-    A step is exact, the wind with all its breakpoints included, in which the nozzle meets no limit.
-    In one in which its rate or its stop bounds it the deflection goes evenly from where it begins
-    to where it ends, which is exact while it stays bounded. Laws of the package are compiled
+    A sample is exact, the wind with all its breakpoints included, in which the nozzle meets no
+    limit. One in which it does is walked in substeps of 1/8 of the time 1/omega of the actuator, if
+    it is longer than half of that. In a substep in which its rate or its stop bounds it the
+    deflection goes evenly from where it begins to where it ends, which is exact while it stays
+    bounded; where it does not, the attitude is good for 3e-4 of its largest value, and for less
+    where a flight is nearly lost or the nozzle chatters between its rate limits (1.4e-3 in the
+    worst of 40 flights). Laws of the package are compiled
     (extra `fast`); without numba a second of flight at 100 Hz takes some milliseconds. A law
     written in Python is asked at every sample for all its flights at once.
 

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.flights.closed_loop.growth import step_near_rest
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.sampled import Batch
@@ -101,23 +100,11 @@ def delay_at_growth(batch: Batch, pace: float) -> float:
     return float((whole + part - late) * h)
 
 
-def with_effectiveness(plant: AnyPlant, factor: FloatArray | float) -> AnyPlant:
-    """Return a plant whose deflection does so many times as much, moment and side force alike.
-
-    The inertia of an engine stays.
-    """
-    if isinstance(plant, FlexiblePlant):
-        slope = factor * np.asarray(plant.vehicle.control_force)
-        return replace(plant, vehicle=plant.vehicle.replace(control_force_slope=slope))
-    c = plant.coefficients
-    return replace(plant, coefficients=c.replace(mu_delta=factor * np.asarray(c.mu_delta)))
-
-
 def _response(batch: Batch, name: str, samples: float) -> Response:
     """L at angles of z on the unit circle, with so many whole samples of delay more."""
 
     def step(gain: float, effectiveness: float) -> FloatArray:
-        plant = with_effectiveness(batch.plant, effectiveness)
+        plant = batch.plant.with_effectiveness(effectiveness)
         return step_near_rest(replace(batch, gain=np.asarray(gain), plant=plant))
 
     free, moved = step(0.0, 1.0), step(1.0, 1.0)

@@ -1,8 +1,9 @@
 """Flights of laws that are computed at a sample rate: their numbers for the kernel, and its answer.
 
 Between samples the deflection moves as the nozzle does. All of a step is linear and exact while the
-nozzle meets no limit; in a step in which its rate or its stop bounds it the deflection goes evenly
-from where it begins to where it ends.
+nozzle meets no limit. Where it meets one, and samples are far apart for it, the step is walked in
+substeps; in one in which its rate or its stop bounds it the deflection goes evenly from where it
+begins to where it ends.
 """
 
 from __future__ import annotations
@@ -23,10 +24,12 @@ from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch
 from tvclin.flights.closed_loop.outcomes import judging
 from tvclin.flights.closed_loop.step_matrices import (
     even_steps,
+    frequency,
     joint_steps,
     parts_of,
     quickness,
     sensed_rows,
+    substeps_of,
 )
 from tvclin.kernels import flights as kernel
 from tvclin.kernels.choice import swiftest
@@ -121,8 +124,12 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     whole = actuated(batch.plant, batch.actuator)
     moving, driven = (_spread(a, own, 2) for a in (whole.A, whole.B))
     pace = np.minimum(_spread(quickness(batch.actuator), own, 0), _AT_ONCE)[:, np.newaxis]
+    substeps = substeps_of(_spread(frequency(batch.actuator), own, 0), lengths)
+    short = lengths[:, 1:] / substeps
     joint = joint_steps(moving, driven, n, lengths[:, 1:], pieces.shape[2])
-    ramp = even_steps(A, inputs, lengths[:, 1:])
+    fine = joint
+    if np.any(substeps > 1):
+        fine = joint_steps(moving, driven, n, short, pieces.shape[2])
     judges = judging(batch.plant)
     place = _places(batch.plant.batch, own)
     start, end = (np.broadcast_to(a, shape).ravel() for a in (batch.wind.onset, batch.wind.end))
@@ -137,19 +144,22 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     memory = batch.laws.memory(h)
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
     N, states, terms = joint.shape[2], memory.moved.shape[1], pieces.shape[2]
-    rows = joint.shape[1] * int(finish.max()) if track else 0
+    rows = int(substeps.sum() * finish.max()) if track else 0
     return Flights(
         vehicle=vehicle,
         wind=wind,
         law=batch.laws.which.copy(),
         joint=joint,
-        ramp=ramp,
+        fine=fine,
+        substeps=substeps,
+        ramp=even_steps(A, inputs, short),
         lengths=lengths,
-        quick=np.where(lengths[:, 1:] > 0.0, pace * lengths[:, 1:], 0.0),
+        quick=np.where(short > 0.0, pace * short, 0.0),
         late=late,
         shown=sensed_rows(batch.plant, C, D),
         A=A,
         gust=np.ascontiguousarray(inputs[..., 1]),
+        fastest=np.abs(np.linalg.eigvals(A)).max(axis=-1),
         judges=_widened(judges.rows[place], N),
         reach=judges.reach[place],
         ratio=judges.ratio[place],
@@ -175,15 +185,16 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         sensed=np.zeros((m, MEASURED + 1)),
         measured=np.zeros((m, MEASURED)),
         next=np.zeros((m, max(N, states))),
-        series=np.zeros((m, n)),
+        series=np.zeros((m, 3, n)),
         commands=np.zeros((m, int(late.max(initial=0)) + joint.shape[1])),
         mode=np.zeros(m),
+        bounded=np.zeros(m, np.bool_),
         peaks=np.zeros((m, PEAKS)),
         piece=(knots[wind] <= start[:, np.newaxis]).sum(axis=1) - 1,
         settled=np.zeros(m, np.int64),
         outcome=np.zeros(m, np.int64),
         ended=np.full(m, -1, np.int64),
-        track=np.zeros((rows, N + 3)),
+        track=np.full((rows, N + 4), np.nan),
     )
 
 

@@ -6,13 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.control.autopilot.sampled import delay_parts
 from tvclin.kernels.propagation import driven, exponentials
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS
+from tvclin.linear.system import delay_parts
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+COARSE = 0.5 + 1e-9
+"""Samples of a law are steps of the hardware up to this part of 1/omega of its actuator."""
+SUBSTEPS = 8.0
+"""Substeps in the time 1/omega, where samples are further apart."""
 
 
 def parts_of(length: FloatArray, delay: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -28,6 +33,28 @@ def quickness(actuator: Actuator | None) -> FloatArray:
         return np.asarray(np.inf)
     bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
     return bandwidth if actuator.damping is None else np.zeros(actuator.batch)
+
+
+def frequency(actuator: Actuator | None) -> FloatArray:
+    """Return the natural frequency of a nozzle [rad/s], zero without one."""
+    return np.zeros(()) if actuator is None else np.asarray(actuator.natural_frequency, float)
+
+
+def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
+    """Return in how many substeps each part ``(p, parts)`` of a step may have to be walked.
+
+    One where the samples of the law are as close as the nozzle needs; more where they are not.
+
+    Parameters
+    ----------
+    frequencies : ndarray
+        Of the nozzles [rad/s], ``(p,)``.
+    lengths : ndarray
+        Of a step and its parts [s], ``(p, 1 + parts)``.
+    """
+    turns = frequencies[:, np.newaxis] * lengths
+    wanted = np.maximum(np.ceil(SUBSTEPS * turns[:, 1:] - 1e-9), 1.0)
+    return np.where(turns[:, :1] > COARSE, wanted, 1.0).astype(np.int64)
 
 
 def joint_steps(

@@ -1,17 +1,18 @@
-"""One sampled flight at any time: from the start of the part of a step in which the time lies."""
+"""One sampled flight at any time: from the start of the substep in which the time lies."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.control.autopilot.actuated import Actuated, actuated
+from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.flights.closed_loop.checks import LOST, check_not_lost
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.kernels.propagation import answering, driven, exponentials, inputs_at
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS
+from tvclin.linear.system import LinearSystem
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -19,12 +20,12 @@ FloatArray = NDArray[np.float64]
 
 def check_track(f: Flights, order: int) -> None:
     """Raise `InputError` when states of a flight have grown beyond all meaning."""
-    states = f.track[:, :order]
+    track = _flown(f)
     with np.errstate(invalid="ignore"):
-        beyond = ~(np.abs(states).max(axis=1) <= LOST)
+        beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
     if np.any(beyond):
-        first = int(np.argmax(beyond))
-        check_not_lost(float(_begins(f)[first]), states[first])
+        first = track[np.argmax(beyond)]
+        check_not_lost(float(first[-1]), first[:order])
 
 
 def between_samples(
@@ -43,13 +44,14 @@ def between_samples(
     """
     A, inputs, _, _ = plant.matrices()
     n, N = len(A), f.y.shape[1]
-    limit, begins = float(f.limit[0]), _begins(f)
+    limit, track = float(f.limit[0]), _flown(f)
+    begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
-    y, (command, last, met) = f.track[row, :N], f.track[row, N:].T
+    y, (command, last, met) = track[row, :N], track[row, N:-1].T
     bounded = met > 0.0
     free = _free(actuated(plant, actuator), y, command, u)
-    lengths = np.diff(begins, append=begins[-1] + f.lengths[0, 1])[row]
+    lengths = np.diff(begins, append=f.start[0] + f.lengths[0, 0] * f.ended[0])[row]
     first = np.clip(y[:, n], -limit, limit)
     slope = (last - first) / lengths
     even = exponentials(driven(A, np.column_stack([inputs[:, 0], np.zeros(n)]), np.eye(2, k=1)), u)
@@ -66,16 +68,12 @@ def between_samples(
     return np.where(times < begins[0], 0.0, rows)
 
 
-def _begins(f: Flights) -> FloatArray:
-    """When the parts of the steps begin [s]."""
-    parts = f.joint.shape[1]
-    k = np.arange(len(f.track) // parts)
-    begins = f.start[0] + f.lengths[0, 0] * k[:, np.newaxis]
-    offsets = np.array([0.0, f.lengths[0, 2]])[:parts] if parts > 1 else np.zeros(1)
-    return np.asarray((begins + offsets).ravel())
+def _flown(f: Flights) -> FloatArray:
+    """The rows of the track that were written."""
+    return f.track[~np.isnan(f.track[:, -1])]
 
 
-def _free(whole: Actuated, y: FloatArray, command: FloatArray, u: FloatArray) -> FloatArray:
+def _free(whole: LinearSystem, y: FloatArray, command: FloatArray, u: FloatArray) -> FloatArray:
     """States of plant and nozzle after times `u` without a limit, in still air, ``(N, m)``."""
     order = len(whole.A)
     moved = exponentials(driven(whole.A, whole.B[:, :1]), u)[:, :order]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,12 @@ from tvclin.winds.soundings.text import FloatArray, IntArray, Text
 EARTH_RADIUS = 6_356_766.0
 """m, to which the geopotential height of the U.S. Standard Atmosphere 1976 belongs."""
 LOWEST, HIGHEST = -1e3, 1e5
-_FASTEST = 200.0
+FASTEST = 130.0
+"""m/s, above all winds that balloons have met; of some stations winds ten times too large stand in
+archives."""
+_ROUNDING = 1e-9
+"""Of directions and speeds, from components or other units."""
+Faults = list[tuple[NDArray[np.bool_], Callable[[int], str]]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,6 +58,52 @@ class Levels:
     notes: tuple[str, ...] = ()
 
 
+def faults(
+    *,
+    height: FloatArray | None = None,
+    speed: FloatArray | None = None,
+    direction: FloatArray | None = None,
+) -> Faults:
+    """Return what no sounding may hold, alone or in an archive.
+
+    Parameters
+    ----------
+    height, speed, direction : ndarray, optional
+        [m], [m/s], [rad] of levels, ``(n,)``; NaN where nothing was measured.
+
+    Returns
+    -------
+    list of tuple
+        Which levels are at fault, ``(n,)``, and what says so of one, by its index.
+    """
+    found: Faults = []
+    if speed is not None:
+        found += [
+            (speed < 0.0, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s"),
+            (
+                speed > FASTEST * (1.0 + _ROUNDING),
+                lambda i: (
+                    f"no wind blows with {speed[i]:.6g} m/s, above {FASTEST:g}; check its unit"
+                ),
+            ),
+        ]
+    if direction is not None:
+        degrees = np.degrees(direction)
+        found.append((
+            (degrees < -_ROUNDING) | (degrees > 360.0 + _ROUNDING),
+            lambda i: f"direction must be between 0 and 360 degrees; got {degrees[i]:.6g}",
+        ))  # fmt: skip
+    if height is not None:
+        found.append((
+            (height < LOWEST) | (height > HIGHEST),
+            lambda i: (
+                f"height must be between {LOWEST:g} and {HIGHEST:g} m; got {height[i]:.6g} m, so"
+                " check its unit"
+            ),
+        ))  # fmt: skip
+    return found
+
+
 def towards(speed: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the wind towards east and north [m/s] of a speed and the direction it comes from.
 
@@ -65,15 +117,8 @@ def checked_towards(
     text: Text, line: IntArray, speed: FloatArray, direction: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return `towards` of the levels of a file; `InputError` for what is no wind."""
-    degrees = np.degrees(direction)
-    text.require(
-        ~(speed < 0.0), line, lambda i: f"speed must not be negative; got {speed[i]:.6g} m/s"
-    )
-    text.require(
-        ~((degrees < 0.0) | (degrees > 360.0 + 1e-9)),
-        line,
-        lambda i: f"direction must be between 0 and 360 degrees; got {degrees[i]:.6g}",
-    )
+    for wrong, say in faults(speed=speed, direction=direction):
+        text.require(~wrong, line, say)
     return towards(speed, direction)
 
 
@@ -90,7 +135,9 @@ def profile_of(levels: Levels) -> WindProfile:
     InputError
         For heights out of order or range, winds out of range, and fewer than two levels.
     """
-    _check_ranges(levels)
+    speed = np.hypot(levels.east, levels.north)
+    for wrong, say in faults(height=levels.height, speed=speed):
+        levels.text.require(~wrong, levels.line, say)
     measured = ~np.isnan(levels.height)
     blows = measured & ~np.isnan(levels.east + levels.north)
     rising, notes = _rising(levels, np.flatnonzero(blows))
@@ -113,23 +160,6 @@ def profile_of(levels: Levels) -> WindProfile:
         north=levels.north[rising],
         source=": ".join(filter(None, [levels.text.source, levels.title])),
         notes=(*levels.notes, *notes),
-    )
-
-
-def _check_ranges(levels: Levels) -> None:
-    height, speed = levels.height, np.hypot(levels.east, levels.north)
-    levels.text.require(
-        ~((height < LOWEST) | (height > HIGHEST)),
-        levels.line,
-        lambda i: (
-            f"height must be between {LOWEST:g} and {HIGHEST:g} m; got {height[i]:.6g} m, so"
-            " check its unit"
-        ),
-    )
-    levels.text.require(
-        ~(speed > _FASTEST),
-        levels.line,
-        lambda i: f"no wind blows with {speed[i]:.6g} m/s; check its unit",
     )
 
 

@@ -12,12 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.winds.soundings.archive import TOO_FEW, FloatArray, IntArray
-from tvclin.winds.soundings.levels import HIGHEST, LOWEST, geometric, towards
+from tvclin.winds.soundings.levels import Faults, faults, geometric, towards
 from tvclin.winds.soundings.many import Collected
 
-FASTEST = 130.0
-"""m/s, above all winds that balloons have met; of some stations winds ten times too large stand in
-archives."""
 _APART = 1e6
 """m between the heights of one sounding and those of the next, where all stand in one row."""
 
@@ -50,7 +47,9 @@ class Rows:
 def collected(found: Collected, rows: Rows, times: NDArray[np.datetime64], why: list[str]) -> None:
     """Add soundings to what was found; `why` says what is already wrong with each."""
     bad = np.array([bool(reason) for reason in why], dtype=bool)
-    for wrong, say in _faults(rows):
+    wrongs: Faults = [(rows.broken, lambda _: "a level is cut short or not in its columns")]
+    wrongs += faults(height=rows.height, speed=rows.speed, direction=rows.direction)
+    for wrong, say in wrongs:
         for i in np.flatnonzero(wrong).tolist():
             sounding = int(rows.sounding[i])
             if not bad[sounding]:
@@ -85,28 +84,6 @@ def collected(found: Collected, rows: Rows, times: NDArray[np.datetime64], why: 
     made = geometric(level[use]), east[index[use]], north[index[use]]
     found.pieces.append((*made, np.where(bad, 0, counts), times))
     found.why.extend(why)
-
-
-def _faults(rows: Rows):  # type: ignore[no-untyped-def]
-    """What makes a sounding useless, and how it is said of a level."""
-    degrees = np.degrees(rows.direction)
-    with np.errstate(invalid="ignore"):
-        return (
-            (rows.broken, lambda _: "a level is cut short or not in its columns"),
-            (rows.speed < 0.0, lambda i: f"a speed of {rows.speed[i]:.6g} m/s"),
-            (
-                (degrees < -1e-9) | (degrees > 360.0 + 1e-9),
-                lambda i: f"a direction of {degrees[i]:.6g} degrees",
-            ),
-            (
-                (rows.height < LOWEST) | (rows.height > HIGHEST),
-                lambda i: f"a height of {rows.height[i]:.6g} m",
-            ),
-            (
-                rows.speed > FASTEST,
-                lambda i: f"a wind of {rows.speed[i]:.6g} m/s, above {FASTEST:g}",
-            ),
-        )
 
 
 def _rising(

@@ -19,7 +19,6 @@ from tvclin.winds.soundings.found import Found
 from tvclin.winds.soundings.igra_archive import is_station, read_station
 from tvclin.winds.soundings.levels import profile_of
 from tvclin.winds.soundings.many import Collected, Wanted
-from tvclin.winds.soundings.many_levels import FASTEST
 from tvclin.winds.soundings.read import READERS, recognised
 from tvclin.winds.soundings.text import Text, read_lines
 
@@ -139,9 +138,6 @@ def _add(found: Collected, one: Found, time: Any, name: str, wanted: Wanted) -> 
     when = np.array([time])
     try:
         profile = profile_of(one.levels())
-        fastest = float(profile.speed.max())
-        if fastest > FASTEST:
-            raise InputError(f"{name}: a wind of {fastest:.6g} m/s, above {FASTEST:g}")
     except InputError as error:
         found.pieces.append(([], [], [], np.array([0]), when))
         found.why.append(str(error))

@@ -1,0 +1,182 @@
+"""What is left after trim up to K L can be brought back with L, and with less it cannot.
+
+The judge has nothing of the package but the matrices of a plant and the values of a wind: the path
+under trim by `scipy.signal.lsim`, left eigenvectors, the wind to come by the trapezoidal rule, and
+a linear program for the least peak in cells.
+"""
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+from scipy.signal import lsim
+from scipy.sparse import bmat, eye_array
+
+import tvclin as tv
+from tvclin.answers.requirement import required_deflection
+from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY
+
+PEAK = np.radians(5.0)
+CELLS, FINER = 400, 4000
+LEAST = 1e-3
+"""What a deflection that is constant in so many cells needs more than the best of all."""
+
+
+class Judge:
+    """One plant in one wind of straight lines, trimmed for ever: what the modes ask for since."""
+
+    def __init__(self, plant, wind):
+        self.A, inputs, _, _ = plant.matrices()
+        self.b, self.w = inputs[:, 0], inputs[:, 1]
+        self.sign = -np.sign(float(plant.coefficients.B) * float(wind.peak))
+        end = float(wind.end)
+        self.t = np.unique(np.concatenate([np.linspace(0.0, end, 40_001), wind.knots]))
+        self.t = self.t[(self.t >= 0.0) & (self.t <= end)]
+        self.f = np.asarray(wind(self.t))
+        # The attitude stays: x2' = A22 x2 + b2 delta + w2 f with delta = -(A12 x2 + w1 f)/b1.
+        row = self.A[1, 2:] / self.b[1]
+        A = self.A[2:, 2:] - np.outer(self.b[2:], row)
+        drive = self.w[2:] - self.b[2:] * (self.w[1] / self.b[1])
+        n = len(A)
+        states = np.zeros((self.t.size, 0))
+        if n:
+            even = np.linspace(0.0, end, 40_001)
+            system = (A, drive[:, None], np.eye(n), np.zeros((n, 1)))
+            _, states, _ = lsim(system, np.asarray(wind(even)), even)
+            states = np.stack([np.interp(self.t, even, one) for one in states.reshape(-1, n).T], 1)
+        self.x = np.concatenate([np.zeros((self.t.size, 2)), states], axis=1)
+        self.trim = self.sign * -(self.x[:, 2:] @ row + self.w[1] / self.b[1] * self.f)
+        poles, left = np.linalg.eig(self.A.T)
+        grow = (poles.real > 1e-9) & (poles.imag >= 0.0)
+        self.poles, self.left = poles[grow], left.T[grow]
+
+    def least(self, height, cells=CELLS):
+        """Return the least peak [rad] from where trim first is at a height; 0 where it never is."""
+        hit = np.flatnonzero(self.trim >= height)
+        if not hit.size:
+            return 0.0
+        k = int(hit[0])
+        t, f = self.t[k:] - self.t[k], self.f[k:]
+        rows, asked = [], []
+        last = 40.0 / self.poles.real.min()
+        edges = np.append(0.0, np.geomspace(1e-3 / np.abs(self.poles).max(), last, cells))
+        for p, row in zip(self.poles, self.left, strict=True):
+            ahead = np.trapezoid(np.exp(-p * t) * f, t) * (row @ self.w)
+            want = -(row @ self.x[k] + ahead) / (row @ self.b)
+            moments = (np.exp(-p * edges[:-1]) - np.exp(-p * edges[1:])) / p
+            parts = (np.real, np.imag) if p.imag else (np.real,)
+            for part in parts:
+                size = np.abs(part(moments)).sum()
+                rows.append(part(moments) / size)
+                asked.append(float(part(want)) / size)
+        unit = max(np.abs(asked))
+        one, count = eye_array(cells), -np.ones((cells, 1))
+        found = linprog(
+            np.append(np.zeros(cells), 1.0),
+            A_ub=bmat([[one, count], [-one, count]]).tocsr(),
+            b_ub=np.zeros(2 * cells),
+            A_eq=np.column_stack([np.array(rows), np.zeros(len(rows))]),
+            b_eq=np.array(asked) / unit,
+            bounds=[(None, None)] * cells + [(0.0, None)],
+        )
+        assert found.status == 0, found.message
+        return found.fun * unit
+
+
+def held_to(plant, wind, dead_band, above=(1.003, 1.1, 1.5)):
+    """Assert that nothing above the requirement is lost, and what it says is lost, is."""
+    found = required_deflection(plant, wind, dead_band)
+    needed, judge = abs(float(found.deflection)), Judge(plant, wind)
+    for part in above:
+        limit = part * needed
+        if judge.least(dead_band * limit) > limit:  # of cells, which finer ones undercut
+            assert judge.least(dead_band * limit, FINER) <= limit * (1.0 + LEAST), part
+    if found.governs == AFTER_TRIM:
+        limit = 0.995 * needed
+        assert judge.least(dead_band * limit) > limit * (1.0 - LEAST)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "dead_band", "before"),
+    [("configuration-i", 0.5, 0.1325), ("configuration-ii", 0.75, 0.1117)],
+)
+def test_a_long_wind_needs_more_than_the_minimum_from_its_onset(name, dead_band, before):
+    plant = tv.Plant.from_vehicle(tv.load_vehicle(name), "drift-exact")
+    wind = tv.TriangularWind(peak=PEAK, duration=90.0)
+    found = held_to(plant, wind, dead_band)
+    assert found.governs == AFTER_TRIM
+    least = np.degrees(tv.optimum_deflection(plant, wind).peak)
+    assert least == pytest.approx(before, abs=5e-5)  # what was called required
+    assert abs(np.degrees(found.deflection)) > 1.02 * least
+    assert not tv.is_sufficient(plant, wind, np.radians(1.01 * least), dead_band)
+
+
+def test_a_slow_vehicle_needs_half_as_much_again():
+    """Poles of 0.155 and 0.038 1/s, 240 s."""
+    c = tv.Coefficients(mu_alpha=0.0262, mu_delta=0.3, C1=0.034, C2=-6.0e-4, b1=0.02, b2=0.02)
+    c = c.replace(C1=0.0, C2=0.0)
+    # s^3 + C1 s^2 - mu s + C2 with the roots .155, .038 and their third.
+    fast, slow = 0.155, 0.038
+    third = -(c.mu_alpha + fast * slow) / (fast + slow)
+    c = c.replace(C1=-(fast + slow + third), C2=-fast * slow * third)
+    plant = tv.Plant(c, "drift-exact")
+    assert tv.unstable_modes(plant).poles == pytest.approx([fast, slow])
+    wind = tv.TriangularWind(peak=PEAK, duration=240.0)
+    found = held_to(plant, wind, 0.5)
+    assert found.governs == AFTER_TRIM
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift"])
+def test_with_one_mode_it_is_the_boundary(model, configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, model)
+    for duration in (7.5, 60.0):
+        found = held_to(plant, tv.TriangularWind(peak=PEAK, duration=duration), 0.5)
+        assert (found.governs, found.needs[AFTER_TRIM]) == (BOUNDARY, 0.0)
+
+
+def test_three_modes_are_searched(configuration_i):
+    plant = tv.Plant.from_vehicle(configuration_i, "drift-and-speed")
+    assert tv.unstable_modes(plant).poles.size == 3
+    for duration, dead_band in ((90.0, 0.5), (60.0, 0.75)):
+        held_to(plant, tv.TriangularWind(peak=PEAK, duration=duration), dead_band)
+
+
+def drawn(rng):
+    """Return a plant, a wind and a dead band: any pace, an effector on either side of the c.g."""
+    mass = np.exp(rng.uniform(-1.0, 1.0))
+    thrust = 1.48e6 * mass * rng.uniform(1.05, 4.0)
+    vehicle = tv.Vehicle(
+        weight=1.48e6 * mass,
+        thrust=thrust,
+        moment_of_inertia=2.25e7 * mass * np.exp(rng.uniform(-1.0, 1.0)),
+        normal_force_slope=6.67e5 * np.exp(rng.uniform(-3.0, 2.0)),
+        aerodynamic_arm=rng.uniform(1.0, 15.0),
+        control_arm=rng.uniform(8.0, 30.0) * rng.choice([1.0, 1.0, -1.0]),
+        axial_force=rng.uniform(0.01, 0.3) * thrust,
+        velocity=np.exp(rng.uniform(np.log(60.0), np.log(1500.0))),
+        attitude=np.radians(rng.uniform(5.0, 90.0)),
+    )
+    model = ("drift-exact", "drift-exact", "drift-exact", "drift-and-speed")[rng.integers(4)]
+    plant = tv.Plant.from_vehicle(vehicle, model)
+    fast = float(np.real(tv.unstable_modes(plant).poles).max())
+    duration = np.exp(rng.uniform(np.log(2.0), np.log(100.0))) / fast
+    wind = tv.TriangularWind(peak=PEAK, duration=duration)
+    if rng.random() < 0.5:
+        steps = np.append(0.0, np.cumsum(rng.uniform(0.05, 1.0, 6)))
+        angle = PEAK * np.concatenate([[0.0], rng.uniform(0.05, 1.0, 5), [0.0]])
+        wind = tv.SampledWind(time=steps * (duration / steps[-1]), angle=angle)
+    return plant, wind, (0.1, 0.5, 0.75, 0.9)[rng.integers(4)]
+
+
+@settings(max_examples=10, deadline=None, phases=[Phase.explicit, Phase.generate])
+@given(st.integers(0, 2**32 - 1))
+def test_no_limit_above_what_is_required_is_lost_after_trim(seed):
+    plant, wind, dead_band = drawn(np.random.default_rng(seed))
+    poles = tv.unstable_modes(plant).poles
+    fast, *others = np.sort(np.real(poles))[::-1]
+    paired = np.real(poles[np.imag(poles) != 0.0]).max(initial=0.0) > 0.05 * fast
+    if not others or paired or others[0] > 0.9 * fast or others[-1] < 1e-3 * fast:
+        return  # one mode; a pair, which needs trim without a limit; a mode like none in cells
+    held_to(plant, wind, dead_band)

@@ -1,0 +1,108 @@
+"""When trim first reaches a height, and what the modes still ask for from then on.
+
+A control that trims up to K times its limit L leaves trim at the first time at which that is as
+high as K L. From the state of that time every growing mode p_i asks for the mean
+
+    z_i = p_i integral from t on of e^(-p_i (r - t)) g(r) dr
+
+of the trim g still to come, the demand of `excess` for each mode by itself.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from tvclin.kernels.excess import (
+    ABOVE,
+    RISES,
+    TRIM_DRIVES,
+    cells,
+    changes,
+    drift,
+    driver,
+    of_future,
+    root,
+    state,
+)
+from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.terms import future
+
+
+@kernel
+def at_heights(
+    winds: Any,
+    which: Any,
+    numbers: Any,
+    poles: Any,
+    heights: Any,
+    out: Any,
+    first: int,
+    last: int,
+) -> None:
+    """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
+
+    Parameters
+    ----------
+    winds, which
+        As of `switches.switches`.
+    numbers
+        b1, b2 and q of each case, ``(n, 3)``.
+    poles
+        Of the modes [1/s], which may be complex, ``(n, m)``.
+    heights
+        Over B times the wind's peak, positive, ``(n,)``.
+    out
+        Demands, ``(n, m)``; zeros where trim stays below the height while the wind blows.
+    """
+    knots, coefficients, rates = winds
+    kept = np.empty((3, knots.shape[1]))
+    work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
+    for case in range(first, last):
+        j = which[case]
+        b1, b2, q = numbers[case, 0], numbers[case, 1], numbers[case, 2]
+        wind = (knots[j], coefficients[j], rates[j], kept, work)
+        law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
+        drift(wind, law)
+        i, u = _reached(wind, law, heights[case])
+        x, y = state(wind, law, i, u) if i < knots.shape[1] - 1 else (0.0, 0.0)
+        for k in range(poles.shape[1]):
+            p = poles[case, k]
+            ahead = _ahead(wind, i, u, p)
+            out[case, k] = of_future(law, p, ahead, x, y)
+
+
+@bare
+def _reached(wind: Any, law: Any, height: float) -> tuple[int, float]:
+    """Return the piece and the local time at which the driver first is at a height or above it."""
+    knots = wind[0]
+    for i in range(knots.size - 1):
+        width = knots[i + 1] - knots[i]
+        if width <= 0.0:
+            continue
+        count = cells(wind, law, i)
+        for cell in range(count):
+            a, end = width * cell / count, width * (cell + 1) / count
+            turns, first, second = changes(RISES, wind, law, i, a, end)
+            for part in range(turns + 1):
+                b = end if part == turns else (first if part == 0 else second)
+                start, stop = driver(wind, law, i, a)[0], driver(wind, law, i, b)[0]
+                if start >= height:
+                    return i, a
+                if stop >= height:
+                    return i, root(ABOVE, height, wind, law, i, a, start - height, b, stop - height)
+                a = b
+    return knots.size - 1, 0.0
+
+
+@bare
+def _ahead(wind: Any, i: int, u: float, p: Any) -> Any:
+    """Return the wind's future at a time, integral of e^(-p r) f(t + r) dr over what is to come."""
+    knots, c, rates, _, _ = wind
+    total = 0.0 * (p * c[0, 0, 0])
+    for j in range(knots.size - 2, i, -1):
+        width = knots[j + 1] - knots[j]
+        total = future(c[j], rates, 0.0, width, p) + np.exp(-p * width) * total
+    if i < knots.size - 1:
+        left = knots[i + 1] - knots[i] - u
+        total = future(c[i], rates, u, left, p) + np.exp(-p * left) * total
+    return total

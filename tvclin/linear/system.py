@@ -1,0 +1,280 @@
+"""Linear systems with named signals, one or a batch, in continuous time or in steps.
+
+    x' = A x + B u,            y = C x + D u,            or
+    x[k+1] = A x[k] + B u[k],  y[k] = C x[k] + D u[k]
+
+A block diagram is a list of them: `connect` joins what has the same name. Vehicle, nozzle, filters
+and laws are such blocks, and margins, poles, responses and the steps of flights are made of what
+comes out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tvclin.base.errors import InputError, broadcast
+from tvclin.kernels import state_space
+from tvclin.kernels.propagation import held_steps
+
+if TYPE_CHECKING:
+    import control
+
+FloatArray = NDArray[np.float64]
+Names = tuple[str, ...]
+Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+
+WHOLE = 1e-9
+"""So near to a whole number of samples a delay is one."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSystem:
+    """A linear system with named inputs, outputs and states; the batch leads the matrices.
+
+    Attributes
+    ----------
+    A, B, C, D : ndarray
+        ``(..., n, n)``, ``(..., n, inputs)``, ``(..., outputs, n)`` and ``(..., outputs,
+        inputs)``; their batches broadcast.
+    inputs, outputs, states : tuple of str
+        Names of the signals.
+    period : ndarray or None
+        Length of a step [s], ``(...)``; None in continuous time.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    inputs: Names
+    outputs: Names
+    states: Names
+    period: FloatArray | None = None
+
+    def matrices(self) -> Matrices:
+        """Return A, B, C and D."""
+        return self.A, self.B, self.C, self.D
+
+    @property
+    def batch(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one system."""
+        return np.broadcast_shapes(*(one.shape[:-2] for one in self.matrices()))
+
+    @property
+    def poles(self) -> NDArray[np.complex128]:
+        """The eigenvalues of A, ``(..., n)``: s [1/s], or z in steps."""
+        return np.linalg.eigvals(self.A).astype(complex)
+
+    def response(self, s: ArrayLike) -> NDArray[np.complex128]:
+        """Return C (s - A)^-1 B + D, ``batch + s.shape + (outputs, inputs)``.
+
+        Parameters
+        ----------
+        s : array_like of complex
+            Off the poles: s [1/s], or z in steps.
+        """
+        points = np.asarray(s, complex)
+        pencil = points.reshape(-1, 1, 1) * np.eye(len(self.states))
+        A, B, C, D = (one[..., np.newaxis, :, :] for one in self.matrices())
+        found = C @ np.linalg.solve(pencil - A, B) + D
+        return np.asarray(found.reshape(*self.batch, *points.shape, *D.shape[-2:]))
+
+    def series(self, behind: LinearSystem) -> LinearSystem:
+        """Return this system with another behind it, whose inputs are the outputs of this one."""
+        found = state_space.series(self.matrices(), behind.matrices())
+        names = (self.inputs, behind.outputs, (*self.states, *behind.states))
+        return LinearSystem(*found, *names, self.period)
+
+    def parallel(self, other: LinearSystem) -> LinearSystem:
+        """Return the sum of this system and another with the same inputs."""
+        found = state_space.parallel(self.matrices(), other.matrices())
+        names = (self.inputs, self.outputs, (*self.states, *other.states))
+        return LinearSystem(*found, *names, self.period)
+
+    def feedback(self, output: str, input: str) -> LinearSystem:
+        """Return the system with an output added to an input, which is then no input any more.
+
+        Raises
+        ------
+        InputError
+            Where the output follows that input at once.
+        """
+        back = gain(input, {output: 1.0})
+        inputs = tuple(name for name in self.inputs if name != input)
+        return connect([self, back], inputs, self.outputs)
+
+    def select(self, inputs: Sequence[str], outputs: Sequence[str]) -> LinearSystem:
+        """Return the system with some of its inputs and outputs, in this order."""
+        into = [self.inputs.index(name) for name in inputs]
+        out = [self.outputs.index(name) for name in outputs]
+        B, C, D = self.B[..., into], self.C[..., out, :], self.D[..., out, :][..., into]
+        return replace(self, B=B, C=C, D=D, inputs=tuple(inputs), outputs=tuple(outputs))
+
+    def renamed(self, inputs: Mapping[str, str]) -> LinearSystem:
+        """Return the system with other names of some inputs."""
+        return replace(self, inputs=tuple(inputs.get(name, name) for name in self.inputs))
+
+    def some(self, cases: NDArray[np.intp], shape: tuple[int, ...]) -> LinearSystem:
+        """Return some of the batch spread to `shape`, ``(k,)``, by their flat positions there."""
+
+        def of(array: FloatArray, axes: int) -> FloatArray:
+            own = array.shape[array.ndim - axes :]
+            return np.broadcast_to(array, (*shape, *own)).reshape(prod(shape), *own)[cases]
+
+        period = None if self.period is None else of(self.period, 0)
+        A, B, C, D = (of(one, 2) for one in self.matrices())
+        return replace(self, A=A, B=B, C=C, D=D, period=period)
+
+    def to_steps(self, period: ArrayLike, delay: ArrayLike = 0.0) -> LinearSystem:
+        """Return the system as a computer sees it whose commands are held from sample to sample.
+
+        Exactly: with d whole samples of the delay and a rest f,
+
+            x[k+1] = F x[k] + G0 u[k-d] + G1 u[k-d-1],    e^([A, B; 0, 0] t) = [.., P(t); 0, 1],
+            F = e^(A h),    G0 = P(h - f),    G1 = P(h) - G0,
+
+        and commands that have not arrived are states.
+
+        Parameters
+        ----------
+        period : array_like
+            h [s], ``(...)``.
+        delay : array_like
+            From a sample until its command acts [s], of the only input, ``(...)``.
+
+        Raises
+        ------
+        InputError
+            With a delay, for more inputs than one, and outputs that follow at once.
+        """
+        h, late = np.asarray(period, float), np.asarray(delay, float)
+        whole, rest = delay_parts(late, h)
+        shape = broadcast(system=self.batch, period=h.shape, delay=late.shape)
+        parts = np.stack(np.broadcast_arrays(h, h - rest), axis=-1)
+        F, P = held_steps(self.A, self.B, np.broadcast_to(parts, (*shape, 2)))
+        F, G0, G1 = F[..., 0, :, :], P[..., 1, :, :], P[..., 0, :, :] - P[..., 1, :, :]
+        G1 = np.where(rest[..., np.newaxis, np.newaxis] > 0.0, G1, 0.0)
+        period = np.broadcast_to(h, shape)
+        if not np.any(late):
+            return replace(self, A=F, B=G0, period=period)
+        if len(self.inputs) > 1 or np.any(self.D):
+            raise InputError("a delayed system needs one input, which no output follows at once")
+        # The commands on their way: u[k-1], u[k-2], .., as many as the longest delay asks for.
+        count = int((whole + (rest > 0.0)).max(initial=0))
+        places = np.arange(1 + count)
+        now, before = (
+            (places == (whole + k)[..., np.newaxis]).astype(float)[..., np.newaxis, :]
+            for k in (0, 1)
+        )
+        pushed = G0 * now + G1 * before  # of u[k], u[k-1], ..
+        n = len(self.states)
+        A = np.zeros((*shape, n + count, n + count))
+        B = np.zeros((*shape, n + count, 1))
+        A[..., :n, :n], A[..., :n, n:], B[..., :n, :] = F, pushed[..., 1:], pushed[..., :1]
+        A[..., n:, n:], B[..., n:, 0] = np.eye(count, k=-1), np.eye(1, count)[0]
+        C = state_space.beside(self.C, np.zeros((len(self.outputs), count)))
+        waiting = tuple(f"{self.inputs[0]}_{k}" for k in range(1, count + 1))
+        states = (*self.states, *waiting)
+        return replace(self, A=A, B=B, C=C, states=states, period=period)
+
+    def to_control(self, name: str) -> control.StateSpace:
+        """Return one system in continuous time as `control.StateSpace`, its signals named.
+
+        Raises
+        ------
+        InputError
+            For a batch.
+        """
+        import control
+
+        if self.batch:
+            raise InputError(f"to_control() is for one system; got a batch of shape {self.batch}")
+        signals = {"inputs": self.inputs, "outputs": self.outputs, "states": self.states}
+        named = {kind: list(names) for kind, names in signals.items()}
+        return control.StateSpace(*self.matrices(), 0, name=name, **named)
+
+
+def delay_parts(delay: FloatArray, period: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+    """Return the whole samples of a delay, and the rest [s] of it."""
+    samples = delay / period
+    whole = np.floor(samples + WHOLE)
+    rest = np.where(samples - whole > WHOLE, samples - whole, 0.0) * period
+    return whole.astype(np.intp), rest
+
+
+def gain(output: str, factors: Mapping[str, ArrayLike]) -> LinearSystem:
+    """Return the block without states of one output, the sum of inputs times their factors."""
+    rows = np.stack(np.broadcast_arrays(*(np.asarray(f, float) for f in factors.values())), -1)
+    none = (np.zeros((0, 0)), np.zeros((0, len(factors))), np.zeros((1, 0)))
+    return LinearSystem(*none, rows[..., np.newaxis, :], tuple(factors), (output,), ())
+
+
+def connect(
+    blocks: Sequence[LinearSystem], inputs: Sequence[str], outputs: Sequence[str]
+) -> LinearSystem:
+    """Return the system of blocks whose signals are joined by their names.
+
+    A signal is the sum of all outputs, and of the input from outside, that have its name; it goes
+    to every input of that name.
+
+    Parameters
+    ----------
+    blocks : sequence of LinearSystem
+        All in continuous time, or all in steps of one length.
+    inputs, outputs : sequence of str
+        Names of what comes from outside, and of the signals to look at.
+
+    Raises
+    ------
+    InputError
+        For an algebraic loop, in which a signal follows itself at once.
+    """
+    given = [name for one in blocks for name in one.inputs]
+    made = [name for one in blocks for name in one.outputs]
+    A, B, C, D = (_diagonal([one.matrices()[k] for one in blocks]) for k in range(4))
+    # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w).
+    K, L = _same(given, made), _same(given, inputs)
+    once = D @ K
+    through, power = np.eye(len(made)) + once, once
+    for _ in made:
+        power = power @ once
+        if not np.any(power):
+            break
+        through = through + power
+    else:
+        raise InputError("this is an algebraic loop: a signal follows itself at once")
+    seen, passed = through @ C, through @ (D @ L)
+    driven = B @ K
+    P, Q = _same(outputs, made), _same(outputs, inputs)
+    found = (A + driven @ seen, driven @ passed + B @ L, P @ seen, P @ passed + Q)
+    batch = np.broadcast_shapes(*(one.shape[:-2] for one in found))
+    return LinearSystem(
+        *(np.broadcast_to(one, (*batch, *one.shape[-2:])) for one in found),
+        tuple(inputs),
+        tuple(outputs),
+        tuple(name for one in blocks for name in one.states),
+        next((one.period for one in blocks if one.period is not None), None),
+    )
+
+
+def _same(rows: Sequence[str], columns: Sequence[str]) -> FloatArray:
+    """One where the names are the same."""
+    found = [[row == column for column in columns] for row in rows]
+    return np.array(found, float).reshape(len(rows), len(columns))
+
+
+def _diagonal(parts: Sequence[FloatArray]) -> FloatArray:
+    """The parts along the diagonal."""
+    batch = np.broadcast_shapes(*(one.shape[:-2] for one in parts))
+    sizes = np.array([one.shape[-2:] for one in parts])
+    whole = np.zeros((*batch, *sizes.sum(axis=0)))
+    ends = np.cumsum(sizes, axis=0)
+    for one, (rows, columns), (bottom, right) in zip(parts, sizes, ends, strict=True):
+        whole[..., bottom - rows : bottom, right - columns : right] = one
+    return whole
