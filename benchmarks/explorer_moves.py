@@ -7,12 +7,12 @@ Run: python benchmarks/explorer_moves.py
 from statistics import median
 from time import process_time
 
-from tvclin.show.explorer.choices import LAWS
+from tvclin.show.explorer.choices import CONTROLS
 from tvclin.show.explorer.panel import Panel
 
 MOVES = {
     "duration": ("wind duration", [7.6 + 0.3 * k for k in range(10)]),
-    "dead_band": ("dead band", [0.95 - 0.03 * k for k in range(10)]),
+    "dead_band": ("dead-band", [0.95 - 0.03 * k for k in range(10)]),
     "limit": ("limit", [0.41 + 0.01 * k for k in range(10)]),
     "attitude_gain": ("gain a0", [0.55 + 0.01 * k for k in range(10)]),
 }
@@ -35,7 +35,7 @@ def main() -> None:
     panel = Panel("configuration-i")
     print("| law | " + " | ".join(label for label, _ in MOVES.values()) + " |")
     print("| --- |" + " --- |" * len(MOVES))
-    for shift, law in enumerate(LAWS):
+    for shift, law in enumerate(CONTROLS):
         panel.controls["law"].value = law
         panel.controls["peak"].value = 5.0 + 0.1 * shift  # else much is known from the last law
         cells = []

@@ -127,7 +127,7 @@ def of_the_package() -> list[Figure]:
 
 
 def _of_a_flexible_vehicle() -> list[Figure]:
-    structure, plots = tv.load_structure("made-up-booster"), tv.plots
+    structure, plots = tv.load_vehicle("made-up-booster").structure, tv.plots
     vehicle = tv.load_vehicle("made-up-booster")
     plant = tv.FlexiblePlant.from_vehicle(vehicle, structure, model="drift-exact")
     autopilot = tv.Autopilot(

@@ -27,7 +27,7 @@ from tvclin.plots import bode_chart, root_locus_chart
 
 # %%
 vehicle = tv.load_vehicle("made-up-booster")
-structure = tv.load_structure("made-up-booster")
+structure = tv.load_vehicle("made-up-booster").structure
 plant = tv.FlexiblePlant.from_vehicle(vehicle, structure, model="drift-exact")
 rigid = tv.Autopilot(
     attitude_gain=0.36,

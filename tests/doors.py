@@ -347,7 +347,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "until": 0.1,
                 "outputs": ("required", "flight"),
                 "flight": tv.Flight(deflection_limit=0.01),
-                "structure": structure,
                 "gains": tv.GainsAsked(natural_frequency=1.0),
             },
         ),
@@ -620,6 +619,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
         "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
+        "plant_of": Door(tv.plant_of, {"vehicle": booster, "model": "fixed-path", "plane": "yaw"}),
         "Plant": Door(tv.Plant, {"coefficients": coefficients, "model": "drift-exact"}),
         "Plant.from_coefficients": Door(
             tv.Plant.from_coefficients, {"coefficients": coefficients, "model": "drift"}
@@ -650,7 +650,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
         "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
-        "ShapedWind": Door(tv.ShapedWind, {"shape": "triangular", **pulse, "heading": 1.0}),
+        "ShapedWind": Door(
+            tv.ShapedWind, {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust}
+        ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
         "ShapedWind.peaks": Door(slanting.peaks, {"attitude": 0.8}),
         "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
@@ -705,12 +707,10 @@ def doors(folder: Path) -> dict[str, Door]:
         "StudyPlan": Door(
             tv.StudyPlan,
             {
-                "vehicle": booster,
-                "structure": structure,
+                "vehicle": booster.replace(structure=structure),
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
-                "gust": gust,
                 "limit": 0.01,
                 "dead_band": 0.5,
                 "switch": "report",
@@ -847,7 +847,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "probability": 0.9,
                 "confidence": 0.9,
                 "method": "plain",
-                "structure": structure,
             },
         ),
         "drift_minimum_gains": Door(
@@ -1041,7 +1040,6 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "load_sizing": Door(tv.load_sizing, {"source": sizing_file, "soundings": None}),
         "load_study": Door(tv.load_study, {"source": study_file}),
-        "load_structure": Door(tv.load_structure, {"source": "made-up-launcher"}),
         "load_any_vehicle": Door(tv.load_any_vehicle, {"source": "configuration-i"}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
         "loop_margins": Door(tv.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
@@ -1175,7 +1173,10 @@ def doors(folder: Path) -> dict[str, Door]:
                 "varying": False,
             },
         ),
-        "standard_laws": Door(tv.standard_laws, {"plant": plant, "peak": 0.09}),
+        "standard_laws": Door(
+            tv.standard_laws, {"plant": plant, "peak": 0.09, "autopilot": autopilot}
+        ),
+        "design_law": Door(tv.design_law, {"name": "trim", "plant": plant, "peak": 0.09}),
         "standard_winds": Door(tv.standard_winds, pulse),
         "steady_climb": Door(
             tv.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}

@@ -107,6 +107,7 @@ from .control.laws.filtered import FilteredLaw as FilteredLaw
 from .control.laws.law import Law as Law
 from .control.laws.law import Measurement as Measurement
 from .control.laws.recoverable import RecoverableAttitudeLaw as RecoverableAttitudeLaw
+from .control.laws.registry import design_law as design_law
 from .control.laws.trim import TrimLaw as TrimLaw
 from .control.margins.bands import BandMargins as BandMargins
 from .control.margins.bands import ModeBand as ModeBand
@@ -144,6 +145,7 @@ from .linear.deflections import HeldDeflection as HeldDeflection
 from .linear.deflections import trim_deflection as trim_deflection
 from .linear.deflections import trim_then_hold as trim_then_hold
 from .linear.flexible import FlexiblePlant as FlexiblePlant
+from .linear.flexible import plant_of as plant_of
 from .linear.loads import Loads as Loads
 from .linear.loads import wind_loads as wind_loads
 from .linear.models import available_models as available_models
@@ -173,7 +175,6 @@ from .vehicle.structure import BendingMode as BendingMode
 from .vehicle.structure import Engine as Engine
 from .vehicle.structure import SloshTank as SloshTank
 from .vehicle.structure import Structure as Structure
-from .vehicle.structure_file import load_structure as load_structure
 from .vehicle.vehicle import Vehicle as Vehicle
 from .winds.equivalent import equivalent_triangle as equivalent_triangle
 from .winds.gusts import LayeredGust as LayeredGust

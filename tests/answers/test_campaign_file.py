@@ -298,3 +298,23 @@ def test_a_file_that_cannot_be_read(tmp_path):
     bad.write_text("[campaign")
     with pytest.raises(tv.InputError, match=r"bad\.toml is not valid TOML"):
         tv.load_campaign(bad)
+
+
+GUST = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.0)
+
+
+def test_a_gust_stays_as_far_from_the_middle_of_each_dispersed_wind() -> None:
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=GUST)
+    spread = tv.Dispersions((tv.Dispersion("wind_duration", "uniform", 0.2),))
+    vehicle = tv.load_vehicle("configuration-i")
+    asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, model="drift")
+    found = evaluate(asked, 0, 5)
+    plant = tv.Plant.from_vehicle(vehicle, "drift")
+    for duration, required in zip(found["wind_duration"], found["required_K1"], strict=True):
+        moved = GUST.shift(0.5 * (duration - 7.5))
+        both = tv.TriangularWind(peak=np.radians(5.0), duration=duration) + moved
+        expected = abs(tv.required_deflection(plant, both).deflection)
+        assert required == pytest.approx(expected, rel=1e-12)
+    again = parse_campaign(document_of(asked))
+    assert document_of(again) == document_of(asked)
+    np.testing.assert_array_equal(evaluate(again, 0, 5)["required_K1"], found["required_K1"])

@@ -229,9 +229,7 @@ def test_a_flight_has_gains_at_each_time():
 
 
 def test_the_modes_of_a_flexible_vehicle_are_asked_too():
-    flexible = tv.FlexiblePlant.from_vehicle(
-        tv.load_vehicle("made-up-launcher"), tv.load_structure("made-up-launcher"), "drift-exact"
-    )
+    flexible = tv.plant_of(tv.load_vehicle("made-up-launcher"))
     criteria = tv.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0)
     asked = question(plant=flexible, criteria=criteria)
     whole = question(

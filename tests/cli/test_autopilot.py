@@ -181,7 +181,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
     result = CliRunner().invoke(app, ["laws", "--duration", "4", *arguments])
     document = json.loads(result.stdout)
     limits = {one["law"]: one["limit"] for one in document["trials"]}
-    flown = ("attitude and rate", "trim", "dead band 0.5", "half relief", "recoverable attitude")
+    flown = ("autopilot", "trim", "dead-band", "half-relief", "recoverable-attitude")
     assert tuple(limits) == flown
     assert min(limits.values()) >= document["no_forecast"]["triangle"]
     head = {key: document[key] for key in ("model", "plane", "peak_deg", "cuts", "sample_rate_Hz")}

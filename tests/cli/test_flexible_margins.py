@@ -21,8 +21,7 @@ def run(*arguments):
 
 
 def booster(model="drift-exact"):
-    name = "made-up-booster"
-    return tv.FlexiblePlant.from_vehicle(tv.load_vehicle(name), tv.load_structure(name), model)
+    return tv.plant_of(tv.load_vehicle("made-up-booster"), model)
 
 
 def autopilot(**changes):

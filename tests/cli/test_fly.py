@@ -96,7 +96,7 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
 
 @pytest.mark.parametrize(
     ("law", "needs"),  # as `tvclin laws` prints, over B times the peak
-    [("trim", 0.654), ("dead-band", 0.542), ("saturated", 1.257), ("recoverable", 0.390)],
+    [("trim", 0.654), ("dead-band", 0.542), ("autopilot", 1.257), ("recoverable-attitude", 0.390)],
 )
 def test_every_law_survives_in_one_plane_with_a_tenth_more_than_it_needs(law, needs):
     found = document("--law", law, "--until", 1)
@@ -159,7 +159,12 @@ def test_what_is_printed_fits_a_terminal_and_names_what_is_assumed(tmp_path):
 
     assert said.exit_code == 0, said.output
     assert max(map(len, said.stdout.splitlines())) <= 80
-    for words in ("one plane", "mass falling", "1.1 times the linear boundary", "difference"):
+    for words in (
+        "planar equations",
+        "mass falling",
+        "1.1 times the linear boundary",
+        "difference",
+    ):
         assert words in said.stdout
     assert file.stat().st_size > 10_000
 
@@ -189,7 +194,7 @@ def test_a_stable_vehicle_has_no_boundary_to_fly(stable_vehicle):
         (["--wind", "square"], "--wind must be one of"),
         (["--duration", "0"], "--duration must be positive"),
         (["--engine", "seven"], "--engine must be one of planar, sixdof"),
-        (["--law", "bang"], "--law must be one of report, trim"),
+        (["--law", "bang"], "--law must be one of report, autopilot, trim"),
         (["--law", "trim", "--dead-band", "0.5"], "--dead-band belongs to"),
         (["--dead-band", "1.5"], "dead_band must be between 0 and 1"),
         (["--limit-deg", "0"], "--limit-deg must be between"),

@@ -35,9 +35,7 @@ def run(*arguments):
 
 
 def plant_of(source):
-    return tv.FlexiblePlant.from_vehicle(
-        tv.load_vehicle(source), tv.load_structure(source), "drift-exact"
-    )
+    return tv.plant_of(tv.load_vehicle(source))
 
 
 def law_of(plant, *filters):
@@ -117,12 +115,11 @@ def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
     assert not quiet.stderr
 
 
-@pytest.mark.parametrize("law", ["trim", "dead-band", "recoverable"])
+@pytest.mark.parametrize("law", ["trim", "dead-band", "recoverable-attitude"])
 def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
     result = run(mine, "--law", law, *NOTCH, "--limit-deg", 0.6, "--json")
     document, plant = json.loads(result.stdout), plant_of(mine)
-    names = {"trim": "trim", "dead-band": "dead band 0.5", "recoverable": "recoverable attitude"}
-    chosen = tv.standard_laws(plant.rigid, np.radians(5))[names[law]]
+    chosen = tv.standard_laws(plant.rigid, np.radians(5))[law]
     filtered = tv.FilteredLaw(chosen, filters=(tv.Filter.notch(24 * np.pi, 0.05, 0.5),))
     nozzle = NOZZLE | {"delay": 0.0, "deflection_limit": np.radians(0.6)}
     assert document["status"]["flown"] == tv.fly_many(plant, filtered, WIND, **nozzle).status
@@ -135,7 +132,7 @@ def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
         (("--along-trajectory", "--engine", "linear"), "--along-trajectory needs --engine"),
         (("--engine", "planar", "--sample-rate", "50"), "--sample-rate needs --engine linear"),
         (("--engine", "planar", "--notch-hz", "12,0.05,0.5"), "--notch-hz needs --engine linear"),
-        (("--law", "trim", "--natural-frequency", "2"), "--natural-frequency needs --law sat"),
+        (("--law", "trim", "--natural-frequency", "2"), "--natural-frequency needs --law auto"),
         (("--sample-rate", "0"), "--sample-rate must be"),
         (("--sample-rate", "30"), "sample_rate must be at least 50.2 Hz"),
         (("--rate-limit-deg", "-1"), "--rate-limit-deg must be"),

@@ -105,3 +105,25 @@ def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
     found = run(*arguments)
     assert found.exit_code == 2
     assert words in " ".join(found.output.split())
+
+
+def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
+    """Gains found for the rigid vehicle miss the criteria on the same file, by every command."""
+    given = ("autopilot", "made-up-launcher", "--crossover", "2", "--delay-ms", "10")
+    refused = run(*given, "--least")
+    assert (refused.exit_code, "no attitude and rate gains meet" in refused.output) == (2, True)
+    rigid = json.loads(run(*given, "--least", "--rigid", "--json").stdout)["autopilot"]
+    own = ("--attitude-gain", rigid["attitude_gain"], "--rate-gain", rigid["rate_gain_s"])
+    gains = ("made-up-launcher", *map(str, own), "--delay-ms", "10", "--json")
+    for command in ("margins", "autopilot"):
+        answer = run(command, *gains)
+        assert (answer.exit_code, json.loads(answer.stdout)["criteria"]["met"]) == (1, False)
+
+
+def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
+    notch = ("made-up-launcher", "--notch-hz", "5.6,0.05,0.7", "--json")
+    found = json.loads(run("autopilot", "--least", "--crossover", "2", *notch).stdout)
+    own = found["autopilot"]
+    gains = ("--attitude-gain", own["attitude_gain"], "--rate-gain", own["rate_gain_s"])
+    margins = run("margins", *map(str, gains), *notch)
+    assert found["met"] is json.loads(margins.stdout)["criteria"]["met"] is True

@@ -122,9 +122,7 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
     result = margins(*FILTERS, *sampled, "--json")
     document = json.loads(result.stdout)
     name = "made-up-booster"
-    plant = tv.FlexiblePlant.from_vehicle(
-        tv.load_vehicle(name), tv.load_structure(name), "drift-exact"
-    )
+    plant = tv.plant_of(tv.load_vehicle(name))
     hertz = 2.0 * np.pi
     expected = tv.Autopilot(
         attitude_gain=0.36,

@@ -181,9 +181,7 @@ def test_a_map_of_boundaries_is_of_the_flexible_vehicle_too():
             assert (flown.status == "survived").tolist() == [False, True, True]
 
 
-BOOSTER = tv.FlexiblePlant.from_vehicle(
-    tv.load_vehicle("made-up-booster"), tv.load_structure("made-up-booster"), "drift-exact"
-)
+BOOSTER = tv.plant_of(tv.load_vehicle("made-up-booster"))
 SHAPED = Autopilot(
     attitude_gain=0.36,
     rate_gain=0.56,

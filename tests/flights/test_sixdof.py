@@ -463,7 +463,7 @@ def test_a_history_is_limited(configuration_i):
 
 
 @pytest.mark.parametrize(
-    ("law", "linear"), [("trim", 0.6545), ("half relief", 0.4429), ("recoverable attitude", 0.3895)]
+    ("law", "linear"), [("trim", 0.6545), ("half-relief", 0.4429), ("recoverable-attitude", 0.3895)]
 )
 def test_a_law_needs_in_six_degrees_what_it_needs_in_the_linear_theory(
     configuration_i, law, linear

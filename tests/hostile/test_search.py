@@ -66,7 +66,19 @@ NAMES = (
     *("fixed-path", "drift", "drift-exact", "drift-and-speed", "all", "pitch", "yaw", "report"),
     *("literal", "canonical", "poles", "drift-minimum", "load-minimum", "lqr", "classic"),
     *("aircraft", "nichols", "bode", "nyquist", "root-locus", "planar", "trim", "dead-band"),
-    *("saturated", "recoverable", "flown", "K = 1", "", " ", ".", "..", "/", "none.toml", "~"),
+    *(
+        "autopilot",
+        "recoverable-attitude",
+        "flown",
+        "K = 1",
+        "",
+        " ",
+        ".",
+        "..",
+        "/",
+        "none.toml",
+        "~",
+    ),
     *(LONG, f"{LONG}.toml", "half-relief"),
 )
 numbers = st.one_of(

@@ -12,7 +12,7 @@ from tvclin.flights.condition import load_flight_condition
 pytest.importorskip("jsbsim", reason="the extra sixdof is not installed")
 DOCS = Path(__file__).parents[2] / "docs"
 DEGREE, TOLERANCE = np.radians(1.0), 5e-5
-LAWS = ("recoverable attitude", "half relief", "dead band 0.5", "trim", "attitude and rate")
+LAWS = ("recoverable-attitude", "half-relief", "dead-band", "trim", "autopilot")
 FLIGHT = tv.load_vehicle("configuration-i"), tv.load_vehicle("configuration-ii")
 
 

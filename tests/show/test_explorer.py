@@ -21,14 +21,13 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.kernels.choice import pinned
 from tvclin.show.explorer import parts
 from tvclin.show.explorer.answer import Answer, answer
 from tvclin.show.explorer.choices import (
-    GAINS,
+    CONTROLS,
     HALF_RELIEF,
-    LAWS,
-    RECOVERABLE,
     REPORT,
     TRIM,
     Choices,
@@ -98,7 +97,7 @@ def test_the_verdict_changes_on_the_boundary(factor: float) -> None:
     assert tv.is_sufficient(plant_of(c), wind_of(c), judged.limit, 0.5) is (factor > 1.0)
 
 
-@pytest.mark.parametrize("law", [GAINS, HALF_RELIEF])
+@pytest.mark.parametrize("law", [AUTOPILOT, HALF_RELIEF])
 def test_the_margins_are_those_of_the_library(law: str) -> None:
     c = asked(law=law, attitude_gain=0.8, rate_gain=0.7, delay=0.05)
     gains = tv.Autopilot(attitude_gain=0.8, rate_gain=0.7)
@@ -124,13 +123,13 @@ def test_the_report_s_control_has_its_exact_response() -> None:
     np.testing.assert_array_equal(found.deflection, held(found.time))
 
 
-@pytest.mark.parametrize("law", [law for law in LAWS if law != REPORT])
+@pytest.mark.parametrize("law", [law for law in CONTROLS if law != REPORT])
 @pytest.mark.parametrize("limit", [0.0052, 0.0078])
 def test_a_flight_and_its_outcome_are_those_of_the_kernels(law: str, limit: float) -> None:
     c = asked(law=law, limit=limit, model="fixed-path", attitude_gain=0.21, rate_gain=0.2)
     found = answer(c).motion
     assert found is not None
-    numbers = (0.21, 0.2) if law == GAINS else (1.0,)
+    numbers = (0.21, 0.2) if law == AUTOPILOT else (1.0,)
     case = plant_of(c), law_of(plant_of(c), law, numbers, c.peak), wind_of(c)
     sampled = {"deflection_limit": limit, "sample_rate": parts.SAMPLE_RATE}
     flown = tv.fly_many(*case, **sampled, until=float(found.time[-1]))
@@ -166,7 +165,7 @@ def test_what_did_not_change_is_not_computed_again() -> None:
     assert grown(attitude_gain=0.7501) == [0, 0, 0]
     assert grown(dead_band=0.3501) == [2, 0, 0]  # the point, and the curve
     assert grown(peak=0.0301) == [0, 0, 1]
-    assert grown(law=GAINS, attitude_gain=0.7502) == [0, 1, 1]
+    assert grown(law=AUTOPILOT, attitude_gain=0.7502) == [0, 1, 1]
 
 
 def test_a_curve_in_pieces_is_the_whole_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,7 +185,7 @@ def test_a_curve_in_pieces_is_the_whole_one(monkeypatch: pytest.MonkeyPatch) -> 
 MOVED = {"attitude_gain": 0.9, "rate_gain": 0.8, "delay": 0.09, "dead_band": 0.6, "limit": 0.006}
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", CONTROLS)
 def test_idle_are_the_sliders_that_change_nothing_with_the_law(law: str) -> None:
     def shown(c: Choices) -> list[Any]:
         one = answer(c)
@@ -205,7 +204,7 @@ def test_idle_are_the_sliders_that_change_nothing_with_the_law(law: str) -> None
 
 
 @pytest.mark.parametrize("arm", [-3.0, 0.0])
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", CONTROLS)
 def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=arm)
     found = answer(Choices(vehicle=stable, law=law, model="drift"))
@@ -213,7 +212,9 @@ def test_what_cannot_be_answered_says_why(arm: float, law: str) -> None:
     assert all(len(note.split()) > 3 for note in found.notes)
     if arm < 0.0:
         assert found.verdict.startswith("No deflection is needed")
-        assert bool(found.notes) is (law in (TRIM, "dead band", HALF_RELIEF, RECOVERABLE))
+        assert bool(found.notes) is (
+            law in (TRIM, "dead-band", HALF_RELIEF, "recoverable-attitude")
+        )
     else:
         assert found.verdict.startswith("No answer")
         assert "mu_alpha other than zero" in found.notes[0]
@@ -234,7 +235,7 @@ def pixels(png: bytes) -> Any:
 
 
 def answers() -> list[Answer]:
-    few = asked(limit=0.004, law=GAINS)
+    few = asked(limit=0.004, law=AUTOPILOT)
     long = asked(duration=17.0)
     return [answer(c) for c in (asked(), asked(duration=9.0), few, replace(few, law=REPORT), long)]
 
@@ -291,7 +292,7 @@ def panel(few: None, the_panel: Any) -> Any:
         ("peak", 6.0, 6.0 * (np.pi / 180.0)),
         ("limit", 0.3, 0.3 * (np.pi / 180.0)),
         ("shape", "rectangular", "rectangular"),
-        ("law", "attitude and rate", "attitude and rate"),
+        ("law", "autopilot", "autopilot"),
         ("attitude_gain", 0.9, 0.9),
         ("rate_gain", 0.9, 0.9),
         ("delay", 100.0, 0.1),
@@ -319,14 +320,14 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
     for field, value in {
         "plane": "pitch",
         "model": "drift",
-        "law": "dead band",
+        "law": "dead-band",
         "dead_band": 0.0,
     }.items():
         panel.controls[field].value = value
     assert "dead_band must be between 0.01 and 1" in panel.notes.value
-    assert "Margins: none, with the law dead band." in panel.margins.value
+    assert "Margins: none, with the law dead-band." in panel.margins.value
 
-    panel.controls["law"].value = GAINS
+    panel.controls["law"].value = AUTOPILOT
     panel.controls["attitude_gain"].value = panel.controls["rate_gain"].value = 0.0
     assert "an autopilot needs a gain" in panel.notes.value
     assert "Margins: none" in panel.margins.value
@@ -339,15 +340,13 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
 
 
 def test_what_is_idle_is_greyed_and_says_why(panel: Any) -> None:
-    for law in LAWS:
+    for law in CONTROLS:
         panel.controls["law"].value = law
         greyed = {field for field, one in panel.controls.items() if one.disabled}
         assert greyed == set(idle(law))
-        assert panel.canonical.disabled is (law != GAINS)
-    assert panel.controls["delay"].tooltip == (
-        "counts only with the law attitude and rate or half relief"
-    )
-    panel.controls["law"].value = GAINS
+        assert panel.canonical.disabled is (law != AUTOPILOT)
+    assert panel.controls["delay"].tooltip == ("counts only with the law autopilot or half-relief")
+    panel.controls["law"].value = AUTOPILOT
     assert panel.controls["delay"].tooltip is None
 
 
@@ -385,7 +384,7 @@ def test_in_a_notebook_the_panel_is_there_before_its_curve(
 
 
 def test_a_vehicle_with_structure_is_said_to_be_rigid_here(panel: Any) -> None:
-    structured, plant = opened("made-up-booster"), tv.load_structure("made-up-booster")
+    structured, plant = opened("made-up-booster"), tv.load_vehicle("made-up-booster").structure
     moved = tv.FlexiblePlant.from_vehicle(
         tv.load_vehicle("made-up-booster"), plant, "drift-exact"
     ).shift()

@@ -93,7 +93,7 @@ def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
 def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.LawsAsked(names=("trim", "attitude and rate"), model="drift-exact", sample_rate=20.0)
+    laws = tv.LawsAsked(names=("trim", "autopilot"), model="drift-exact", sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0, model="fixed-path")
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
@@ -553,7 +553,8 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
 
 def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyPlan) -> None:
     gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.75)
-    gusty = replace(plan, gust=gust, laws=None, sizing=None, dispersions=None)
+    wind = replace(plan.wind, gust=gust)
+    gusty = replace(plan, wind=wind, laws=None, sizing=None, dispersions=None)
     found = find(gusty)
     shown = numbers(sections.response(found))
     both = found.study.wind + gust

@@ -88,14 +88,14 @@ def numbers(section) -> dict[str, float]:
 
 
 def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
-    assert plan.structure == tv.load_structure(folder / "my.toml")
-    assert tv.load_study(folder / "my.toml").structure == plan.structure
-    assert tv.load_study("configuration-i").structure is None
+    assert plan.vehicle == tv.load_vehicle(folder / "my.toml")
+    assert tv.load_study(folder / "my.toml").vehicle == plan.vehicle
+    assert tv.load_study("configuration-i").vehicle.structure is None
     assert [one.margin for one in plan.criteria.requirements][-1] == "mode_gain_margin_dB"
 
 
 def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, shown, plan):
-    plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.structure, "drift-exact")
+    plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     autopilot = plan.gains.autopilot(plant.rigid)
     bands = autopilot.band_margins(plant)
     assert shown["flexible.rigid.gain"] == pytest.approx(bands.rigid.gain_increase_dB, rel=1e-12)
@@ -115,7 +115,7 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
 
 
 def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, shown, plan):
-    plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.structure, "drift-exact")
+    plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
     gains = replace(plan.gains.autopilot(plant.rigid), actuator=None, delay=0.0)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     nozzle = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}

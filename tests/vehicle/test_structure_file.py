@@ -37,7 +37,7 @@ def load(tmp_path):
         file = tmp_path / "vehicle.toml"
         file.write_text(vehicle + text)
         tv.load_vehicle(file)  # the same file is that of the rigid vehicle
-        return tv.load_structure(file)
+        return tv.load_vehicle(file).structure
 
     return read
 
@@ -56,14 +56,15 @@ def same(one, other):
 
 
 def test_the_made_up_booster_is_that_of_the_tests():
-    assert same(tv.load_structure("made-up-booster"), STRUCTURE)
+    assert same(tv.load_vehicle("made-up-booster").structure, STRUCTURE)
     vehicle = tv.load_vehicle("made-up-booster")
-    assert vehicle.replace(name=BOOSTER.name, time=None) == BOOSTER
+    assert vehicle.rigid.replace(name=BOOSTER.name, time=None) == BOOSTER
 
 
 def test_the_made_up_launcher_has_the_modes_of_a_uniform_beam():
     """Displacement 1 at both ends and a quarter of the mass; four printed digits."""
-    vehicle, structure = tv.load_vehicle("made-up-launcher"), tv.load_structure("made-up-launcher")
+    vehicle = tv.load_vehicle("made-up-launcher")
+    structure = vehicle.structure
     length, stations = 20.0, {"rate_slope": 2.0, "attitude_slope": 6.0, "gimbal_slope": -10.0}
     assert vehicle.moment_of_inertia == pytest.approx(vehicle.mass * length**2 / 12, rel=1e-4)
     for mode, k in zip(structure.bending, (4.7300407, 7.8532046), strict=True):
@@ -87,7 +88,7 @@ def test_the_made_up_launcher_has_the_modes_of_a_uniform_beam():
 
 @pytest.mark.parametrize("name", ["configuration-i", "configuration-ii"])
 def test_a_file_without_these_tables_is_that_of_a_rigid_vehicle(name):
-    assert tv.load_structure(name) == tv.Structure()
+    assert tv.load_vehicle(name).structure is None
 
 
 @pytest.mark.parametrize(
@@ -144,7 +145,7 @@ def test_whatever_a_file_says_its_plant_has_numbers_or_is_refused(tmp_path):
             changed = [*lines[:k], f"{line.split('=')[0]} = {value}", *lines[k + 1 :]]
             file.write_text("\n".join(changed))
             try:
-                vehicle, structure = tv.load_vehicle(file), tv.load_structure(file)
+                vehicle, structure = tv.load_vehicle(file), tv.load_vehicle(file).structure
                 plant = tv.FlexiblePlant.from_vehicle(vehicle, structure, "drift-exact")
                 numbers = (*plant.matrices(), plant.poles, *plant.shift())
             except tv.InputError as error:

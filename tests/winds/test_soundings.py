@@ -199,7 +199,7 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
         ),
         (
             lambda: tv.fly_through(jet(), flight, azimuth=0.0, gust=3.0),
-            "gust must be one history, such as OneMinusCosineGust",
+            "gust must be a History",
         ),
         (lambda: jet().at(26e3), "height must be between 0 and 25000 m"),
         (lambda: jet().between(5e3, 5e3), "low must be below high"),

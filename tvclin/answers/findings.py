@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache, partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,8 +18,6 @@ import numpy as np
 from tvclin.answers.study import Study
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError
-from tvclin.linear.plant import Plant
-from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
@@ -29,7 +27,6 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.total import DeflectionTotal
     from tvclin.answers.trials import LawTrial
     from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.control.margins.bands import BandMargins
@@ -60,7 +57,7 @@ class Findings:
     trials : tuple of LawTrial
         The laws, each in each wind; none where none were asked for.
     comparison : TrimComparison or None
-        The autopilot in the wind, with its margins, both of the rigid vehicle.
+        The autopilot in the wind, with its margins.
     flexible : FlexibleAnswer or None
         The autopilot around the flexible vehicle; None where that is rigid, or no autopilot is
         asked for.
@@ -97,7 +94,7 @@ class Findings:
     @property
     def criteria(self) -> Criteria:
         """What the margins are held to."""
-        return _criteria(self.plan)
+        return self.plan.held_to
 
     @property
     def margins(self) -> Margins | BandMargins | None:
@@ -111,16 +108,11 @@ class Findings:
         """SHA-256 of the inputs, in SI units and in one order."""
         asked = asdict(self.plan)
         del asked["document"]  # no number depends on it
-        for later in ("structure", "availability"):
-            if asked[later] is None:
-                del asked[later]  # the seals of what could be asked before stay what they were
+        if asked["availability"] is None:
+            del asked["availability"]  # the seals of what could be asked before stay what they were
+        if self.plan.vehicle.structure is None:
+            asked["vehicle"].pop("structure", None)
         return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
-
-
-def blown(study: Study) -> History:
-    """Return the wind of a study with its gust."""
-    wind: History = study.wind if study.gust is None else study.wind + study.gust
-    return wind
 
 
 def _plain(value: Any) -> Any:
@@ -152,7 +144,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
         wanted = {
             "trials": plan.laws,
             "comparison": plan.gains or plan.criteria,
-            "flexible": plan.structure and (plan.gains or plan.criteria),
+            "flexible": plan.vehicle.structure and (plan.gains or plan.criteria),
             "stop": plan.limit and (plan.gains or plan.criteria),
             "flown": plan.limit and (plan.gains or plan.criteria),
             "dispersed": plan.dispersions,
@@ -178,7 +170,7 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
                 told(1, 1)
 
         loop = cache(partial(_loop, plan, study))  # gains for the least nozzle take a search
-        trials = part("trials", _trials) or ()
+        trials = part("trials", partial(_trials, loop)) or ()
         comparison = part("comparison", partial(_comparison, loop))
         flexible = part("flexible", partial(_flexible, loop))
         flying = flexible or comparison
@@ -198,19 +190,20 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
         )
 
 
-def _trials(plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
+def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawTrial, ...]:
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
+    from tvclin.linear.flexible import plant_of
 
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
-    plant: AnyPlant = Plant.from_vehicle(plan.vehicle, plan.law_model, plan.plane)
-    laws, winds = standard_laws(plant.rigid, peak), standard_winds(peak, study.wind.duration)
+    plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
+    laws = standard_laws(plant.rigid, peak, None if plan.gains is None else loop()[1])
+    winds = standard_winds(peak, study.wind.duration)
     nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
-    if plan.structure is not None:
-        from tvclin.answers.flexible import flexible_plant, nozzle_of, with_filters
+    if plan.vehicle.structure is not None:
+        from tvclin.answers.flexible import nozzle_of, with_filters
 
-        gains = gains_of(plan)
-        plant = flexible_plant(plan.vehicle, plan.structure, plan.plane, plant.model)
+        gains = plan.asked
         laws = {name: with_filters(law, gains) for name, law in laws.items()}
         nozzle = nozzle_of(gains, asked.sample_rate)
         _say_faster(nozzle["sample_rate"], asked.sample_rate)
@@ -234,27 +227,19 @@ def _say_faster(flown: float, asked: float) -> None:
         )
 
 
-def gains_of(plan: StudyPlan) -> GainsAsked:
-    """Return the autopilot that a plan asks for; the canonical one where it says nothing."""
-    from tvclin.control.autopilot.rules import GainsAsked
-
-    return plan.gains or GainsAsked()
-
-
 def _comparison(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> TrimComparison:
     from tvclin.control.comparison.trim import compare_with_trim
 
-    plant, autopilot = loop()
-    return compare_with_trim(plant.rigid, autopilot, blown(study))
+    return compare_with_trim(*loop(), study.history)
 
 
 def _flexible(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> FlexibleAnswer:
     from tvclin.answers.flexible import flexible_answer
 
-    (plant, autopilot), criteria = loop(), _criteria(plan)
+    (plant, autopilot), criteria = loop(), plan.held_to
     # along a straight wind the stop leaves this plane its part
     limit = None if plan.limit is None else plan.limit / study.of_both
-    return flexible_answer(plant, autopilot, criteria, blown(study), limit)
+    return flexible_answer(plant, autopilot, criteria, study.history, limit)
 
 
 def _flown(
@@ -266,7 +251,7 @@ def _flown(
     assert plan.limit is not None
     law, nozzle = _with_stop(loop)
     limit = plan.limit / study.of_both
-    return flown_margins(loop.plant, law, blown(study), limit=limit, **nozzle)
+    return flown_margins(loop.plant, law, study.history, limit=limit, **nozzle)
 
 
 def _stop(
@@ -279,7 +264,7 @@ def _stop(
     if isinstance(loop, FlexibleAnswer):
         return loop.boundaries[0]
     law, nozzle = _with_stop(loop)
-    return closed_loop_boundary(loop.plant, law, blown(study), **nozzle)
+    return closed_loop_boundary(loop.plant, law, study.history, **nozzle)
 
 
 def _with_stop(loop: FlexibleAnswer | TrimComparison) -> tuple[SaturatedLaw, dict[str, Any]]:
@@ -287,28 +272,14 @@ def _with_stop(loop: FlexibleAnswer | TrimComparison) -> tuple[SaturatedLaw, dic
     from tvclin.answers.flexible import nozzle_of
     from tvclin.control.laws.attitude import SaturatedLaw
 
-    law = SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
-    return law, nozzle_of(loop.autopilot)
+    return SaturatedLaw.of(loop.autopilot), nozzle_of(loop.autopilot)
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     """The plant and the autopilot that is asked for; gains that are sought meet the criteria."""
-    from tvclin.answers.flexible import flexible_plant
     from tvclin.answers.least_gains.asked import autopilot_asked
 
-    asked, structure = gains_of(plan), plan.structure
-    plant: AnyPlant = (
-        Plant.from_vehicle(plan.vehicle, plan.loop_model, plan.plane)
-        if structure is None
-        else flexible_plant(plan.vehicle, structure, plan.plane, plan.loop_model)
-    )
-    return plant, autopilot_asked(asked, plant, blown(study), _criteria(plan))
-
-
-def _criteria(plan: StudyPlan) -> Criteria:
-    from tvclin.control.margins.criteria import CRITERIA
-
-    return plan.criteria or CRITERIA["classic"]
+    return plan.plant, autopilot_asked(plan.asked, plan.plant, study.history, plan.held_to)
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
@@ -337,5 +308,4 @@ def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:
         seed=plan.seed,
         probability=plan.probability,
         confidence=plan.confidence,
-        structure=plan.structure,
     )

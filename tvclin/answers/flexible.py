@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,18 +17,15 @@ from tvclin.control.laws.law import Law
 from tvclin.control.margins.bands import BandMargins
 from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary, closed_loop_boundary
 from tvclin.flights.flexible import SampledFlight, fly_sampled
-from tvclin.linear.flexible import FlexiblePlant, Shift
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, Shift, plant_of
 from tvclin.linear.models import USUAL_MODEL
-from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
-from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.control.margins.criteria import Criteria
 
-_MODELS = {"drift": USUAL_MODEL}
-"""The model of a flexible plant, where another has none."""
 _RATE, _PER_ACTUATOR = 100.0, 2.0
 """Least samples of the flights [Hz], and those of them in the time 1/omega_n of the actuator."""
 _LONG, _POINTS = 2.0, 401
@@ -47,8 +44,6 @@ class FlexibleAnswer:
         Its margins.
     detuned : Detuned or None
         With detuned modes; None where there are no modes.
-    peak_deflection : float
-        Largest deflection in the wind without limits [rad]; infinite for a loop that is not stable.
     sample_rate : float
         Samples of the law in what is flown [Hz].
     boundaries : tuple of ClosedLoopBoundary
@@ -62,7 +57,6 @@ class FlexibleAnswer:
     autopilot: Autopilot
     bands: BandMargins
     detuned: Detuned | None
-    peak_deflection: float
     sample_rate: float
     boundaries: tuple[ClosedLoopBoundary, ClosedLoopBoundary]
     flight: SampledFlight | None
@@ -98,20 +92,16 @@ def flexible_answer(
         As `Autopilot.band_margins` and `closed_loop_boundary`.
     """
     bands = autopilot.band_margins(plant)
-    law = SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
+    law = SaturatedLaw.of(autopilot)
     nozzle = nozzle_of(autopilot)
     bends, rigid = (closed_loop_boundary(one, law, wind, **nozzle) for one in (plant, plant.rigid))
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, start + _LONG * (end - start), _POINTS)
-    peak = np.inf
-    if bands.whole.stable:
-        peak = abs(autopilot.answer(plant, wind).peak("deflection")[0])
     return FlexibleAnswer(
         plant=plant,
         autopilot=autopilot,
         bands=bands,
         detuned=detuned(autopilot, plant, criteria=criteria) if bands.modes else None,
-        peak_deflection=float(peak),
         sample_rate=nozzle["sample_rate"],
         boundaries=(bends, rigid),
         flight=None
@@ -133,25 +123,19 @@ def with_filters(law: Law, asked: GainsAsked) -> Law:
     return FilteredLaw(law, **chains) if any(chains.values()) else law
 
 
-def flexible_plant(
-    vehicle: AnyVehicle, structure: Structure, plane: str, model: str = USUAL_MODEL
-) -> FlexiblePlant:
-    """Return the flexible plant of a vehicle; "drift" has none, and is "drift-exact" here."""
-    whole = whole_vehicle(vehicle, "a structure")
-    return FlexiblePlant.from_vehicle(whole, structure, _MODELS.get(model, model), plane)
-
-
-def shift_of(plant: FlexiblePlant) -> Shift | None:
+def shift_of(plant: AnyPlant) -> Shift | None:
     """Return by how much the structure moves the rigid theory; None where nothing grows."""
+    if not isinstance(plant, FlexiblePlant):
+        return None
     try:
         return plant.shift()
     except InputError:
         return None
 
 
-def shift_words(plant: FlexiblePlant) -> str:
+def shift_words(vehicle: AnyVehicle, plane: str) -> str:
     """Return in words by how much the structure moves what the rigid theory rests on."""
-    moved = shift_of(plant)
+    moved = shift_of(plant_of(vehicle, USUAL_MODEL, plane))
     if moved is None:
         return ""
     return (

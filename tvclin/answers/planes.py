@@ -166,14 +166,13 @@ def of_heading(
     vehicle: Vehicle,
     model: str,
     wind: ShapedWind,
-    gust: History | None,
     stop: Stop | None,
     dead_band: float,
 ) -> PlanesNeeded:
     """Return what a wind with a heading asks of both planes; the stop is round without one."""
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
-    both = PlaneWind(**{plane: part_in(wind, peaks, plane, gust) for plane in PLANES})
+    both = PlaneWind(**{plane: part_in(wind, peaks, plane) for plane in PLANES})
     return planes_needed(plants, both, stop or CircularStop(), dead_band)
 
 

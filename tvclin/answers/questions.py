@@ -100,7 +100,7 @@ def _asked(found: Findings) -> Iterator[Question]:
         if limit is not None:
             yield _autopilot(found, limit)
         yield _margins(found)
-        if limit is not None and found.plan.structure is not None:
+        if limit is not None and found.plan.vehicle.structure is not None:
             yield _flexible(found)
 
 
@@ -163,10 +163,9 @@ def _autopilot(found: Findings, limit: float) -> Question:
     if c is None:
         return Question(name, None, (_reason(found, "comparison"),))
     if not c.margins.stable:
-        return Question(name, False, (f"the loop is not stable: {c.margins.reason}",))
+        whose = "" if found.flexible is None else " of the flexible vehicle"
+        return Question(name, False, (f"the loop{whose} is not stable: {c.margins.reason}",))
     peak = without_stop(found)
-    if np.isinf(peak):
-        return Question(name, False, ("the loop of the flexible vehicle is not stable",))
     turns = degrees("asked.autopilot", peak, unit="deg")
     free: Line = ("without a stop it would turn the nozzle by ", *turns)
     if found.study.in_both:
@@ -187,14 +186,11 @@ def without_stop(found: Findings) -> float:
     """Return how far [rad] the autopilot turns a nozzle without a stop; nan without one."""
     if found.comparison is None:
         return float("nan")
-    peak = found.comparison.peak_deflection
-    if found.flexible is not None:
-        peak = max(peak, found.flexible.peak_deflection)
-    return float(peak * found.study.of_both)
+    return float(found.comparison.peak_deflection * found.study.of_both)
 
 
 def _margins(found: Findings) -> Question:
-    flexible = found.plan.structure is not None
+    flexible = found.plan.vehicle.structure is not None
     part = "flexible" if flexible else "comparison"
     margins = found.margins
     if getattr(found, part) is None or margins is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -22,7 +22,7 @@ from tvclin.answers.study_notes import (
 )
 from tvclin.base.cards import Row, card
 from tvclin.base.documents import picked
-from tvclin.base.errors import InputError, between, instance, number, one_of, positive, single
+from tvclin.base.errors import InputError, between, number, one_of, positive, single
 from tvclin.base.tables import Table
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
@@ -37,7 +37,7 @@ from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of, whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import PULSES, ShapedWind, pulse
+from tvclin.winds.shaped import PULSES, ShapedWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
 STUDY_TABLE = Table(
@@ -89,8 +89,8 @@ class Study:
         For the same models the least peak [rad] when the whole wind is known, appendix C.
     notes : tuple of str
         What the reader should know before believing the numbers; often nothing.
-    gust : History or None
-        What blows on top of the wind, in its time; its part in the plane.
+    blows : ShapedWind
+        The wind in the plane, with its gust.
     slanting : ShapedWind or None
         The wind with its direction, where that is known; `wind` is its part in the plane.
     planes : PlanesNeeded or None
@@ -117,8 +117,8 @@ class Study:
     survivable_peak: float | None
     forecast_free: dict[str, ForecastFreeLimit]
     minima: dict[str, float]
+    blows: ShapedWind
     notes: tuple[str, ...] = ()
-    gust: History | None = None
     slanting: ShapedWind | None = None
     planes: PlanesNeeded | None = None
     in_both: bool = False
@@ -197,22 +197,17 @@ class Study:
         coefficients = coefficients_of(vehicle, plane)
         single("vehicle", coefficients.batch)
         shape = None if stop is None else stop_of(stop)
-        if gust is not None:
-            instance("gust", gust, History, "such as OneMinusCosineGust")
-            single("gust", gust.batch)
+        blows = ShapedWind(wind, peak, duration, heading, gust)
         planes = slanting = None
         if heading is not None:
             vehicle = whole_vehicle(vehicle, "a wind with a direction")
-            slanting = ShapedWind(wind, peak, duration, heading)
-            planes = of_heading(vehicle, model, slanting, gust, shape, dead_band)
-            alone_peak = slanting.in_plane(plane, float(np.asarray(vehicle.attitude))).peak
-            gust = None if gust is None else gust * (alone_peak / peak)
-            peak = alone_peak
+            slanting = blows
+            planes = of_heading(vehicle, model, slanting, shape, dead_band)
+            blows = slanting.in_plane(plane, float(np.asarray(vehicle.attitude)))
         elif shape is not None:
             raise InputError("stop needs a heading: a wind without a direction has one plane")
         plants = {name: Plant(coefficients, name) for name in models_of(vehicle)}
-        alone = pulse("wind", wind, peak, duration)
-        history = alone if gust is None else alone + gust
+        alone, history = replace(blows, gust=None).history({}), blows.history({})
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else USUAL_MODEL
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
@@ -249,7 +244,7 @@ class Study:
             requirement=required,
             limit=limit,
             notes=notes,
-            gust=gust,
+            blows=blows,
             slanting=slanting,
             planes=planes,
             in_both=shape is not None,
@@ -263,6 +258,16 @@ class Study:
         if self.planes is not None and self.in_both:
             return self.planes.deflection
         return abs(float(self.requirement.deflection))
+
+    @property
+    def gust(self) -> History | None:
+        """What blows on top of the wind, in its time; its part in the plane."""
+        return self.blows.gust
+
+    @property
+    def history(self) -> History:
+        """The wind in the plane with its gust."""
+        return self.blows.history({})
 
     @property
     def of_both(self) -> float:

@@ -24,17 +24,14 @@ from tvclin.base.errors import (
     positive,
 )
 from tvclin.base.tables import Table
-from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
-from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.dead_band import DeadBandLaw
+from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
-from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import TrimLaw
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.models import MODELS
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.plant import Plant
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import AsymmetricTriangularWind, TrapezoidalWind, TriangularWind
@@ -42,15 +39,6 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-_DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
-    "attitude and rate": lambda plant, _: SaturatedLaw(canonical_gains(plant.coefficients)),
-    "trim": lambda plant, _: TrimLaw(Plant(plant.coefficients, "fixed-path")),
-    "dead band 0.5": lambda plant, _: DeadBandLaw(Plant(plant.coefficients, "fixed-path")),
-    "half relief": lambda plant, _: SaturatedLaw(half_relief_gains(plant.coefficients)),
-    "recoverable attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
-}
-STANDARD_LAWS = tuple(_DESIGNS)
-"""Names of the laws of the trials."""
 LAWS_TABLE = Table(
     "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
 )
@@ -75,14 +63,14 @@ class LawsAsked:
         The model that they fly; without it that of the study.
     """
 
-    names: tuple[str, ...] = STANDARD_LAWS
+    names: tuple[str, ...] = tuple(LAWS)
     winds: tuple[str, ...] = ("triangle",)
     sample_rate: float = 50.0
     model: str | None = None
 
     def __post_init__(self) -> None:
         for what, given, known in (
-            ("names", self.names, STANDARD_LAWS),
+            ("names", self.names, tuple(LAWS)),
             ("winds", self.winds, tuple(standard_winds(1.0, 1.0))),
         ):
             for name in different(f"{what} of the laws", given):
@@ -187,14 +175,13 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
     }
 
 
-def standard_laws(plant: Plant, peak: float) -> dict[str, Law]:
-    """Return the laws of the trials by name, designed on a plant and for a peak [rad].
+def standard_laws(plant: Plant, peak: float, autopilot: Autopilot | None = None) -> dict[str, Law]:
+    """Return every law by name, designed on a plant and for a peak [rad], see `design_law`.
 
-    Trim and dead band hold the attitude, as the report means it, whatever the plant: designed
-    with drift they would let its slow mode grow.
+    The law "autopilot" has the gains of an autopilot where one is given.
     """
-    instance("plant", plant, Plant, RIGID)
-    return {name: design(plant, peak) for name, design in _DESIGNS.items()}
+    given = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
+    return {name: design_law(name, plant, peak, **given.get(name, {})) for name in LAWS}
 
 
 def law_trials(

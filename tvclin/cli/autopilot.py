@@ -5,26 +5,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import load_linear
-from tvclin.cli.least import (
-    Crossover,
-    Least,
-    Limits,
-    Stops,
-    ThreeGains,
-    draw_front,
-    found_least,
-    print_least,
-)
-from tvclin.cli.margin_tables import poles, print_bounds
-from tvclin.cli.margins import CriteriaName, wanted_criteria
+from tvclin.cli.bands import parts_line
+from tvclin.cli.criteria import CriteriaOptions
+from tvclin.cli.gains import GainOptions, LoopOptions
+from tvclin.cli.inputs import note_structure, vehicle_of
+from tvclin.cli.least import LeastOptions, draw_front, print_least
+from tvclin.cli.margin_tables import MarginsFound, poles, print_bounds
 from tvclin.cli.options import (
     AsJson,
     LinearVehicle,
     Model,
     Plane,
     Plot,
+    Rigid,
     grouped,
 )
 from tvclin.cli.output import say
@@ -48,18 +41,20 @@ def autopilot(
         float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
     ] = None,
     gains: GainOptions = GainOptions(),
-    criteria: CriteriaName = "classic",
-    least: Least = False,
-    three_gains: ThreeGains = False,
-    crossover: Crossover = None,
-    limits: Limits = False,
-    stops: Stops = 0,
+    loop: LoopOptions = LoopOptions(),
+    criteria: CriteriaOptions = CriteriaOptions(),
+    least: LeastOptions = LeastOptions(),
+    rigid: Rigid = False,
     model: Model = None,
     plane: Plane = "pitch",
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
     """Print the deflection that an autopilot needs in a wind, beside trim and the boundaries.
+
+    A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle:
+    gains, margins and peaks are of that, boundaries and minimum of the rigid one. --rigid leaves
+    all that out.
 
     --plot draws deflection and attitude of a stable loop; with --least, what a disk margin costs.
 
@@ -68,15 +63,15 @@ def autopilot(
     from tvclin.base.errors import positive
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
-    from tvclin.linear.plant import Plant
 
-    loaded = load_linear(vehicle, plane)
-    wind = blows.blowing(loaded, plane)
+    loaded = vehicle_of(vehicle, rigid)
+    note_structure(loaded, plane, "boundaries and minimum")
+    case = blows.case(loaded, model, plane, gains.asked(loop))
+    plant, wind = case.plant, case.history
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
-    asked = wanted_criteria(criteria)
-    plant = Plant.from_vehicle(loaded, model, plane)
-    sought = found_least(gains, plant, wind, asked, least, three_gains, crossover, limits, stops)
-    autopilot = gains.autopilot(plant) if sought is None else sought.autopilot
+    asked = criteria.wanted(loaded)
+    sought = least.found(case, asked)
+    autopilot = case.autopilot if sought is None else sought.autopilot
     found = compare_with_trim(plant, autopilot, wind)
     worst = _worst(found)
     if plot is not None and sought is None:
@@ -129,7 +124,7 @@ def _document(
     from tvclin.vehicle.vehicle import Vehicle
 
     within = limit_deg is None or np.degrees(found.peak_deflection) <= limit_deg
-    criteria = bool(asked.are_met(found.margins))
+    criteria = MarginsFound.of(found.autopilot, found.plant, asked).met
     slope = speed = float("nan")  # of a vehicle that is known by its coefficients
     if isinstance(vehicle, Vehicle):
         slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
@@ -167,10 +162,14 @@ def _print(
     import numpy as np
 
     from tvclin.cli.output import print_pairs, print_table, shown
+    from tvclin.linear.flexible import FlexiblePlant
 
     title = f"{vehicle.name}, {found.plant.model}: {wind}, {document['wind_peak_deg']:.4g} deg"
     pairs = shown(found.autopilot.rows())
-    pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
+    if isinstance(found.plant, FlexiblePlant):
+        say(parts_line(found.plant.structure))
+    else:
+        pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
     if not found.margins.stable:
         say(f"NO NUMBERS: {found.margins.reason}")

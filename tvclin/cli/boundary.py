@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear, only_with
+from tvclin.cli.inputs import only_with, rigid_vehicle_of
 from tvclin.cli.options import LINEAR_HELP, AsJson, Model, Plot, Wind
 from tvclin.cli.output import say
 
@@ -106,7 +106,7 @@ def _limits(
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         history = shape(peak=1.0, duration=x[:, None])
         return "", boundary_limit(plant, history, K), plant
-    vehicle = load_linear(source, plane)
+    vehicle = rigid_vehicle_of(source, plane)
     plant = Plant.from_vehicle(vehicle, model, plane)
     history = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     return vehicle.name or source, boundary_limit(plant, history, K), plant

@@ -7,11 +7,10 @@ import typer
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
     from tvclin.answers.worst_case import WorstCase
-    from tvclin.cli.pulse import PulseOptions
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.shaped import ShapedWind
 
@@ -29,26 +28,18 @@ Box = Annotated[
 ]
 
 
-def worst_in_box(
-    given: list[str],
-    loaded: "AnyVehicle",
-    autopilot: "Autopilot",
-    model: str,
-    plane: str,
-    blows: "PulseOptions",
-) -> "WorstCase | None":
+def worst_in_box(given: list[str], case: "Case") -> "WorstCase | None":
     """Return the worst case in the box of the options; None without one."""
     if not given:
         return None
     from tvclin.answers.worst_case import BOX_TABLE, worst_case
-    from tvclin.base.errors import InputError, one_of
+    from tvclin.base.errors import InputError
     from tvclin.base.tables import known
     from tvclin.vehicle.linear_vehicle import whole_vehicle
-    from tvclin.winds.shaped import PULSES, ShapedWind
+    from tvclin.winds.shaped import ShapedWind
 
-    vehicle = whole_vehicle(loaded, "--box")
-    shape = one_of("--wind", blows.wind, PULSES)
-    wind = ShapedWind(shape, blows.peak(vehicle, plane), blows.duration)
+    vehicle, wind, autopilot = whole_vehicle(case.vehicle, "--box"), case.wind, case.autopilot
+    assert isinstance(wind, ShapedWind)
     box: dict[str, tuple[float, float]] = {}
     for one in given:
         key, ends, percent = _parted(one)
@@ -66,6 +57,7 @@ def worst_in_box(
         if name in box:
             raise InputError(f"--box gives {name} twice")
         box[name] = (centre + factor * ends[0], centre + factor * ends[1])
+    model, plane = case.plant.model, case.plane
     return worst_case(vehicle, autopilot, box, model=model, plane=plane, wind=wind)
 
 

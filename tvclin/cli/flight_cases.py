@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
     from tvclin.cli.fly_shown import Compared
     from tvclin.cli.pulse import PulseOptions
     from tvclin.control.laws.law import Law
@@ -13,21 +14,11 @@ if TYPE_CHECKING:
     from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
 
-LAWS = {
-    "trim": "trim",
-    "dead-band": "dead band 0.5",
-    "saturated": "attitude and rate",
-    "half-relief": "half relief",
-    "recoverable": "recoverable attitude",
-}
-"""What the laws of `tvclin laws` are called here."""
-ENGINES = {
-    "planar": "the report's nonlinear equations in one plane",
-    "sixdof": "JSBSim, six degrees of freedom, steps of 0.01 s",
-}
 _TOLERANCE, _HIGHEST = 5e-4, 4.0
 """Of a boundary that is flown, over the largest trim deflection."""
-_WITH_BAND = ("report", "dead-band")
+REPORT = "report"
+"""The report's control, which is no feedback of a sampled law."""
+_WITH_BAND = (REPORT, "dead-band")
 _SPARE = 1.1
 _LONGEST = 1000.0
 """Of a flight, over the time of its fastest mode; the solver takes about as many steps."""
@@ -36,15 +27,41 @@ _SMALLEST = 2.5e-7
 
 
 @dataclass(frozen=True, eq=False)
-class FlightCase:
+class Flying:
+    """A case whose wind is one history, what that is called, and the name of the law."""
+
+    case: "Case"
+    shape: str
+    law: str
+    dead_band: float | None
+
+    @property
+    def wind(self) -> "History":
+        """The wind [rad]."""
+        return self.case.history
+
+    def designed(self, plant: "Plant") -> "ReportControl | Law":
+        """Return the report's control, or the law with its dead band or the gains of the case."""
+        from tvclin.base.errors import InputError, one_of
+        from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
+        from tvclin.flights.control import ReportControl
+
+        one_of("--law", self.law, [REPORT, *LAWS])
+        own: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
+        if own and self.law not in (REPORT, DEAD_BAND):
+            raise InputError(f"--dead-band belongs to the laws {REPORT} and {DEAD_BAND}")
+        if self.law == REPORT:
+            return ReportControl(**own)
+        if self.law == AUTOPILOT:
+            own = {AUTOPILOT: self.case.asked.autopilot(plant)}
+        return design_law(self.law, plant, float(self.wind.peak), **own)
+
+
+@dataclass(frozen=True, eq=False)
+class FlightCase(Flying):
     """What is flown, and its linear boundary and the minimum over all unstable poles [rad]."""
 
-    vehicle: "Vehicle"
-    shape: str
-    wind: Any
     engine: str
-    plane: str
-    law: str
     control: "ReportControl | Law"
     condition: "FlightCondition | None"
     boundary: float
@@ -52,9 +69,11 @@ class FlightCase:
     limit: float
 
     @property
-    def dead_band(self) -> float | None:
-        """K, where the law has one."""
-        return getattr(self.control, "dead_band", None) if self.law in _WITH_BAND else None
+    def vehicle(self) -> "Vehicle":
+        """The vehicle."""
+        from tvclin.vehicle.linear_vehicle import whole_vehicle
+
+        return whole_vehicle(self.case.vehicle, "a flight")
 
     @property
     def title(self) -> str:
@@ -78,79 +97,48 @@ class FlightCase:
     @property
     def options(self) -> dict[str, Any]:
         """What every flight of it is told."""
-        return {"engine": self.engine, "plane": self.plane, "condition": self.condition}
+        return {"engine": self.engine, "plane": self.case.plane, "condition": self.condition}
 
 
 def flight_wind(vehicle: Any, blows: "PulseOptions", plane: str, along: bool) -> "History":
     """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    wind = blows.blowing(vehicle, plane)
+    wind = blows.blowing(vehicle, plane).history({})
     middle = 0.0 if vehicle.time is None else float(vehicle.time)
     return wind.shift(middle - blows.duration / 2) if along else wind
 
 
-def _control(
-    plant: "Plant", law: str, dead_band: float | None, peak: float
-) -> "ReportControl | Law":
-    from tvclin.base.errors import one_of
-    from tvclin.flights.control import ReportControl
-
-    one_of("--law", law, ["report", *LAWS])
-    if law == "report":
-        return ReportControl(1.0 if dead_band is None else dead_band)
-    return standard_law(plant, law, dead_band, peak)
-
-
-def standard_law(plant: "Plant", law: str, dead_band: float | None, peak: float) -> "Law":
-    """Return a law of `LAWS`, designed on a plant and for a peak [rad]."""
+def flight_case(
+    asked: Flying, engine: str, condition: "FlightCondition | None", length: float
+) -> FlightCase:
+    """Return what is flown for a length [s], with a tenth of limit to spare if none is given."""
     from dataclasses import replace
 
-    from tvclin.answers.trials import standard_laws
-    from tvclin.base.errors import InputError
-
-    chosen = standard_laws(plant, peak)[LAWS[law]]
-    if dead_band is None:
-        return chosen
-    if law not in _WITH_BAND:
-        raise InputError("--dead-band belongs to the laws report and dead-band")
-    return replace(chosen, dead_band=dead_band)  # type: ignore[type-var]
-
-
-def flight_case(
-    vehicle: "Vehicle",
-    shape: str,
-    wind: Any,
-    engine: str,
-    plane: str,
-    law: str,
-    dead_band: float | None,
-    limit_deg: float | None,
-    condition: "FlightCondition | None",
-    length: float,
-) -> FlightCase:
-    """Return the case that the options ask for, to be flown for a length [s].
-
-    It has a tenth of limit to spare if none is given.
-    """
     import numpy as np
 
-    from tvclin.base.errors import InputError, within
+    from tvclin.base.errors import InputError
     from tvclin.boundary.optimum.minimum_peak import optimum_deflection
     from tvclin.flights.beside import linear_boundary
-    from tvclin.linear.models import USUAL_MODEL
-    from tvclin.linear.plant import Plant
 
-    plant = Plant.from_vehicle(vehicle, USUAL_MODEL, plane)
+    plant, wind = asked.case.plant.rigid, asked.wind
     _check_flight(plant, wind, length)
-    control = _control(plant, law, dead_band, float(wind.peak))
+    control = asked.designed(plant)
     least = linear_boundary(plant, control, wind)
-    limit = _SPARE * least
-    if np.isinf(limit) and limit_deg is None:
+    limit = _SPARE * least if asked.case.limit is None else asked.case.limit
+    if np.isinf(limit):
         raise InputError("no limit is enough with this dead band; give --limit-deg")
-    if limit_deg is not None:
-        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
-    asked = (vehicle, shape, wind, engine, plane, law, control, condition)
-    return FlightCase(*asked, least, minimum, limit)
+    own = vars(asked)
+    if asked.law in _WITH_BAND:
+        own = vars(replace(asked, dead_band=getattr(control, "dead_band", None)))
+    return FlightCase(
+        **own,
+        engine=engine,
+        control=control,
+        condition=condition,
+        boundary=least,
+        minimum=minimum,
+        limit=limit,
+    )
 
 
 def _check_flight(plant: "Plant", wind: Any, length: float) -> None:
@@ -186,6 +174,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 
     from tvclin.cli.fly_shown import Compared
     from tvclin.flights.beside import fly_beside
+    from tvclin.flights.engines import ENGINES
     from tvclin.linear.models import USUAL_MODEL
 
     start = float(case.wind.onset)
@@ -218,7 +207,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         beside="linear",
         columns=("flown", "linear", "difference"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
-        heads=[case.title, f"flown: {ENGINES[case.engine]}", case.assumed, linear],
+        heads=[case.title, f"flown: {ENGINES[case.engine].words}", case.assumed, linear],
         ends=ends,
         title=f"Limit {np.degrees(case.limit):.4f} deg, {case.limit / case.boundary:.4g} times the"
         " linear boundary",

@@ -1,6 +1,6 @@
 """What `tvclin margins --flown` adds: how much may change in this wind, with this stop."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -8,11 +8,8 @@ import typer
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
-    from tvclin.cli.pulse import PulseOptions
-    from tvclin.control.autopilot.autopilot import Autopilot
+    from tvclin.answers.case import Case
     from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
-    from tvclin.linear.flexible import AnyPlant
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
 
 Flown = Annotated[
     bool,
@@ -32,56 +29,37 @@ SampleRate = Annotated[
 _RATE = 100.0
 
 
-@dataclass(frozen=True)
-class FlownCase:
-    """What is flown: the options of the wind and of the limit."""
+def flown_of(case: "Case", sample_rate: float | None) -> "FlownMargins":
+    """Return the flown margins of a case, in place of its delay a computing delay."""
+    from tvclin.base.errors import InputError
+    from tvclin.control.laws.attitude import SaturatedLaw
+    from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    limit_deg: float | None
-    blows: "PulseOptions"
-    sample_rate: float | None
-
-    def margins(
-        self, vehicle: "AnyVehicle", plane: str, plant: "AnyPlant", autopilot: "Autopilot"
-    ) -> "FlownMargins":
-        """Return the flown margins of an autopilot, in place of its delay a computing delay."""
-        import numpy as np
-
-        from tvclin.base.errors import InputError, positive
-        from tvclin.control.laws.attitude import SaturatedLaw
-        from tvclin.flights.closed_loop.flown_margins import flown_margins
-
-        if self.limit_deg is None:
-            raise InputError("--flown needs --limit-deg, the deflection limit in deg")
-        limit = float(np.radians(positive("--limit-deg", self.limit_deg, "deg")))
-        return flown_margins(
-            plant,
-            SaturatedLaw(replace(autopilot, actuator=None, delay=0.0, sample_rate=None)),
-            self.blows.blowing(vehicle, plane),
-            limit=limit,
-            actuator=autopilot.actuator,
-            sample_rate=self.rate,
-            delay=float(autopilot.delay),
-        )
-
-    @property
-    def rate(self) -> float:
-        """Samples of the flights [Hz]."""
-        return _RATE if self.sample_rate is None else self.sample_rate
-
-    @property
-    def title(self) -> str:
-        """The case in one line."""
-        return (
-            f"In this {self.blows.wind} wind of {self.blows.duration:g} s, with a stop at"
-            f" {self.limit_deg:g} deg, {self.rate:g} Hz"
-        )
+    if case.limit is None:
+        raise InputError("--flown needs --limit-deg, the deflection limit in deg")
+    return flown_margins(
+        case.plant,
+        SaturatedLaw.of(case.autopilot),
+        case.history,
+        limit=case.limit,
+        actuator=case.autopilot.actuator,
+        sample_rate=sample_rate or _RATE,
+        delay=float(case.autopilot.delay),
+    )
 
 
-def print_flown(found: "FlownMargins", title: str) -> None:
-    """Print flown margins as a table, with what is to be known about them."""
+def print_flown(found: "FlownMargins", case: "Case", sample_rate: float | None) -> None:
+    """Print the flown margins of a case as a table, with what is to be known about them."""
+    import numpy as np
+
     from tvclin.cli.output import print_table
     from tvclin.flights.closed_loop.flown_record import CHANGES
 
+    wind = case.history
+    title = (
+        f"In this {case.shape} wind of {wind.end - wind.onset:g} s, with a stop at"
+        f" {np.degrees(case.limit or 0.0):g} deg, {sample_rate or _RATE:g} Hz"
+    )
     rows = [_row(name, getattr(found, name)) for name in CHANGES]
     print_table(title, ["may change", "by", "then it", "near rest"], rows)
     say(

@@ -4,12 +4,12 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.flight_cases import ENGINES, LAWS, flight_case, flight_wind, fly_nonlinear
-from tvclin.cli.fly_linear import LinearCase, Steps, fly_linear
+from tvclin.cli.flight_cases import REPORT, Flying, flight_case, flight_wind, fly_nonlinear
+from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.fly_shown import Shown
 from tvclin.cli.fly_winds import Window, Winds, WindsTime, sounding_wind
-from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import load_plant, note_structure, only_with
+from tvclin.cli.gains import GainOptions, LoopOptions, given
+from tvclin.cli.inputs import limit_of, note_structure, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
@@ -26,6 +26,8 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.pulse import PulseOptions
 
 _LONGEST = 20.0
+_RATE = 100.0
+"""Samples of a law [Hz] where nothing is asked."""
 
 
 @grouped
@@ -47,9 +49,9 @@ def fly(
     law: Annotated[
         str | None,
         typer.Option(
-            help="Control law: report, trim, dead-band, saturated (the gains below), half-relief or"
-            " recoverable.",
-            show_default="saturated for --engine linear, else report",
+            help="Control law: report, autopilot (the gains below), trim, dead-band, half-relief or"
+            " recoverable-attitude.",
+            show_default="autopilot for --engine linear, else report",
         ),
     ] = None,
     dead_band: Annotated[
@@ -73,6 +75,7 @@ def fly(
         typer.Option(help="Sample rate of the law of --engine linear, in Hz.", show_default="100"),
     ] = None,
     gains: GainOptions = GainOptions(),
+    loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
     along_trajectory: Annotated[
         bool,
@@ -100,18 +103,20 @@ def fly(
     """
     import numpy as np
 
+    from tvclin.answers.case import Case
     from tvclin.base.errors import one_of, positive, within
+    from tvclin.control.laws.registry import AUTOPILOT, LAWS
     from tvclin.flights.condition import load_flight_condition
-    from tvclin.vehicle.linear_vehicle import load_any_vehicle, whole_vehicle
+    from tvclin.flights.engines import ENGINES
+    from tvclin.vehicle.linear_vehicle import whole_vehicle
 
     if engine is not None:
         one_of("--engine", engine, (*ENGINES, "linear"))
-    one_of("--law", law or "report", ["report", *LAWS])
+    one_of("--law", law or REPORT, [REPORT, *LAWS])
     wind, duration = blows.wind, float(positive("--duration", blows.duration, "s"))
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    loaded = whole_vehicle(load_any_vehicle(vehicle), "a flight")
-    _, plant, frame = load_plant(vehicle, "drift-exact", plane, rigid)
+    loaded = whole_vehicle(vehicle_of(vehicle, rigid), "a flight")
     if winds is None:
         only_with(
             "a sounding, --winds", azimuth_deg=azimuth_deg, window=window, winds_time=winds_time
@@ -127,25 +132,35 @@ def fly(
         gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name
         duration = float(gust.end - gust.onset)
     span, shown = (until * duration, points), Shown(csv, plot, as_json)
-    if engine == "linear" or (engine is None and plant is not frame and not along_trajectory):
+    linear = engine == "linear" or (
+        engine is None and loaded.structure is not None and not along_trajectory
+    )
+    chosen = law or (AUTOPILOT if linear else REPORT)
+    only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
+    case = Case(
+        vehicle=loaded,
+        plane=plane,
+        wind=gust,
+        limit=limit_of(limit_deg),
+        gains=gains.asked(loop),
+    )
+    flying = wind, chosen, dead_band
+    if linear:
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
-        steps = Steps(gains, sample_rate, rate_limit_deg)
-        case = LinearCase(
-            loaded, plant, frame, plane, wind, gust, law or "saturated", dead_band, steps
-        )
+        steps = _RATE if sample_rate is None else sample_rate, rate_limit_deg
         with waiting("flying"):
-            found = fly_linear(case, limit_deg, boundary, np.linspace(0.0, *span))
+            found = fly_linear(LinearCase(case, *flying, *steps), boundary, np.linspace(0.0, *span))
     else:
         only_with(
             "--engine linear",
-            **gains.given,
+            **given(loop),
+            rigid=rigid and engine is not None,
             sample_rate=sample_rate,
             rate_limit_deg=rate_limit_deg,
         )
-        note_structure(loaded, getattr(plant, "structure", None), plane)
+        note_structure(loaded, plane)
         condition = load_flight_condition(vehicle) if along_trajectory else None
-        asked = (law or "report", dead_band, limit_deg)
-        one = flight_case(loaded, wind, gust, engine or "planar", plane, *asked, condition, span[0])
+        one = flight_case(Flying(case, *flying), engine or "planar", condition, span[0])
         with waiting("flying"):
             found = fly_nonlinear(one, boundary, *span)
     if not found.show(shown):

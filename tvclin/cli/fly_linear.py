@@ -1,11 +1,10 @@
 """`tvclin fly --engine linear`: a sampled law, with the nozzle's limits, rigid or flexible."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import only_with
+from tvclin.cli.flight_cases import REPORT, Flying
 
 if TYPE_CHECKING:
     from tvclin.cli.fly_shown import Compared
@@ -13,84 +12,45 @@ if TYPE_CHECKING:
     from tvclin.flights.closed_loop.boundary import ClosedLoopBoundary
     from tvclin.flights.flexible import SampledFlight
     from tvclin.linear.flexible import AnyPlant
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.structure import Structure
-    from tvclin.vehicle.vehicle import Vehicle
 
-_RATE = 100.0
-"""Samples of a law [Hz] where nothing is asked."""
 _SPARE, _HIGHEST = 1.1, 4.0
 """Of the limit over the boundary, and of the limits tried for that over the largest trim."""
-_OF_ALL = ("actuator_frequency", "actuator_damping", "delay_ms", "notch_hz", "low_pass_hz")
-"""Options of gains that any law takes."""
-
-
-@dataclass(frozen=True)
-class Steps:
-    """The options of a law in steps: gains and filters, samples [Hz], and rate limit [deg/s]."""
-
-    gains: GainOptions = field(default_factory=GainOptions)
-    sample_rate: float | None = None
-    rate_limit_deg: float | None = None
-
-    @property
-    def rate(self) -> float:
-        """Samples of the law [Hz]."""
-        return _RATE if self.sample_rate is None else self.sample_rate
-
-    @property
-    def hardware(self) -> GainOptions:
-        """The options that any law takes: filters, actuator and delay."""
-        return GainOptions(**{name: getattr(self.gains, name) for name in _OF_ALL})
 
 
 @dataclass(frozen=True, eq=False)
-class LinearCase:
-    """What is flown; `frame` is the rigid plant of the same model."""
+class LinearCase(Flying):
+    """What is flown in steps: samples of the law [Hz], and the nozzle's rate limit [deg/s]."""
 
-    vehicle: "Vehicle"
-    plant: "AnyPlant"
-    frame: "Plant"
-    plane: str
-    shape: str
-    wind: Any
-    law: str
-    dead_band: float | None
-    steps: "Steps"
+    sample_rate: float
+    rate_limit_deg: float | None
 
     engine = "linear"
 
     @property
-    def structure(self) -> "Structure | None":
-        """What bends and sloshes; None of a rigid vehicle."""
-        return getattr(self.plant, "structure", None)
+    def plant(self) -> "AnyPlant":
+        """What flies."""
+        return self.case.plant
 
     @property
     def bends(self) -> bool:
         """Whether the vehicle is flexible."""
-        return self.structure is not None
+        return self.case.vehicle.structure is not None
 
     @cached_property
     def control(self) -> "Law":
         """The law, with the filters that were asked for."""
+        from tvclin.answers.flexible import with_filters
         from tvclin.base.errors import InputError
-        from tvclin.cli.flight_cases import LAWS, standard_law
-        from tvclin.control.laws.attitude import SaturatedLaw
-        from tvclin.control.laws.filtered import FilteredLaw
+        from tvclin.control.laws.law import Law
 
-        if self.law == "report":
+        if self.law == REPORT:
             raise InputError(
-                "--law report has no actuator and no samples: fly it by --engine planar or sixdof,"
-                " or give --law trim"
+                f"--law {REPORT} has no actuator and no samples: fly it by --engine planar or"
+                " sixdof, or give --law trim"
             )
-        chosen = standard_law(self.frame, self.law, self.dead_band, float(self.wind.peak))
-        if self.law == "saturated":
-            gains = self.steps.gains.autopilot(self.frame)
-            return SaturatedLaw(replace(gains, actuator=None, delay=0.0))
-        own = {k: v for k, v in self.steps.gains.given.items() if k not in _OF_ALL}
-        only_with(f"--law saturated; {LAWS[self.law]} has its own gains", **own)
-        filters = self._hardware.filters
-        return FilteredLaw(chosen, filters=filters) if filters else chosen
+        chosen = self.designed(self.plant.rigid)
+        assert isinstance(chosen, Law)
+        return with_filters(chosen, self.case.asked)
 
     @cached_property
     def nozzle(self) -> dict[str, Any]:
@@ -99,20 +59,15 @@ class LinearCase:
 
         from tvclin.base.errors import number, positive
 
-        most = self.steps.rate_limit_deg
+        most = self.rate_limit_deg
         return {
-            "actuator": self._hardware.actuator,
-            "delay": float(self._hardware.delay),
-            "sample_rate": number("--sample-rate", self.steps.rate, positive, "Hz"),
+            "actuator": self.case.asked.actuator,
+            "delay": float(self.case.asked.delay),
+            "sample_rate": number("--sample-rate", self.sample_rate, positive, "Hz"),
             "rate_limit": np.inf
             if most is None
             else float(np.radians(number("--rate-limit-deg", most, positive, "deg/s"))),
         }
-
-    @cached_property
-    def _hardware(self) -> Any:
-        """An autopilot with filters, actuator and delay as asked, whatever its gains."""
-        return replace(self.steps.hardware, attitude_gain=1.0, rate_gain=1.0).autopilot(self.frame)
 
     def boundary(self, plant: "AnyPlant") -> "ClosedLoopBoundary":
         """Return the boundary of the law on a plant."""
@@ -126,31 +81,31 @@ class LinearCase:
         from tvclin.cli.bands import parts_line
         from tvclin.cli.fly_shown import wind_line
 
+        structure = self.case.vehicle.structure
         servo, delay = self.nozzle["actuator"], 1000.0 * self.nozzle["delay"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
             wind_line(self),
-            *([parts_line(self.structure)] if self.structure else []),
-            f"linear equations, {self.plant.model}; law at {self.steps.rate:g} Hz, delay"
+            *([parts_line(structure)] if structure else []),
+            f"linear equations, {self.plant.model}; law at {self.sample_rate:g} Hz, delay"
             f" {delay:g} ms, actuator {with_servo}",
         ]
         return "\n".join(said)
 
 
-def fly_linear(case: LinearCase, limit_deg: float | None, boundary: bool, times: Any) -> "Compared":
+def fly_linear(case: LinearCase, boundary: bool, times: Any) -> "Compared":
     """Return the flight of a case; without a limit that has a tenth to spare."""
     import numpy as np
 
-    from tvclin.base.errors import InputError, within
+    from tvclin.base.errors import InputError
     from tvclin.flights.flexible import fly_sampled
 
     least = None
-    if limit_deg is None or boundary:
-        plants = (case.plant, case.frame) if case.bends else (case.plant,)
+    limit = case.case.limit
+    if limit is None or boundary:
+        plants = (case.plant, case.plant.rigid) if case.bends else (case.plant,)
         least = tuple(case.boundary(plant) for plant in plants)
-    if limit_deg is not None:
-        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
-    else:
+    if limit is None:
         assert least is not None
         limit = _SPARE * abs(least[0].deflection)
         if not np.isfinite(limit):
@@ -195,7 +150,7 @@ def _compared(
         facts={
             "flexible": bends,
             "linear_model": case.plant.model,
-            "sample_rate_Hz": case.steps.rate,
+            "sample_rate_Hz": case.sample_rate,
             "delay_s": case.nozzle["delay"],
             "status": dict(zip(("flown", "rigid"), flight.status, strict=True)),
             "peak_deflection_rate_deg_s": dict(zip(("flown", "rigid"), rates, strict=True)),

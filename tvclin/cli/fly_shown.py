@@ -114,7 +114,7 @@ class Compared:
 
         case, ends = self.case, self._ends()
         return {
-            **picked(case, "vehicle=vehicle.name engine plane law dead_band"),
+            **picked(case, "vehicle=case.vehicle.name engine plane=case.plane law dead_band"),
             "wind": {"shape": case.shape, **picked(case.wind, "peak_deg onset_s end_s")},
             **picked(self, "limit_deg survived=flight.survived"),
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
@@ -144,6 +144,6 @@ def wind_line(case: Any) -> str:
 
     peak, length = float(np.degrees(case.wind.peak)), float(case.wind.end - case.wind.onset)
     return (
-        f"{case.vehicle.name or 'Vehicle'}\n{case.shape} wind of {peak:.4g} deg and"
-        f" {length:.4g} s, {case.plane}, law {case.law}"
+        f"{case.case.vehicle.name or 'Vehicle'}\n{case.shape} wind of {peak:.4g} deg and"
+        f" {length:.4g} s, {case.case.plane}, law {case.law}"
     )

@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.autopilot.rules import GainsAsked
-    from tvclin.linear.plant import Plant
     from tvclin.vehicle.filters import Filter
 
 
@@ -33,8 +31,41 @@ LowPassHz = Annotated[
 
 
 @dataclass(frozen=True)
+class LoopOptions:
+    """What stands about any law: filters, actuator and delay; `grouped` gives them to a command."""
+
+    actuator_frequency: Annotated[
+        float | None,
+        typer.Option(
+            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
+            show_default="25.1",
+        ),
+    ] = None
+    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
+    actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
+    delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
+        0.0
+    )
+    notch_hz: NotchHz = None
+    low_pass_hz: LowPassHz = None
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The fields of `GainsAsked` that they give."""
+        from tvclin.base.errors import nonnegative, number
+
+        delay = number("--delay-ms", self.delay_ms, nonnegative, "ms")
+        return {
+            "filters": _filters(self.notch_hz or (), self.low_pass_hz or ()),
+            "delay": delay / 1000.0,
+            "actuator_damping": self.actuator_damping,
+            **_actuator(self.actuator_frequency, self.actuator_hz),
+        }
+
+
+@dataclass(frozen=True)
 class GainOptions:
-    """The options in one place; `grouped` gives them to a command."""
+    """The gains, or a rule for them; `grouped` gives them to a command."""
 
     design: Annotated[
         str | None,
@@ -62,42 +93,18 @@ class GainOptions:
     integral_gain: Annotated[
         float, typer.Option(help="Gain aI on the integrated attitude, in 1/s.")
     ] = 0.0
-    actuator_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
-            show_default="25.1",
-        ),
-    ] = None
-    actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
-    actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
-    delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
-        0.0
-    )
-    notch_hz: NotchHz = None
-    low_pass_hz: LowPassHz = None
 
-    @property
-    def given(self) -> dict[str, Any]:
-        """The options that are not as they stand without being given."""
-        usual = GainOptions()
-        return {name: v for name, v in vars(self).items() if v != getattr(usual, name)}
-
-    def autopilot(self, plant: "Plant") -> "Autopilot":
-        """Return the autopilot that the options ask for."""
-        return self.asked().autopilot(plant)
-
-    def asked(self, **others: Any) -> "GainsAsked":
+    def asked(self, loop: LoopOptions, **others: Any) -> "GainsAsked":
         """Return what the options ask for, with other fields of `GainsAsked` beside them."""
-        from tvclin.base.errors import nonnegative, number
         from tvclin.control.autopilot.rules import GainsAsked
 
-        asked = dict(vars(self))
-        notches, passes = asked.pop("notch_hz"), asked.pop("low_pass_hz")
-        asked["filters"] = filters_of(notches or (), passes or ())
-        delay = number("--delay-ms", asked.pop("delay_ms"), nonnegative, "ms")
-        asked |= _actuator(asked.pop("actuator_frequency"), asked.pop("actuator_hz"))
-        return GainsAsked(delay=delay / 1000.0, **(asked | others))
+        return GainsAsked(**(vars(self) | loop.fields | others))
+
+
+def given(options: Any) -> dict[str, Any]:
+    """Return which of a group of options are not as they stand without being given."""
+    usual = type(options)()
+    return {name: v for name, v in vars(options).items() if v != getattr(usual, name)}
 
 
 def _actuator(frequency: float | None, hertz: float | None) -> dict[str, float]:
@@ -115,7 +122,7 @@ def _actuator(frequency: float | None, hertz: float | None) -> dict[str, float]:
     return {"actuator_frequency": number("--actuator-frequency", frequency, nonnegative, "rad/s")}
 
 
-def filters_of(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
+def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":
     """Return the filters of `NotchHz` and `LowPassHz`."""
     from tvclin.vehicle.filters import Filter
 

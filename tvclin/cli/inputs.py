@@ -6,11 +6,7 @@ from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
-    from tvclin.linear.flexible import AnyPlant
-    from tvclin.linear.plant import Plant
     from tvclin.vehicle.linear_vehicle import AnyVehicle
-    from tvclin.vehicle.structure import Structure
-    from tvclin.vehicle.vehicle import Vehicle
     from tvclin.winds.histories import History
 
 
@@ -32,49 +28,20 @@ def only_with(needed: str, **options: Any) -> None:
         raise InputError(f"{named} {needed}")
 
 
-def load_plant(
-    source: str, model: str | None, plane: str, rigid: bool
-) -> "tuple[AnyVehicle, AnyPlant, Plant]":
-    """Return a vehicle, its plant, and the rigid plant of the same model.
+def vehicle_of(source: str, rigid: bool = False) -> "AnyVehicle":
+    """Return a vehicle, rigid if that is asked for, and say on stderr what in it is odd."""
+    from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
-    The plant is flexible where the file has a structure and `rigid` is not asked for.
-    """
-    from tvclin.linear.flexible import FlexiblePlant
-    from tvclin.linear.models import USUAL_MODEL
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
-    from tvclin.vehicle.structure_file import load_structure
-
-    loaded = load_any_vehicle(source)
-    note_doubts(loaded)
-    if isinstance(loaded, LinearVehicle):
-        plant = Plant.from_vehicle(loaded, model, plane)
-        return loaded, plant, plant
-    structure = load_structure(source)
-    if rigid or structure.is_rigid:
-        plant = Plant.from_vehicle(loaded, model, plane)
-        return loaded, plant, plant
-    bends = FlexiblePlant.from_vehicle(loaded, structure, model or USUAL_MODEL, plane)
-    return loaded, bends, bends.rigid
+    found = load_any_vehicle(source)
+    note_doubts(found)
+    return found.rigid if rigid else found
 
 
-def load_rigid(source: str, plane: str) -> "Vehicle":
+def rigid_vehicle_of(source: str, plane: str) -> "AnyVehicle":
     """Return a vehicle for a command that knows it as rigid, and say so if its file knows more."""
-    from tvclin.vehicle.file import load_vehicle
-    from tvclin.vehicle.structure_file import load_structure
-
-    loaded = load_vehicle(source)
-    note_doubts(loaded)
-    note_structure(loaded, load_structure(source), plane)
-    return loaded
-
-
-def load_linear(source: str, plane: str) -> "AnyVehicle":
-    """Return a vehicle as `load_rigid`, or one that is known by its coefficients."""
-    from tvclin.vehicle.linear_vehicle import LinearVehicle, load_any_vehicle
-
-    loaded = load_any_vehicle(source)
-    return loaded if isinstance(loaded, LinearVehicle) else load_rigid(source, plane)
+    found = vehicle_of(source)
+    note_structure(found, plane)
+    return found.rigid
 
 
 def note_doubts(vehicle: "AnyVehicle") -> None:
@@ -86,18 +53,16 @@ def note_doubts(vehicle: "AnyVehicle") -> None:
         say(f"Note: {doubt}.", err=True)
 
 
-def note_structure(
-    vehicle: "AnyVehicle", structure: "Structure | None", plane: str, which: str = "these numbers"
-) -> None:
+def note_structure(vehicle: "AnyVehicle", plane: str, which: str = "these numbers") -> None:
     """Say of a vehicle with structure that the numbers are those of the rigid one, on stderr.
 
     The sentence says by how much the structure moves what they rest on, see `FlexiblePlant.shift`.
     """
-    if structure is None or structure.is_rigid:
+    if vehicle.structure is None:
         return
-    from tvclin.answers.flexible import flexible_plant, shift_words
+    from tvclin.answers.flexible import shift_words
 
-    moved = shift_words(flexible_plant(vehicle, structure, plane))
+    moved = shift_words(vehicle, plane)
     said = f"Note: {which} are of the rigid vehicle, without the structure in its file"
     said += f", which {moved}" if moved else ""
     say(f"{said} (tvclin margins has it).", err=True)
@@ -114,7 +79,7 @@ def note_source(source: str) -> None:
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
         plan = load_study(source)
         note_doubts(plan.vehicle)
-        note_structure(plan.vehicle, plan.structure, plan.plane)
+        note_structure(plan.vehicle, plan.plane)
 
 
 def peak_angle(
@@ -176,6 +141,17 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
 
 
+def limit_of(limit_deg: float | None) -> float | None:
+    """Return the deflection limit [rad] of --limit-deg; None without it."""
+    import numpy as np
+
+    from tvclin.base.errors import within
+
+    if limit_deg is None:
+        return None
+    return float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+
+
 def changed_plan(
     plan: "StudyPlan",
     wind: str | None,
@@ -188,13 +164,9 @@ def changed_plan(
     """Return the plan with what the options say in place of the file."""
     from dataclasses import replace
 
-    import numpy as np
-
-    from tvclin.base.errors import within
-
     changes = {name: value for name, value in given.items() if value is not None}
     if limit_deg is not None:
-        changes["limit"] = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+        changes["limit"] = limit_of(limit_deg)
         if plan.sizing is not None:
             changes["sizing"] = replace(plan.sizing, limit=changes["limit"])
     asked: dict[str, Any] = {"shape": wind, "duration": duration, "heading": heading}

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.bands import parts_line
-from tvclin.cli.gains import LowPassHz, NotchHz, filters_of
-from tvclin.cli.inputs import load_plant, peak_angle
+from tvclin.cli.gains import LoopOptions
+from tvclin.cli.inputs import peak_angle, vehicle_of
 from tvclin.cli.options import (
     MODEL_DEFAULT,
     MODELS_HELP,
@@ -18,6 +18,7 @@ from tvclin.cli.options import (
     Plane,
     Plot,
     Rigid,
+    grouped,
 )
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar, share
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from tvclin.winds.histories import History
 
 
+@grouped
 def laws(
     vehicle: LinearVehicle = "configuration-i",
     duration: Duration = 7.5,
@@ -52,16 +54,7 @@ def laws(
         ),
     ] = None,
     plane: Plane = "pitch",
-    actuator_frequency: Annotated[
-        float | None,
-        typer.Option(
-            help="Natural frequency of the actuator, in rad/s; 0: no actuator.",
-            show_default="25.1 for a flexible vehicle, else 0",
-        ),
-    ] = None,
-    delay_ms: Annotated[float, typer.Option(help="Computing delay of the law, in ms.")] = 0.0,
-    notch_hz: NotchHz = None,
-    low_pass_hz: LowPassHz = None,
+    loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
     as_json: AsJson = False,
     plot: Plot = None,
@@ -70,7 +63,7 @@ def laws(
 
     It takes about a second for each law and wind, and a minute more for a figure. A vehicle file
     with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
-    actuator. --rigid leaves all that out.
+    actuator; a rigid one does where an actuator is given. --rigid leaves all that out.
 
     Exit code 0: answered; 2: bad input.
     """
@@ -78,21 +71,17 @@ def laws(
 
     from tvclin.answers.flexible import nozzle_of, with_filters
     from tvclin.answers.trials import law_trials, standard_laws, standard_winds
-    from tvclin.base.errors import InputError, nonnegative, number, one_of, positive, within
+    from tvclin.base.errors import InputError, one_of, positive, within
     from tvclin.cli.output import print_json
     from tvclin.control.autopilot.rules import GainsAsked
-    from tvclin.linear.flexible import FlexiblePlant
+    from tvclin.linear.flexible import FlexiblePlant, plant_of
 
-    loaded, flying, plant = load_plant(vehicle, model, plane, rigid)
-    flexible = flying is not plant
+    loaded = vehicle_of(vehicle, rigid)
+    flying = plant_of(loaded, model, plane)
+    plant, flexible = flying.rigid, loaded.structure is not None
     if flexible and plot is not None:
         raise InputError("--plot draws the laws on the rigid vehicle: give --rigid as well")
-    servo = (25.1 if flexible else 0.0) if actuator_frequency is None else actuator_frequency
-    asked = GainsAsked(
-        actuator_frequency=number("--actuator-frequency", servo, nonnegative, "rad/s"),
-        delay=number("--delay-ms", delay_ms, nonnegative, "ms") / 1000.0,
-        filters=filters_of(notch_hz or (), low_pass_hz or ()),
-    )
+    asked = GainsAsked(**(({} if flexible else {"actuator_frequency": 0.0}) | loop.fields))
     nozzle = nozzle_of(asked, 0.0) | {"sample_rate": sample_rate}
     peak = peak_angle(loaded, plane, peak_deg, peak_speed)
     positive("--duration", duration, "s")
@@ -129,8 +118,9 @@ def laws(
     else:
         if isinstance(flying, FlexiblePlant):
             say(parts_line(flying.structure))
-            say(f"law at {sample_rate:g} Hz, delay {delay_ms:g} ms")
+            say(f"law at {sample_rate:g} Hz, delay {loop.delay_ms:g} ms")
         wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
+        servo = asked.actuator_frequency
         engine = f"actuator {servo:g} rad/s" if servo else "no actuator"
         say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
         _print(found, limits, list(chosen), trim)
@@ -152,7 +142,7 @@ def _print(
     from tvclin.cli.output import print_table
     from tvclin.flights.closed_loop.edges import ABOVE, PARTS, STEPS
 
-    headings = ["wind", *names, "any law"]
+    headings = ["wind", *(name.replace("-", " ") for name in names), "any law"]
     table = {(one.wind, one.law): one for one in found}
 
     def rows(show: Any) -> list[list[str]]:

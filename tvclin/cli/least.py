@@ -1,84 +1,81 @@
 """What `tvclin autopilot --least` adds: gains for the least nozzle."""
 
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tvclin.cli.gains import given
 from tvclin.cli.inputs import only_with
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
     from tvclin.answers.least_gains.record import LeastGains
-    from tvclin.cli.gains import GainOptions
     from tvclin.control.margins.criteria import Criteria
-    from tvclin.linear.plant import Plant
-    from tvclin.winds.histories import History
 
-Least = Annotated[
-    bool,
-    typer.Option(
-        "--least",
-        help="Find the gains that need the least deflection of all that meet the criteria: in the"
-        " wind, and in winds half and twice as long.",
-    ),
-]
-ThreeGains = Annotated[
-    bool, typer.Option("--three-gains", help="With --least: also feed back the angle of attack.")
-]
-Crossover = Annotated[
-    float | None, typer.Option(help="With --least: highest gain crossover, in rad/s.")
-]
-Limits = Annotated[
-    bool,
-    typer.Option(
-        "--limits",
-        help="With --least: find the least limit that flights survive, not the least peak.",
-    ),
-]
-Stops = Annotated[
-    int,
-    typer.Option(
-        help="With --least --limits: number of sudden ends of each wind to survive as well."
-    ),
-]
 _DURATIONS = (1.0, 0.5, 2.0)
 """Of the winds, over the one that is asked about: one wind alone is overfitted."""
 
 
-def found_least(
-    gains: "GainOptions",
-    plant: "Plant",
-    wind: Any,
-    criteria: "Criteria",
-    least: bool,
-    three_gains: bool,
-    crossover: float | None,
-    limits: bool,
-    stops: int,
-) -> "LeastGains | None":
-    """Return the gains for the least nozzle where they are asked for."""
-    from tvclin.answers.least_gains.asked import least_asked
-    from tvclin.base.errors import InputError
-    from tvclin.control.autopilot.rules import LEAST_NOZZLE
+@dataclass(frozen=True)
+class LeastOptions:
+    """The options in one place; `grouped` gives them to a command."""
 
-    if not least and gains.design != LEAST_NOZZLE:
-        only_with(
+    least: Annotated[
+        bool,
+        typer.Option(
             "--least",
-            three_gains=three_gains,
-            crossover=crossover,
-            limits=limits,
-            stops=stops or None,
+            help="Find the gains that need the least deflection of all that meet the criteria: in"
+            " the wind, and in winds half and twice as long.",
+        ),
+    ] = False
+    three_gains: Annotated[
+        bool,
+        typer.Option("--three-gains", help="With --least: also feed back the angle of attack."),
+    ] = False
+    crossover: Annotated[
+        float | None, typer.Option(help="With --least: highest gain crossover, in rad/s.")
+    ] = None
+    limits: Annotated[
+        bool,
+        typer.Option(
+            "--limits",
+            help="With --least: find the least limit that flights survive, not the least peak.",
+        ),
+    ] = False
+    stops: Annotated[
+        int,
+        typer.Option(
+            help="With --least --limits: number of sudden ends of each wind to survive as well."
+        ),
+    ] = 0
+
+    def found(self, case: "Case", criteria: "Criteria") -> "LeastGains | None":
+        """Return the gains for the least nozzle where they are asked for."""
+        from tvclin.answers.least_gains.asked import least_asked
+        from tvclin.base.errors import InputError
+        from tvclin.control.autopilot.rules import LEAST_NOZZLE
+        from tvclin.winds.shaped import ShapedWind
+
+        asked, wind = case.asked, case.wind
+        if not self.least and asked.design != LEAST_NOZZLE:
+            only_with("--least", **given(self))
+            return None
+        if asked.design not in (None, LEAST_NOZZLE):
+            raise InputError(f"give --least or --design {asked.design}, not both")
+        assert isinstance(wind, ShapedWind)
+        winds = [replace(wind, duration=part * wind.duration).history({}) for part in _DURATIONS]
+        return least_asked(
+            replace(asked, design=LEAST_NOZZLE, crossover=self.crossover),
+            case.plant,
+            winds,
+            criteria,
+            gains=("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate"),
+            limits=self.limits,
+            stops=self.stops,
         )
-        return None
-    if gains.design not in (None, LEAST_NOZZLE):
-        raise InputError(f"give --least or --design {gains.design}, not both")
-    asked = gains.asked(design=LEAST_NOZZLE, crossover=crossover)
-    free = ("attitude", "rate", "alpha") if three_gains else ("attitude", "rate")
-    winds: list[History] = [
-        type(wind)(peak=wind.peak, duration=part * wind.duration) for part in _DURATIONS
-    ]
-    return least_asked(asked, plant, winds, criteria, gains=free, limits=limits, stops=stops)
 
 
 def draw_front(found: "LeastGains | None", plot: Path) -> None:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
+from tvclin.cli.criteria import MODES, CriteriaOptions
 from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
-from tvclin.cli.flown import Flown, FlownCase, FlownLimitDeg, SampleRate, print_flown
-from tvclin.cli.gains import GainOptions
-from tvclin.cli.inputs import load_plant, note_structure, only_with
+from tvclin.cli.flown import Flown, FlownLimitDeg, SampleRate, flown_of, print_flown
+from tvclin.cli.gains import GainOptions, LoopOptions, given
+from tvclin.cli.inputs import note_structure, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     LinearVehicle,
@@ -25,24 +26,6 @@ if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.margins.criteria import Criteria
 
-CriteriaName = Annotated[
-    str, typer.Option("--criteria", help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
-]
-GainDb = Annotated[
-    float | None,
-    typer.Option(help="Required gain margin, up and down, in dB, in place of that of --criteria."),
-]
-PhaseDeg = Annotated[
-    float | None,
-    typer.Option(help="Required phase margin, in deg, in place of that of --criteria."),
-]
-DelayMarginMs = Annotated[float | None, typer.Option(help="Required delay margin, in ms.")]
-ModeGainDb = Annotated[
-    float | None, typer.Option(help="Required gain margin of each gain-stabilised mode, in dB.")
-]
-ModePhaseDeg = Annotated[
-    float | None, typer.Option(help="Required phase margin of each phase-stabilised mode, in deg.")
-]
 _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 
@@ -50,12 +33,8 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 def margins(
     vehicle: LinearVehicle = "configuration-i",
     gains: GainOptions = GainOptions(),
-    criteria: CriteriaName = "classic",
-    gain_db: GainDb = None,
-    phase_deg: PhaseDeg = None,
-    delay_margin_ms: DelayMarginMs = None,
-    mode_gain_db: ModeGainDb = None,
-    mode_phase_deg: ModePhaseDeg = None,
+    loop: LoopOptions = LoopOptions(),
+    criteria: CriteriaOptions = CriteriaOptions(),
     rigid: Rigid = False,
     detuned: IsDetuned = False,
     box: Box = None,
@@ -89,31 +68,26 @@ def margins(
 
     from tvclin.base.errors import one_of
     from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
-    from tvclin.cli.output import print_json
+    from tvclin.cli.output import print_json, say
 
     one_of("--chart", chart, _CHARTS)
-    asked = wanted_criteria(
-        criteria, gain_db, phase_deg, delay_margin_ms, mode_gain_db, mode_phase_deg
-    )
-    loaded, plant, frame = load_plant(vehicle, model, plane, rigid)
-    if plant is frame:
-        only_with(
-            "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid",
-            mode_gain_db=mode_gain_db,
-            mode_phase_deg=mode_phase_deg,
-            detuned=detuned,
-        )
+    loaded = vehicle_of(vehicle, rigid)
+    asked = criteria.wanted(loaded)
+    case = blows.case(loaded, model, plane, gains.asked(loop), limit_deg)
+    plant = case.plant
+    only_with(MODES, detuned=detuned and loaded.structure is None)
     only_with("--flown", limit_deg=None if flown else limit_deg)
-    autopilot = replace(gains.autopilot(frame), sample_rate=sample_rate)
+    only_with("--flown or --box", **({} if flown or box else given(blows)))
+    autopilot = replace(case.autopilot, sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None
-    case = FlownCase(limit_deg, blows, sample_rate)
-    fine = flown and found.whole.stable
-    in_wind = case.margins(loaded, plane, plant, autopilot) if fine else None
-    in_box = worst_in_box(box or [], loaded, gains.autopilot(frame), frame.model, plane, blows)
+    in_wind = flown_of(case, sample_rate) if flown and found.whole.stable else None
+    in_box = worst_in_box(box or [], case)
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
     if in_box is not None:
-        note_structure(loaded, getattr(plant, "structure", None), plane, "the margins in the box")
+        note_structure(loaded, plane, "the margins in the box")
+        if sample_rate is not None:
+            say("Note: the margins in the box are of the continuous autopilot", err=True)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
@@ -121,47 +95,18 @@ def margins(
         if in_box is not None:
             box_document = in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
         beside = {"detuned": moved, "flown": in_wind, "box": in_box and box_document}
-        given = {name: one for name, one in beside.items() if one is not None}
-        print_json(head | margins_document(found) | given)
+        more = {name: one for name, one in beside.items() if one is not None}
+        print_json(head | margins_document(found) | more)
     else:
         print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
         if moved is not None:
             print_detuned(moved)
         if in_wind is not None:
-            print_flown(in_wind, case.title)
+            print_flown(in_wind, case, sample_rate)
         if in_box is not None:
             print_worst(in_box, in_all)
     if not (found.met and (in_box is None or met_in_box(in_box, in_all))):
         raise typer.Exit(1)
-
-
-def wanted_criteria(
-    name: str,
-    gain_db: float | None = None,
-    phase_deg: float | None = None,
-    delay_ms: float | None = None,
-    mode_gain_db: float | None = None,
-    mode_phase_deg: float | None = None,
-) -> "Criteria":
-    """Return the named criteria, or with other numbers those of the user."""
-    from tvclin.base.errors import nonnegative, one_of
-    from tvclin.control.margins.criteria import CRITERIA
-
-    named = CRITERIA[one_of("--criteria", name, CRITERIA)]
-    limits: dict[str, float] = {}
-    if gain_db is not None:
-        gain = float(nonnegative("--gain-db", gain_db, "dB"))
-        limits |= {"aero_margin_dB": gain, "gain_increase_dB": gain}
-    if phase_deg is not None:
-        limits["phase_margin_deg"] = float(nonnegative("--phase-deg", phase_deg, "deg"))
-    if delay_ms is not None:
-        limits["delay_margin"] = float(nonnegative("--delay-margin-ms", delay_ms, "ms")) / 1000.0
-    if mode_gain_db is not None:
-        limits["mode_gain_margin_dB"] = float(nonnegative("--mode-gain-db", mode_gain_db, "dB"))
-    if mode_phase_deg is not None:
-        least = float(nonnegative("--mode-phase-deg", mode_phase_deg, "deg"))
-        limits["mode_phase_margin_deg"] = least
-    return named.changed("the command line", **limits)
 
 
 def _draw(chart: str, autopilot: "Autopilot", plant: Any, asked: "Criteria", plot: Path) -> None:

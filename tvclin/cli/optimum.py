@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear
+from tvclin.cli.inputs import rigid_vehicle_of
 from tvclin.cli.options import (
     AsJson,
     Csv,
@@ -52,11 +52,10 @@ def optimum(
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
-    from tvclin.linear.plant import Plant
 
-    loaded = load_linear(vehicle, plane)
-    history = blows.blowing(loaded, plane)
-    plant = Plant.from_vehicle(loaded, model, plane)
+    loaded = rigid_vehicle_of(vehicle, plane)
+    case = blows.case(loaded, model, plane)
+    history, plant = case.history, case.plant.rigid
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
     if rate_limit_deg is not None:

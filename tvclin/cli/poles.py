@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import load_linear
+from tvclin.cli.inputs import rigid_vehicle_of
 from tvclin.cli.options import AsJson, LinearVehicle, Plane, Plot
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def poles(
     from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
-    loaded = load_linear(vehicle, plane)
+    loaded = rigid_vehicle_of(vehicle, plane)
     models = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in models}
     found = {name: _poles(plant) for name, plant in plants.items()}

@@ -1,13 +1,16 @@
 """The options of a pulse of wind, and the wind that they ask for."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tvclin.cli.inputs import peak_angle
+from tvclin.cli.inputs import limit_of, peak_angle
 from tvclin.cli.options import Duration, PeakDeg, PeakSpeed, Wind
 
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
+    from tvclin.control.autopilot.rules import GainsAsked
     from tvclin.vehicle.linear_vehicle import AnyVehicle
+    from tvclin.winds.shaped import ShapedWind
 
 
 @dataclass(frozen=True)
@@ -23,8 +26,31 @@ class PulseOptions:
         """Return the peak wind angle of attack [rad]."""
         return peak_angle(vehicle, plane, self.peak_deg, self.peak_speed)
 
-    def blowing(self, vehicle: "AnyVehicle", plane: str) -> Any:
+    def blowing(self, vehicle: "AnyVehicle", plane: str) -> "ShapedWind":
         """Return the wind; an unknown shape is refused, and so are numbers out of range."""
-        from tvclin.winds.shaped import pulse
+        from tvclin.base.errors import one_of, positive
+        from tvclin.winds.shaped import PULSES, ShapedWind
 
-        return pulse("--wind", self.wind, self.peak(vehicle, plane), self.duration)
+        shape = one_of("--wind", self.wind, PULSES)
+        duration = float(positive("--duration", self.duration, "s"))
+        return ShapedWind(shape, self.peak(vehicle, plane), duration)
+
+    def case(
+        self,
+        vehicle: "AnyVehicle",
+        model: str | None,
+        plane: str,
+        gains: "GainsAsked | None" = None,
+        limit_deg: float | None = None,
+    ) -> "Case":
+        """Return the case of a vehicle in the wind, with a limit and an autopilot if given."""
+        from tvclin.answers.case import Case
+
+        return Case(
+            vehicle=vehicle,
+            model=model or "",
+            plane=plane,
+            wind=self.blowing(vehicle, plane),
+            limit=limit_of(limit_deg),
+            gains=gains,
+        )

@@ -54,6 +54,6 @@ def report(
     say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:
         say(f"Note: {doubt}.")
-    note_structure(plan.vehicle, plan.structure, plan.plane, "boundaries and sizes on the page")
+    note_structure(plan.vehicle, plan.plane, "boundaries and sizes on the page")
     if not all_yes(findings[0]):
         raise typer.Exit(1)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.cases import Case, make_case
-from tvclin.cli.inputs import load_linear
+from tvclin.cli.held import Held, held
+from tvclin.cli.inputs import rigid_vehicle_of
 from tvclin.cli.options import (
     AsJson,
     Csv,
@@ -65,12 +65,12 @@ def respond(
     from tvclin.linear.loads import wind_loads
     from tvclin.linear.verdict import judge
 
-    loaded = load_linear(vehicle, plane)
+    loaded = rigid_vehicle_of(vehicle, plane)
     within("--until", until, 1e-3, _LONGEST)
     length = until * float(positive("--duration", blows.duration, "s"))
     within("--points", points, 2, 1_000_000)
-    asked = (dead_band, capability, limit_deg)
-    case = make_case(loaded, blows, *asked, model, plane, max(length, blows.duration))
+    asked = blows.case(loaded, model, plane, limit_deg=limit_deg)
+    case = held(asked, dead_band, capability, max(length, blows.duration))
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
     shown = shown_until(case.plant, case.deflection, case.wind, length, lets_go=lets_go)
@@ -86,7 +86,7 @@ def respond(
         _print(case, found, loads, verdict, shown)
 
 
-def _write(case: Case, length: float, points: int, csv: Path | None, plot: Path | None) -> None:
+def _write(case: Held, length: float, points: int, csv: Path | None, plot: Path | None) -> None:
     import numpy as np
 
     from tvclin.base.files import write_text
@@ -95,27 +95,27 @@ def _write(case: Case, length: float, points: int, csv: Path | None, plot: Path 
 
     times = np.linspace(0.0, length, points)
     response = attitude_responses(case.plant, case.deflection, case.wind, times)
-    what = f"{case.vehicle}: {_what(case)}"
+    what = f"{case.case.vehicle.name}: {_what(case)}"
     numbers = response_curves(response, case.deflection, case.wind, "respond", what)
     if csv is not None:
         write_text(csv, numbers.csv())
     if plot is not None:
-        title = f"{case.vehicle or 'Response'}: exact response\n{_what(case)}"
+        title = f"{case.case.vehicle.name or 'Response'}: exact response\n{_what(case)}"
         save_figure(response_chart(numbers, title, float(case.wind.end)), plot)
 
 
-def _what(case: Case) -> str:
+def _what(case: Held) -> str:
     import numpy as np
 
     peak, limit = float(np.degrees(case.wind.peak)), float(np.degrees(case.limit))
     return (
-        f"{case.shape} wind of {peak:.4g} deg and {case.wind.duration:g} s, model"
+        f"{case.case.shape} wind of {peak:.4g} deg and {case.wind.duration:g} s, model"
         f" {case.plant.model}, K = {case.dead_band:g}, limit {limit:.4f} deg"
     )
 
 
 def _print(
-    case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
+    case: Held, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
 ) -> None:
     import numpy as np
 
@@ -136,7 +136,7 @@ def _print(
         ],
     ]
     say(_what(case))
-    print_table(case.vehicle, ["exact response", "[deg]", "at [s]"], rows)
+    print_table(case.case.vehicle.name, ["exact response", "[deg]", "at [s]"], rows)
     word = "SUFFICIENT" if case.sufficient else "NOT SUFFICIENT"
     part = f", {case.limit / case.required:.4g} times that" if case.required else ""
     needed = f"Required {np.degrees(case.required):.4f} deg by {case.governs}"
@@ -156,7 +156,7 @@ def _print(
             say(TURNED_OVER)
 
 
-def _covers_the_wind(case: Case, shown: "Shown") -> bool:
+def _covers_the_wind(case: Held, shown: "Shown") -> bool:
     from tvclin.linear.extremes import WHOLE
 
     return shown.why == WHOLE or shown.time >= float(case.wind.end)
@@ -171,15 +171,15 @@ def _shown(entry: Any) -> list[str]:
 
 
 def _document(
-    case: Case, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
+    case: Held, found: "Extremes", loads: "Loads", verdict: "Verdict", shown: "Shown"
 ) -> dict[str, Any]:
     from tvclin.base.documents import picked
 
     left, whole = verdict.left_over, _covers_the_wind(case, shown)
     angle = picked(loads, "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative")
     return {
-        **picked(case, "vehicle model=plant.model"),
-        "wind": {"shape": case.shape, **picked(case.wind, "peak_deg duration_s")},
+        **picked(case, "vehicle=case.vehicle.name model=plant.model"),
+        "wind": {"shape": case.case.shape, **picked(case.wind, "peak_deg duration_s")},
         **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient"),
         "shown_until": picked(shown, "time_s why"),
         "attitude": found,

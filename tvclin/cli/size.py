@@ -208,6 +208,8 @@ def size(
     asked = replace(asked, **{name: value for name, value in given.items() if value is not None})
     if asked.plane != BOTH:
         only_with("--plane both", stop=stop)
+    if not asked.soundings:
+        only_with("a sounding, --winds or [[wind]] with one", window=window)
     with bar("flight times and winds") as progress:
         found = asked.sizing(progress)
     if disperse:
@@ -262,7 +264,7 @@ def _with_pulse(
     """What was asked, with the first pulse as the options have it; none where none is named."""
     from dataclasses import replace
 
-    from tvclin.answers.study_file.plan import DEFAULT_WIND
+    from tvclin.answers.case import DEFAULT_WIND
     from tvclin.base.errors import InputError
 
     if peak_deg is not None and peak_speed is not None:
@@ -328,27 +330,29 @@ def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
     from tvclin.answers.planes import BOTH
     from tvclin.answers.study import Study
     from tvclin.base.errors import InputError
+    from tvclin.vehicle.coefficients import PLANES
 
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted
     if counted not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
     worst = found.worst[counted]
-    if found.plane == BOTH:
-        raise InputError("--disperse knows one plane; give --dispersion in its place")
-    if not asked.pulses or worst.wind != found.winds[0] or asked.gust is not None:
+    at = found.winds.index(worst.wind)
+    if at >= len(asked.pulses):
         raise InputError(
-            f"--disperse knows pulses without a gust, and the worst wind is {worst.wind}; give"
-            " --dispersion in its place"
+            f"--disperse knows pulses, and the worst wind is {worst.wind}; give --dispersion in its"
+            " place"
         )
-    vehicle, pulse = found.schedule.at(worst.time), asked.pulses[0]
+    vehicle, pulse = found.schedule.at(worst.time), asked.pulses[at]
+    both = {"plane": PLANES[0], "heading": pulse.heading, "stop": asked.nozzle_stop}
     nominal = Study.from_vehicle(
         vehicle,
         wind=pulse.shape,
         duration=pulse.duration,
         peak=asked.peak_at(vehicle, pulse),
+        gust=asked.gust,
         dead_band=bands[counted],
         model=found.model,
-        plane=found.plane,
+        **(both if found.plane == BOTH else {"plane": found.plane}),
     )
     return disperse_study(nominal).part

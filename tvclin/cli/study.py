@@ -121,12 +121,13 @@ def study(
     heading = heading_given(wind_direction_deg, azimuth_deg)
     asked = load_study(source)
     plan = changed_plan(asked, wind, duration, (peak_deg, peak_speed), limit_deg, given, heading)
-    note_structure(plan.vehicle, plan.structure, plan.plane, "the boundaries")
+    note_structure(plan.vehicle, plan.plane, "the boundaries")
     if gust is None:
         only_with("--gust", gust_at=gust_at)
     else:
         middle = 0.5 * plan.wind.duration
-        plan = replace(plan, gust=gust_of(gust, middle if gust_at is None else gust_at))
+        top = gust_of(gust, middle if gust_at is None else gust_at)
+        plan = replace(plan, wind=replace(plan.wind, gust=top))
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 

@@ -180,8 +180,6 @@ def _survived(result: "Study") -> list[str]:
     """Which peak the limit survives, for each row, with the model of the verdict."""
     import numpy as np
 
-    from tvclin.answers.findings import blown
-
     if result.limit is None or result.in_both or result.model not in result.boundaries:
         return []
     found, needs = result.boundaries[result.model], result.needs
@@ -191,7 +189,7 @@ def _survived(result: "Study") -> list[str]:
         for K, each in zip(result.dead_bands, found.deflection, strict=True)
     ]
     rows += [needs[key].get(result.model, np.nan) for key in ("forecast_free", "minimum")]
-    peak = abs(float(np.degrees(blown(result).peak)))
+    peak = abs(float(np.degrees(result.history.peak)))
     with np.errstate(divide="ignore"):
         peaks = [float(peak * result.limit / np.float64(row)) for row in rows]
     return ["-" if np.isnan(one) else "any" if np.isinf(one) else f"{one:.3f}" for one in peaks]

@@ -16,13 +16,13 @@ def vehicles(as_json: AsJson = False) -> None:
     from tvclin.cli.output import print_json, print_table
     from tvclin.vehicle.coefficients import Coefficients
     from tvclin.vehicle.file import list_vehicles, load_vehicle
-    from tvclin.vehicle.structure_file import load_structure
 
     rows, document = [], {}
     for key in list_vehicles():
-        vehicle, structure = load_vehicle(key), load_structure(key)
+        vehicle = load_vehicle(key)
         c = Coefficients.from_vehicle(vehicle)
-        counts = {"bending": len(structure.bending), "slosh": len(structure.slosh)}
+        own = ("bending", "slosh")
+        counts = {kind: len(getattr(vehicle.structure, kind, ())) for kind in own}
         document[key] = {
             "name": vehicle.name,
             "beta_per_s": np.sqrt(c.mu_alpha),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -27,9 +26,7 @@ from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.condition import FlightCondition
 from tvclin.flights.control import ReportControl
-from tvclin.flights.flown_boundary import ENGINES
-from tvclin.flights.planar.fly_planar import fly_planar
-from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
+from tvclin.flights.engines import ENGINES
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN_OVER, let_go
 from tvclin.linear.models import USUAL_MODEL
@@ -39,13 +36,12 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
-    from control import TimeResponseData
+    pass
 
 FloatArray = NDArray[np.float64]
 
 SAMPLE_RATE = 100.0
 """Samples of a law in the linear flight [Hz]: the steps of JSBSim."""
-_FLY: dict[str, Callable[..., TimeResponseData]] = {"planar": fly_planar, "sixdof": fly_sixdof}
 _HIGHEST = 4.0
 """Limits that are tried, over the largest trim deflection; what needs more is refused."""
 _AT_LIMIT = 1e-9
@@ -182,8 +178,8 @@ def fly_beside(
     else:
         least = number("boundary", boundary, positive, "rad")
     options: dict[str, Any] = {"plane": plane, "condition": condition}
-    fly_there = _FLY[one_of("engine", engine, ENGINES)]
-    survives = ENGINES[engine](vehicle, wind, control, frozen=condition is None, **options)
+    fly_there = ENGINES[one_of("engine", engine, ENGINES)].fly
+    survives = ENGINES[engine].verdict(vehicle, wind, control, frozen=condition is None, **options)
     survived, predicted = survives(limit), limit >= least
     holds = isinstance(control, ReportControl)
     with warnings.catch_warnings():

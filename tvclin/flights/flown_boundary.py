@@ -1,8 +1,7 @@
 """The least deflection limit that survives, found by flying: any engine, no linear theory."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 from tvclin.base.cards import shows
@@ -19,22 +18,12 @@ from tvclin.base.errors import (
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.flights.control import ReportControl
-from tvclin.flights.planar.survival import planar_verdict
+from tvclin.flights.engines import ENGINES, Verdict
 from tvclin.flights.sixdof.planes import planes_verdict
-from tvclin.flights.sixdof.survival import sixdof_verdict
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-
-Verdict = Callable[[float], bool]
-"""Takes a deflection limit [rad] and says whether its flight survives."""
-
-ENGINES: Mapping[str, Callable[..., Verdict]] = MappingProxyType(
-    {"planar": planar_verdict, "sixdof": sixdof_verdict}
-)
-"""Engines by name. Each takes a vehicle, a wind and a control, and by name the plane, whether
-parameters are frozen, and options of its own, and it gives the verdict on a limit."""
 
 _FINEST, _WIDEST = 1e-7, 1e3
 """Least tolerance and largest limit, over the largest trim deflection."""
@@ -139,7 +128,7 @@ def flown_boundary(
     top = number("highest", highest, positive)
     number("highest", top, between(0.0, _WIDEST))
     narrow = number("tolerance", tolerance, between(_FINEST, 0.5))
-    make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)]
+    make = engine if callable(engine) else ENGINES[one_of("engine", engine, ENGINES)].verdict
     if isinstance(wind, PlaneWind):
         if engine != "sixdof":
             raise InputError('a wind with a direction is flown with engine="sixdof"')

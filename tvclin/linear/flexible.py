@@ -27,6 +27,7 @@ from tvclin.linear.plant import INPUTS, Plant
 from tvclin.linear.system import LinearSystem
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.structure import Structure, chosen
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
@@ -340,6 +341,35 @@ class FlexiblePlant:
 
 AnyPlant = Plant | FlexiblePlant
 """What an autopilot controls, and what flies."""
+
+
+def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch") -> AnyPlant:
+    """Return the plant of a vehicle, flexible where it bends, sloshes or swings.
+
+    Parameters
+    ----------
+    vehicle : Vehicle or LinearVehicle
+        The vehicle; `rigid` of it leaves its structure out.
+    model : str, optional
+        As of `Plant`; `usual_model` of the vehicle where it is not given.
+    plane : {"pitch", "yaw"}
+        The plane of motion.
+
+    Raises
+    ------
+    InputError
+        As `Plant.from_vehicle` and `FlexiblePlant.from_vehicle`.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> booster = tv.load_vehicle("made-up-booster")
+    >>> type(tv.plant_of(booster)).__name__, type(tv.plant_of(booster.rigid)).__name__
+    ('FlexiblePlant', 'Plant')
+    """
+    if isinstance(vehicle, LinearVehicle) or vehicle.structure is None:
+        return Plant.from_vehicle(vehicle, model, plane)
+    return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model or USUAL_MODEL, plane)
 
 
 def check_plant(plant: object) -> None:

@@ -36,6 +36,11 @@ def usual_model(known: AnyVehicle | Coefficients) -> str:
     return USUAL_MODEL
 
 
+def flexible_model(vehicle: AnyVehicle, model: str) -> str:
+    """Return the model that a vehicle flies: "drift" is "drift-exact" where it bends or sloshes."""
+    return USUAL_MODEL if model == "drift" and vehicle.structure is not None else model
+
+
 def models_of(vehicle: AnyVehicle) -> list[str]:
     """Return the models that exist for a vehicle, with what is known of it."""
     if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:

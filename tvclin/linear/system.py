@@ -254,8 +254,12 @@ def connect(
     P, Q = _same(outputs, made), _same(outputs, inputs)
     found = (A + driven @ seen, driven @ passed + B @ L, P @ seen, P @ passed + Q)
     batch = np.broadcast_shapes(*(one.shape[:-2] for one in found))
+    A, B, C, D = (np.broadcast_to(one, (*batch, *one.shape[-2:])) for one in found)
     return LinearSystem(
-        *(np.broadcast_to(one, (*batch, *one.shape[-2:])) for one in found),
+        A,
+        B,
+        C,
+        D,
         tuple(inputs),
         tuple(outputs),
         tuple(name for one in blocks for name in one.states),

@@ -183,9 +183,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
     each = durations[:, np.newaxis]
-    wind = type(study.wind)(peak=study.wind.peak, duration=each)
-    if study.gust is not None:  # as far from the middle of each wind
-        wind = wind + study.gust.shift(0.5 * (each - float(study.wind.duration)))
+    wind = study.blows.history({"wind_duration": each})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     columns = []
     for model in study.boundaries:

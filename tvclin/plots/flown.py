@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from tvclin.base.errors import one_of
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.control import ReportControl
+from tvclin.flights.engines import ENGINES
 from tvclin.flights.flown_boundary import flown_boundary
-from tvclin.flights.planar.fly_planar import fly_planar
-from tvclin.flights.sixdof.fly_sixdof import fly_sixdof
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
@@ -29,11 +28,6 @@ attitude [rad] that was flown, ``(n,)``, NaN from where the flight ended."""
 
 PEAK = float(np.radians(1.0))
 """Of the winds that are flown [rad]: a tail wind. The report does not give its own."""
-FLOWN: dict[str, tuple[str, Callable[..., Any]]] = {
-    "sixdof": ("six degrees of freedom (JSBSim)", fly_sixdof),
-    "planar": ("planar equations (B1)", fly_planar),
-}
-"""For each engine, what it is, and how it flies."""
 
 
 def chosen_engine(engine: str | None) -> str:
@@ -46,7 +40,7 @@ def chosen_engine(engine: str | None) -> str:
     """
     if engine is None:
         return "sixdof" if find_spec("jsbsim") else "planar"
-    return one_of("engine", engine, FLOWN)
+    return one_of("engine", engine, ENGINES)
 
 
 def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
@@ -57,9 +51,9 @@ def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
     vehicle : Vehicle
         One vehicle.
     engine : str
-        One of `FLOWN`.
+        One of `ENGINES`.
     """
-    fly = FLOWN[engine][1]
+    fly = ENGINES[engine].fly
 
     def attitude(wind: History, limit: float, dead_band: float, times: FloatArray) -> FloatArray:
         control = ReportControl(dead_band)
@@ -96,7 +90,7 @@ def flown_limit(
     peak : float
         Its peak [rad], at the vehicle's own time.
     engine : str
-        One of `FLOWN`.
+        One of `ENGINES`.
     along : bool
         Whether the parameters vary along the trajectory, which planar flights know; frozen where
         not.

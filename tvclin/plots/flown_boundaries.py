@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import positive
 from tvclin.boundary.closed_forms import triangular_limit, triangular_limit_with_drift
+from tvclin.flights.engines import ENGINES
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.flown import FLOWN, PEAK, chosen_engine, flown_limit
+from tvclin.plots.flown import PEAK, chosen_engine, flown_limit
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, draw
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
@@ -154,7 +155,7 @@ def _engines(engine: str) -> list[str]:
 
 
 def _flown(engine: str) -> str:
-    return f"flown, {FLOWN[engine][0]}"
+    return f"flown, {ENGINES[engine].words}"
 
 
 def _at(x: FloatArray, places: FloatArray, values: Sequence[float]) -> FloatArray:

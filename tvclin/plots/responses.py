@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from tvclin.base.errors import number, positive, within
 from tvclin.boundary.limit import boundary_limit
+from tvclin.flights.engines import ENGINES
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.plots.curves import Column, Curves
-from tvclin.plots.flown import FLOWN, PEAK, Flights, chosen_engine, flown_attitudes
+from tvclin.plots.flown import PEAK, Flights, chosen_engine, flown_attitudes
 from tvclin.plots.style import COLOURS, INK, LINES, MARKS, Look, Style, cycle, draw
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
@@ -203,7 +204,7 @@ def _with_drift(
     exact = "exact" if np.any(loaded.pitch_damping) else "eq (B9)"
     title = (
         f"Figure {number}. Attitude error with drift, K = {dead_band:g}: {exact}, and flown with"
-        f" {FLOWN[flies][0]}\n{loaded.name or 'one vehicle'}; flights in a tail wind of 1 deg,"
+        f" {ENGINES[flies].words}\n{loaded.name or 'one vehicle'}; flights in a tail wind of 1 deg,"
         " parameters frozen, same deflection limits"
     )
     options = {"flights": flown_attitudes(loaded, flies), **options}

@@ -11,6 +11,8 @@ from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
 from tvclin.base.tables import Table
 from tvclin.vehicle.damping import QUANTITIES, damping_of
+from tvclin.vehicle.structure import Structure
+from tvclin.vehicle.structure_file import build_structure
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 _ALWAYS = {
@@ -53,6 +55,9 @@ def list_vehicles() -> list[str]:
 def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     """Return a vehicle by its name in the package, or from a TOML file.
 
+    What bends and sloshes stands beside [vehicle], under headings of its own: [structure],
+    [engine], [sensors], and one [[bending]] and [[slosh]] for each mode and tank. All are optional.
+
     Parameters
     ----------
     source : str or path
@@ -71,6 +76,9 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
     >>> import tvclin as tv
     >>> tv.load_vehicle("configuration-i").weight
     1480000.0
+    >>> structure = tv.load_vehicle("made-up-booster").structure
+    >>> [mode.frequency for mode in structure.bending], len(structure.slosh)
+    ([13.58, 30.18, 61.18], 2)
     """
     return parse_vehicle(*vehicle_text(source))
 
@@ -94,9 +102,11 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     faults, vehicle = Faults(), None
     with faults.kept():
         table_of(text, source, VEHICLE_TABLE)
-    given = tables_of(text, source).get("vehicle")
+    tables = tables_of(text, source)
+    given = tables.get("vehicle")
     with faults.kept(), naming(called(source)):
-        vehicle = build_vehicle(given) if isinstance(given, dict) else None
+        structure = build_structure(tables)
+        vehicle = build_vehicle(given, structure=structure) if isinstance(given, dict) else None
     faults.tell()
     assert vehicle is not None  # or its table is at fault
     return vehicle
@@ -131,7 +141,9 @@ def template() -> str:
     return files("tvclin.vehicle").joinpath("shipped", "template.txt").read_text(encoding="utf-8")
 
 
-def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
+def build_vehicle(
+    given: Mapping[str, Any], heading: str = "[vehicle]", structure: Structure | None = None
+) -> Vehicle:
     """Return the vehicle of a table of keys with their units; the heading is for messages.
 
     Raises
@@ -145,7 +157,7 @@ def build_vehicle(given: Mapping[str, Any], heading: str = "[vehicle]") -> Vehic
     aerodynamic = values.keys() & _AERODYNAMICS
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
-    return build(**values)
+    return build(**values, structure=structure)
 
 
 def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:

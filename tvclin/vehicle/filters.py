@@ -57,6 +57,17 @@ class Filter:
     numerator: FloatArray
     denominator: FloatArray
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Filter) and self._bytes == other._bytes
+
+    def __hash__(self) -> int:
+        return hash(self._bytes)
+
+    @property
+    def _bytes(self) -> tuple[tuple[int, ...], bytes, tuple[int, ...], bytes]:
+        above, below = self.numerator, self.denominator
+        return above.shape, above.tobytes(), below.shape, below.tobytes()
+
     def __post_init__(self) -> None:
         above, below = finite("numerator", self.numerator), finite("denominator", self.denominator)
         for name, given in (("numerator", above), ("denominator", below)):

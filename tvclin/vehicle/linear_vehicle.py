@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
@@ -55,11 +55,18 @@ class LinearVehicle:
     name: str = ""
     path_known: bool = False
 
+    structure: ClassVar[None] = None
+
     def __post_init__(self) -> None:
         instance("coefficients", self.coefficients, Coefficients, "see Coefficients.from_beta")
         single("coefficients", self.coefficients.batch)
         text("name", self.name)
         flag("path_known", self.path_known)
+
+    @property
+    def rigid(self) -> Self:
+        """Itself: of a structure nothing is known."""
+        return self
 
     def quantities(self) -> list[Quantity]:
         """Return its numbers as tables show them."""

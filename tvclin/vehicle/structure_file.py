@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from os import PathLike
 from typing import Any
 
 from tvclin.base.errors import InputError, naming, number
-from tvclin.base.files import called, tables_of
 from tvclin.base.tables import Table
 from tvclin.base.units import UNITS
-from tvclin.vehicle.file import VEHICLE_TABLE, table_of, vehicle_text
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 
@@ -57,55 +54,13 @@ SLOSH_TABLE = Table(
 )
 
 
-def load_structure(source: str | PathLike[str]) -> Structure:
-    """Return bending, slosh, engine and sensors, by the name of a vehicle or from its file.
-
-    It stands in the file beside [vehicle], under headings of its own: [structure], [engine],
-    [sensors], and one [[bending]] and [[slosh]] for each mode and tank. All are optional; a file
-    with none of them is that of a rigid vehicle.
-
-    Parameters
-    ----------
-    source : str or path
-        As of `load_vehicle`.
-
-    Raises
-    ------
-    InputError
-        As `load_vehicle`, and as the values that are made of the tables.
-
-    Examples
-    --------
-    >>> import tvclin as tv
-    >>> structure = tv.load_structure("made-up-booster")
-    >>> [mode.frequency for mode in structure.bending], len(structure.slosh)
-    ([13.58, 30.18, 61.18], 2)
-    """
-    text, place = vehicle_text(source)
-    table_of(text, place, VEHICLE_TABLE)  # a vehicle file, with no heading that is unknown
-    return parse_structure(text, place) or Structure()
-
-
-def parse_structure(text: str, place: str) -> Structure | None:
-    """Return the structure of a vehicle file's text, and None where it has none.
-
-    Raises
-    ------
-    InputError
-        As `load_structure`, but for the file.
-    """
-    with naming(called(place)):
-        found = build_structure(tables_of(text, place))
-    return None if found.is_rigid else found
-
-
 def build_structure(document: Mapping[str, Any]) -> Structure:
-    """Return the structure of a document's tables.
+    """Return the structure of a vehicle file's tables, all of which are optional.
 
     Raises
     ------
     InputError
-        As `load_structure`, but for the file.
+        For what the tables may not hold, and as the values that are made of them.
     """
     engine = ENGINE_TABLE.one(document) if ENGINE_TABLE.name in document else None
     sensors = SENSORS_TABLE.read(SENSORS_TABLE.one(document))

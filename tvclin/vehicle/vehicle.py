@@ -1,4 +1,4 @@
-"""The vehicle: the nine numbers of Table I, a damping, and nothing derived from them."""
+"""The vehicle: the nine numbers of Table I, a damping, and what bends and sloshes in it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import (
     Faults,
     InputError,
+    broadcast,
     finite,
+    instance,
     nonnegative,
     nonzero,
     plain,
@@ -21,6 +23,7 @@ from tvclin.base.errors import (
     together,
     within,
 )
+from tvclin.vehicle.structure import Structure
 
 STANDARD_GRAVITY = 9.80665
 """g [m/s^2]: the mass of a vehicle is its weight over this."""
@@ -33,7 +36,7 @@ _MAY_BE_TINY = ("aerodynamic_arm", "attitude", "time")
 
 @dataclass(frozen=True, kw_only=True)
 class Vehicle:
-    """A rigid booster at one time of its flight, or a batch of them.
+    """A booster at one time of its flight, or a batch of them.
 
     Every number may be an array; they broadcast with each other. Angles are measured from the
     nominal flight without wind and at zero angle of attack.
@@ -70,6 +73,8 @@ class Vehicle:
     pitch_damping : array_like
         Moment against the attitude rate M_q [N m s/rad], aerodynamic and of the jet, in either
         plane; zero or positive, and zero where it is not given, as in the report.
+    structure : Structure, optional
+        What bends, sloshes and swings in it, and the lags of its sensors; None of a rigid vehicle.
 
     Raises
     ------
@@ -96,6 +101,7 @@ class Vehicle:
     time: float | FloatArray | None = None
     control_force_slope: float | FloatArray | None = None
     pitch_damping: float | FloatArray = 0.0
+    structure: Structure | None = None
 
     def __post_init__(self) -> None:
         text("name", self.name)
@@ -113,6 +119,10 @@ class Vehicle:
         for name, array in checked.items():
             _plausible(name, array)
             object.__setattr__(self, name, plain(array))
+        if self.structure is not None:
+            instance("structure", self.structure, Structure, "Structure(bending=..., slosh=...)")
+            if self.structure.is_rigid:
+                object.__setattr__(self, "structure", None)
 
     def quantities(self) -> list[Quantity]:
         """Return its numbers as tables show them, the attitude in degrees."""
@@ -197,7 +207,13 @@ class Vehicle:
     @property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
-        return np.broadcast_shapes(*(np.shape(getattr(self, f.name)) for f in fields(self)))
+        own = {name: np.shape(getattr(self, name)) for name in NUMBERS}
+        return broadcast(**own, structure=self.structure.batch if self.structure else ())
+
+    @property
+    def rigid(self) -> Self:
+        """The same vehicle without its structure."""
+        return self if self.structure is None else replace(self, structure=None)
 
     @property
     def mass(self) -> float | FloatArray:
@@ -237,3 +253,5 @@ _CHECKS = (
     ("attitude", _attitude, "rad"),
     ("pitch_damping", nonnegative, "N m s/rad"),
 )
+NUMBERS = tuple(one.name for one in fields(Vehicle) if one.name not in {"name", "structure"})
+"""Its fields that are numbers."""

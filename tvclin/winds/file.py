@@ -107,12 +107,20 @@ def heading_of(
     return direction - azimuth
 
 
-def gust_of(document: Mapping[str, Any], duration: float) -> History | None:
-    """Return the gust of [gust] in the time of a wind of a duration [s]; None without it."""
+def gust_of(document: Mapping[str, Any], wind: ShapedWind | WindEnsemble) -> History | None:
+    """Return the gust of [gust] in the time of a wind; None without it.
+
+    Raises
+    ------
+    InputError
+        For a gust on top of a file of winds.
+    """
     if "gust" not in document:
         return None
+    if isinstance(wind, WindEnsemble):
+        raise InputError("[gust] is on top of a wind of one shape; the winds of a file have theirs")
     given = GUST_TABLE.read(GUST_TABLE.one(document))
-    at = given.pop("peak_time", 0.5 * duration)
+    at = given.pop("peak_time", 0.5 * wind.duration)
     gust = OneMinusCosineGust(**given)
     return gust.shift(at - 0.5 * float(gust.duration))
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import nonnegative
+from tvclin.base.errors import ending, instance, nonnegative, single
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.checks import checked_part, checked_peak, checked_span, keep
 from tvclin.winds.histories import History
@@ -112,3 +112,12 @@ def _waves(
     omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
     rates = 1j * omega[..., np.newaxis] * np.array([0.0, 1.0, -1.0])
     return Pieces(knots, coefficients[..., np.newaxis], rates)
+
+
+def checked_gust(gust: History | None) -> History | None:
+    """Return a gust, or none; `InputError` for a batch, and for one that does not end."""
+    if gust is not None:
+        instance("gust", gust, History, "such as OneMinusCosineGust")
+        single("gust", gust.batch)
+        ending("gust", gust.end)
+    return gust

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.errors import InputError, number, one_of
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.checks import checked_peak, checked_span
-from tvclin.winds.gusts import OneMinusCosineGust
+from tvclin.winds.gusts import OneMinusCosineGust, checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import RectangularWind, TriangularWind
 from tvclin.winds.sampled import SampledWind
@@ -28,18 +28,6 @@ SHAPES: dict[str, Callable[..., Any]] = {
 }
 PULSES = {name: SHAPES[name] for name in ("rectangular", "triangular")}
 """The shapes that a study knows, of straight lines."""
-
-
-def pulse(name: str, shape: str, peak: ArrayLike, duration: ArrayLike) -> History:
-    """Return a wind of one of `PULSES`, of a peak [rad] and a duration [s].
-
-    Raises
-    ------
-    InputError
-        For another shape, with the name of the argument, and as the wind.
-    """
-    made: History = PULSES[one_of(name, shape, PULSES)](peak=peak, duration=duration)
-    return made
 
 
 @dataclass(frozen=True)
@@ -57,17 +45,22 @@ class ShapedWind:
     heading : float, optional
         Direction [rad] from which it blows, clockwise from that of the flight: pi is a tail wind,
         pi/2 one from the right. With it the peak is the size of the vector of both planes.
+    gust : History, optional
+        What blows on top of it, in its time and along it, such as `OneMinusCosineGust`; see
+        `History.shift`. Where peak and duration are dispersed it keeps its size, and its place from
+        the middle of the wind.
 
     Raises
     ------
     InputError
-        For another shape, and numbers out of range.
+        For another shape, numbers out of range, and a gust that is no single history that ends.
     """
 
     shape: str
     peak: float
     duration: float
     heading: float | None = None
+    gust: History | None = None
 
     count = 0
 
@@ -79,6 +72,7 @@ class ShapedWind:
         checked_span("duration of the wind", self.duration)
         if self.heading is not None:
             number("heading of the wind", self.heading, unit="rad")
+        checked_gust(self.gust)
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return its part in a plane, without a heading; itself where it has none.
@@ -96,7 +90,8 @@ class ShapedWind:
                 f"this wind has no part in {plane}, it blows in the other plane alone; take that"
                 " plane, or both"
             )
-        return ShapedWind(self.shape, peak, self.duration)
+        gust = None if self.gust is None else self.gust * (peak / self.peak)
+        return ShapedWind(self.shape, peak, self.duration, gust=gust)
 
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane that a flight of an attitude [rad] meets.
@@ -121,24 +116,25 @@ class ShapedWind:
     @property
     def largest(self) -> float:
         """The largest nominal wind angle [rad], without sign."""
-        return abs(self.peak)
+        return abs(float(self.history({}).peak))
 
     def history(self, values: dict[str, Any]) -> History:
-        """Return the winds of cases that have these dispersed values."""
+        """Return the winds of cases that have these dispersed values, with the gust."""
         found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
-        made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=found["wind_duration"])
-        return made
+        duration = found["wind_duration"]
+        made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=duration)
+        if self.gust is None:
+            return made
+        return made + self.gust.shift(0.5 * (np.asarray(duration) - self.duration))
 
 
-def part_in(
-    wind: ShapedWind, peaks: dict[str, float], plane: str, gust: History | None = None
-) -> History:
-    """Return one plane of peaks [rad] in both, with its part of a gust along the wind."""
+def part_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
+    """Return one plane of peaks [rad] in both, with its part of the gust along the wind."""
     peak, size = peaks[plane], math.hypot(*peaks.values())
     if peak == 0.0:
         return wind.history({"wind_peak": size}) * 0.0
-    history = wind.history({"wind_peak": peak})
-    return history if gust is None else history + gust * (peak / size)
+    gust = None if wind.gust is None else wind.gust * (peak / size)
+    return replace(wind, peak=peak, heading=None, gust=gust).history({})
 
 
 @dataclass(frozen=True, eq=False)

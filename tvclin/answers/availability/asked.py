@@ -7,13 +7,14 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
-from tvclin.answers.availability.judge import STOPS, checked_gust
+from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
 from tvclin.base.tables import Table
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 

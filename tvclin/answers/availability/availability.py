@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
-from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge, checked_gust
+from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
@@ -24,6 +24,7 @@ from tvclin.base.errors import (
 )
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
+from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 

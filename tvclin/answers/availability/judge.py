@@ -23,7 +23,6 @@ from tvclin.answers.availability.tables import FlightTables, TableRows, flight_t
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.errors import ending, instance, single
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
@@ -312,15 +311,6 @@ class Judge:
             low[doubted] = trim_law_needs(tables.mode, steps, winds, found.limit[doubted])
             high[doubted] = low[doubted]
         return np.stack([low, high]), found.at
-
-
-def checked_gust(gust: History | None) -> History | None:
-    """Return a gust, or none; `InputError` for a batch, and for one that does not end."""
-    if gust is not None:
-        instance("gust", gust, History, "such as OneMinusCosineGust")
-        single("gust", gust.batch)
-        ending("gust", gust.end)
-    return gust
 
 
 @lru_cache(maxsize=8)

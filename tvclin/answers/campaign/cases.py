@@ -15,11 +15,11 @@ from tvclin.answers.campaign.draws import draw
 from tvclin.answers.campaign.outputs import REGISTRY, Batch, columns, compute
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import dispersed_modes
-from tvclin.answers.flexible import flexible_plant
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.flexible import FlexiblePlant, plant_of
+from tvclin.linear.models import flexible_model
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import Vehicle
@@ -120,7 +120,7 @@ def nominal(campaign: Campaign) -> dict[str, float]:
         return {}
     wind, gains = campaign.wind.history({}), _gains(campaign, {})
     flexible = _flexible(campaign, campaign.vehicle, {})
-    batch = Batch(campaign.plant, wind, gains, 1, campaign.vehicle, flexible)
+    batch = Batch(campaign.rigid_plant, wind, gains, 1, campaign.vehicle, flexible)
     found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
     return {name: float(values[0]) for name, values in found.items()}
 
@@ -129,9 +129,10 @@ def _flexible(
     campaign: Campaign, vehicle: Vehicle, values: dict[str, NDArray[Any]]
 ) -> FlexiblePlant | None:
     """The flexible plant of vehicles, with the modes that were drawn; None of a rigid campaign."""
-    if campaign.structure is None:
+    if vehicle.structure is None:
         return None
-    plant = flexible_plant(vehicle, campaign.structure, campaign.plane, campaign.model)
+    plant = plant_of(vehicle, flexible_model(vehicle, campaign.model), campaign.plane)
+    assert isinstance(plant, FlexiblePlant)
     return dispersed_modes(plant, values)
 
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from tvclin.base.tables import Table
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.vehicle.file import VEHICLE_TABLE
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import NUMBERS
 
 FloatArray = NDArray[np.float64]
 
@@ -211,7 +211,7 @@ MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_dampi
 """Factors on the modes of a flexible vehicle, on all; of one mode as in bending_2_frequency."""
 _ONE_MODE = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
 PARAMETERS = (
-    *(f.name for f in fields(Vehicle) if f.name not in {"name", "time"}),
+    *(name for name in NUMBERS if name != "time"),
     *WIND,
     *GAINS,
     *MODES,

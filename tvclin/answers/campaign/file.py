@@ -1,7 +1,7 @@
 """Campaign files: TOML in, a `Campaign` out, and back into the document that a manifest keeps."""
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import replace
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -12,20 +12,18 @@ import numpy as np
 from tvclin.answers.campaign.dispersions import Dispersions
 from tvclin.answers.campaign.flights import FLIGHT_TABLE, Flight
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
-from tvclin.answers.campaign.structures import record_of
+from tvclin.answers.campaign.structures import gust_record, record_of, recorded_gust
 from tvclin.answers.campaign.tables import (
     dispersions_of,
     gains_of,
     question_of,
     read_tables,
-    structure_of,
     subject_of,
 )
-from tvclin.base.errors import InputError, naming
+from tvclin.base.errors import naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
-from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.file import winds_of
+from tvclin.winds.file import gust_of, winds_of
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _DRAWN = ("cases", "seed", "method", "chunk")
@@ -62,19 +60,17 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     """Return the campaign of a document; see `load_campaign`."""
     subject = subject_of(document, folder)
     head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
-    head.pop("structure", None)
     outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
-    if "gust" in document:
-        raise InputError("a campaign has no gust; leave [gust] out")
     CAMPAIGN_TABLE.need(head, ["cases"])
     flown = "flight" in document
     wind = winds_of(document, folder)[0]
+    gust = recorded_gust(document) or gust_of(document, wind)
     if isinstance(wind, ShapedWind):
+        wind = replace(wind, gust=gust)
         vehicle = subject["vehicle"]
         wind = wind.in_plane(subject.get("plane", "pitch"), float(np.mean(vehicle.attitude)))
     asked = document.get("autopilot")
     return Campaign(
-        structure=structure_of(document, folder),
         gains=None if asked is None else gains_of(asked, document),
         wind=wind,
         dispersions=dispersions_of(document),
@@ -92,17 +88,11 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
     """
     vehicle, until = campaign.vehicle, campaign.until
     head = {key: getattr(campaign, key) for key in ("model", "plane", *_DRAWN)} | {
-        "vehicle": {
-            f.name: getattr(vehicle, f.name)
-            for f in fields(Vehicle)
-            if getattr(vehicle, f.name) is not None
-        }
+        "vehicle": {k: v for k, v in record_of(vehicle).items() if v is not None}
     }
     wind = campaign.wind
     question = {"probability": campaign.probability, "confidence": campaign.confidence}
     flown = {} if campaign.flight is None else {"flight": _flight(campaign.flight)}
-    if campaign.structure is not None:
-        head["structure"] = record_of(campaign.structure)
     if campaign.gains is not None:
         flown["autopilot"] = record_of(campaign.gains)
     return flown | {
@@ -110,6 +100,7 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}
         if isinstance(wind, WindEnsemble)
         else {"shape": wind.shape, "peak_rad": wind.peak, "duration_s": wind.duration},
+        **gust_record(wind),
         "outputs": {"names": list(campaign.outputs), "dead_bands": list(campaign.dead_bands)},
         "question": question | ({} if campaign.limit is None else {"limit_rad": campaign.limit}),
         "dispersion": [

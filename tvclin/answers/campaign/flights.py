@@ -1,6 +1,5 @@
 """Flights of a law with limits in every case: the law is designed on the nominal plant."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,12 +18,9 @@ from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
-from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.dead_band import DeadBandLaw
+from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.laws.law import Law
-from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import TrimLaw
+from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
 from tvclin.flights.closed_loop.checks import check_rate_limit
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.linear.flexible import AnyPlant
@@ -37,13 +33,6 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-_DESIGNS: dict[str, Callable[[Plant, float], Law]] = {
-    "trim": lambda plant, _: TrimLaw(plant),
-    "dead-band": lambda plant, _: DeadBandLaw(plant),
-    "recoverable-attitude": lambda plant, peak: RecoverableAttitudeLaw(plant, design_peak=peak),
-    "half-relief": lambda plant, _: SaturatedLaw(half_relief_gains(plant.coefficients)),
-}
-LAWS = ("autopilot", *_DESIGNS)
 FLIGHT_TABLE = Table(
     "[flight]",
     {
@@ -76,8 +65,7 @@ class Flight:
     Attributes
     ----------
     law : str
-        "autopilot" (gains, limited), "trim", "dead-band", "recoverable-attitude" or "half-relief",
-        designed on the nominal plant.
+        One of `LAWS`, as `design_law` designs it on the nominal plant.
     deflection_limit : float
         Largest deflection [rad].
     rate_limit : float
@@ -95,7 +83,7 @@ class Flight:
         For an unknown law, gains of a law that has none, and numbers out of range.
     """
 
-    law: str = "autopilot"
+    law: str = AUTOPILOT
     deflection_limit: float
     rate_limit: float = np.inf
     sample_rate: float = 50.0
@@ -116,7 +104,7 @@ class Flight:
                 object.__setattr__(self, name, number(name, getattr(self, name)))
         if (self.attitude_gain is None) != (self.rate_gain is None):
             raise InputError("give attitude_gain and rate_gain, or neither of them")
-        if self.law != "autopilot" and (
+        if self.law != AUTOPILOT and (
             self.attitude_gain is not None or self.alpha_gain or self.integral_gain
         ):
             raise InputError(f'gains belong to the law "autopilot"; this is "{self.law}"')
@@ -133,7 +121,7 @@ class Flight:
         """Return the nominal gains; nothing for a law that has none."""
         instance("plant", plant, Plant, "see Plant.from_vehicle")
         single("plant", plant.batch)
-        if self.law != "autopilot":
+        if self.law != AUTOPILOT:
             return {}
         attitude, rate = self.attitude_gain, self.rate_gain
         if attitude is None or rate is None:
@@ -148,9 +136,8 @@ class Flight:
 
     def designed(self, plant: Plant, peak: float, gains: dict[str, Any]) -> Law:
         """Return the law, designed on a plant and for a peak [rad], or with these gains."""
-        if self.law == "autopilot":
-            return SaturatedLaw(Autopilot(**gains))
-        return _DESIGNS[self.law](plant, peak)
+        own = {AUTOPILOT: Autopilot(**gains)} if self.law == AUTOPILOT else {}
+        return design_law(self.law, plant, peak, **own)
 
 
 def flight_response(flight: Flight, law: Law, plant: AnyPlant, wind: History) -> "TimeResponseData":

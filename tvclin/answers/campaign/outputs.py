@@ -1,7 +1,7 @@
 """What is computed for each case: a registry of pure functions from a batch to columns."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
@@ -23,7 +23,7 @@ from tvclin.flights.closed_loop.many import fly_many
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -75,7 +75,7 @@ class Batch:
 
     def one_vehicle(self) -> Vehicle:
         """Return the vehicle of the first case."""
-        given = ((f.name, getattr(self.vehicle, f.name)) for f in fields(Vehicle))
+        given = ((name, getattr(self.vehicle, name)) for name in NUMBERS)
         return self.vehicle.replace(
             **{name: float(np.ravel(v)[0]) for name, v in given if np.ndim(v)}
         )
@@ -161,7 +161,7 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
     if campaign.flight is None:
         raise InputError('the campaign flies nothing: it has no output "flight"')
     gains = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    law = campaign.flight.designed(campaign.plant, campaign.wind.largest, gains)
+    law = campaign.flight.designed(campaign.rigid_plant, campaign.wind.largest, gains)
     return law if campaign.gains is None else with_filters(law, campaign.gains)
 
 
@@ -202,14 +202,14 @@ def _margin_columns(campaign: Campaign) -> dict[str, str]:
 
 def _mode_names(campaign: Campaign) -> list[str]:
     """Names of the modes, as in "bending_1", in the order of their bands."""
-    s = campaign.structure
+    s = campaign.vehicle.structure
     counts = {} if s is None else {"bending": len(s.bending), "slosh": len(s.slosh)}
     return [f"{kind}_{k}" for kind, count in counts.items() for k in range(1, count + 1)]
 
 
 def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     """The margins of one autopilot around each vehicle; of a flexible one also peaks by mode."""
-    autopilot, peaks = campaign.autopilot(), {}
+    autopilot, peaks = campaign.autopilot, {}
     if batch.flexible is not None and _mode_names(campaign):
         bands = autopilot.band_margins(batch.flexible)
         whole = bands.whole

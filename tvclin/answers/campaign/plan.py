@@ -1,7 +1,8 @@
 """What a campaign is: one frozen value that says everything its numbers depend on."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
 from tvclin.answers.campaign.flights import Flight
 from tvclin.answers.campaign.structures import modes_nominal
+from tvclin.answers.case import Case
 from tvclin.base.errors import (
     InputError,
     between,
@@ -25,19 +27,15 @@ from tvclin.base.errors import (
 )
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.rules import GainsAsked
-from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.coefficients import Coefficients
-from tvclin.vehicle.structure import Structure
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
 CAMPAIGN_TABLE = Table(
     "[campaign]",
     {"until": "part"},
-    words=("vehicle", "structure", "model", "plane", "cases", "seed", "method", "chunk"),
+    words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
 )
 OUTPUTS_TABLE = Table("[outputs]", lists=("names", "dead_bands"))
 QUESTION_TABLE = Table("[question]", {"limit": "angle"}, words=("probability", "confidence"))
@@ -46,29 +44,25 @@ _MOST_LATIN_CASES = 10**7
 
 
 @dataclass(frozen=True, kw_only=True)
-class Campaign:
-    """Many dispersed cases of one vehicle, to be run chunk by chunk.
+class Campaign(Case):
+    """Many dispersed cases of one vehicle, to be run chunk by chunk: of a case, the nominal one.
+
+    The structure of its vehicle counts for "margins" and "flight", and all else is of the rigid
+    one. The autopilot is that of "margins", designed on the nominal rigid vehicle; its filters
+    stand in the law of "flight" too.
 
     Attributes
     ----------
     vehicle : Vehicle
         The nominal vehicle, one.
     wind : ShapedWind or WindEnsemble
-        Its winds.
-    structure : Structure, optional
-        What bends and sloshes in the vehicle: for "margins" and "flight"; all else is of the rigid
-        one.
-    gains : GainsAsked, optional
-        The autopilot of "margins", designed on the nominal rigid vehicle; its filters stand in the
-        law of "flight" too.
+        Its winds, in the plane.
     dispersions : Dispersions
         What is uncertain; the default ones are assumed, not any programme's.
     cases : int
         How many cases at most.
     seed : int
         Case i is drawn from the seed and i alone.
-    model, plane : str
-        Of the plant, as of `Plant.from_vehicle`.
     outputs : tuple of str
         What is computed for each case: "required" (`required_deflection` at each dead band),
         "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
@@ -82,8 +76,6 @@ class Campaign:
         How cases are drawn: "plain", "sobol" or "latin", as of `draw`.
     chunk : int
         Cases in one file.
-    limit : float, optional
-        A capability [rad] to be judged.
     probability, confidence : float
         Of the deflection asked for, as of `quantile_bound`.
     flight : Flight, optional
@@ -94,24 +86,19 @@ class Campaign:
     Raises
     ------
     InputError
-        For numbers out of range, unknown names, and a parameter that is dispersed but has no
-        nominal value.
+        As `Case`, for a wind with a direction or a stop of both planes, and for a parameter that is
+        dispersed but has no nominal value.
     """
 
     vehicle: Vehicle
     wind: ShapedWind | WindEnsemble
-    structure: Structure | None = None
-    gains: GainsAsked | None = None
     dispersions: Dispersions = DEFAULT_DISPERSIONS
     cases: int
     seed: int = 0
-    model: str = USUAL_MODEL
-    plane: str = "pitch"
     outputs: tuple[str, ...] = ("required",)
     dead_bands: tuple[float, ...] = (1.0,)
     method: str = "plain"
     chunk: int = 1024
-    limit: float | None = None
     probability: float = 0.99865
     confidence: float = 0.9
     flight: Flight | None = None
@@ -119,18 +106,13 @@ class Campaign:
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
-        single("vehicle", Coefficients.from_vehicle(self.vehicle, self.plane).batch)
-        one_of("model", self.model, MODELS)
+        super().__post_init__()
+        single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
-        if isinstance(self.wind, ShapedWind) and self.wind.heading is not None:
+        if self.nozzle_stop is not None or getattr(self.wind, "heading", None) is not None:
             raise InputError("a campaign is in one plane; give the part there, wind.in_plane(...)")
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
-        if self.structure is not None:
-            instance("structure", self.structure, Structure, "see load_structure")
-            single("structure", self.structure.batch)
-        if self.gains is not None:
-            instance("gains", self.gains, GainsAsked, "or a rule for them")
         if self.flight is not None:
             instance("flight", self.flight, Flight, "which says how each case is flown")
         self._check_outputs()
@@ -144,7 +126,7 @@ class Campaign:
         if ("flight" in self.outputs) != (self.flight is not None):
             raise InputError('the output "flight" and a [flight] belong together: give both')
         if "margins" in self.outputs:
-            self.autopilot()  # refuses a rule that cannot be
+            _ = self.autopilot  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
         bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
@@ -159,27 +141,28 @@ class Campaign:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         for name in ("probability", "confidence"):
             fraction(name, getattr(self, name))
-        for name in ("limit", "until"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name), positive))
+        if self.until is not None:
+            object.__setattr__(self, "until", number("until", self.until, positive))
 
     @property
     def nominal(self) -> dict[str, Any]:
         """Nominal values [SI] of everything that can be dispersed here."""
-        held = {f.name: getattr(self.vehicle, f.name) for f in fields(Vehicle)}
+        held: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
         held |= {"control_force_slope": self.vehicle.control_force}
-        gains = {} if self.flight is None else self.flight.gains(self.plant)
-        modes = {} if self.structure is None else modes_nominal(self.structure)
+        gains = {} if self.flight is None else self.flight.gains(self.rigid_plant)
+        structure = self.vehicle.structure
+        modes = {} if structure is None else modes_nominal(structure)
         return held | self.wind.nominal | gains | modes
 
     @property
-    def plant(self) -> Plant:
-        """The nominal plant, on which laws are designed."""
+    def rigid_plant(self) -> Plant:
+        """The nominal plant without structure, on which laws are designed."""
         return Plant.from_vehicle(self.vehicle, self.model, self.plane)
 
+    @cached_property
     def autopilot(self) -> Autopilot:
-        """Return the autopilot of the margins: that asked for, or the canonical one."""
-        return (self.gains or GainsAsked()).autopilot(self.plant)
+        """The autopilot of the margins, designed on `rigid_plant`."""
+        return self.asked.autopilot(self.rigid_plant)
 
     @property
     def chunks(self) -> int:

@@ -29,8 +29,6 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.vehicle.linear_vehicle import whole_vehicle
-from tvclin.vehicle.structure import Structure
-from tvclin.winds.shaped import ShapedWind
 
 FloatArray = NDArray[np.float64]
 
@@ -116,7 +114,6 @@ def disperse_study(
     probability: float = 0.99865,
     confidence: float = 0.9,
     method: str = "plain",
-    structure: Structure | None = None,
 ) -> DispersedStudy:
     """Return the deflection that covers a dispersed vehicle in a dispersed wind.
 
@@ -135,14 +132,11 @@ def disperse_study(
     method : {"plain", "sobol", "latin"}
         As of `draw`. Order statistics hold for plain numbers; the others converge faster, and
         their bounds are on the safe side.
-    structure : Structure, optional
-        Of the vehicle, where its modes are dispersed; what is required is that of the rigid one,
-        and does not feel them.
 
     Raises
     ------
     InputError
-        For numbers out of range, a study with a gust, and when no case is possible.
+        For numbers out of range, and when no case is possible.
 
     Examples
     --------
@@ -154,7 +148,7 @@ def disperse_study(
     >>> bool(found.required.upper > nominal.required_deflection)
     True
     """
-    campaign = _campaign(study, dispersions, cases, seed, method, structure)
+    campaign = _campaign(study, dispersions, cases, seed, method)
     for name, part in (("probability", probability), ("confidence", confidence)):
         fraction(name, part)
     found = evaluate(campaign, 0, cases)
@@ -183,17 +177,13 @@ def _campaign(
     cases: int,
     seed: int,
     method: str,
-    structure: Structure | None,
 ) -> Campaign:
     instance("study", study, Study, "see Study.from_vehicle")
-    if study.gust is not None:
-        raise InputError("a study with a gust cannot be dispersed; leave the gust out")
     if not 1 <= whole_number("cases", cases) <= _MOST_CASES:
         raise InputError(f"cases must be from 1 to {_MOST_CASES}; got {shown(cases)}")
     return Campaign(
         vehicle=whole_vehicle(study.vehicle, "a dispersed study"),
-        structure=structure,
-        wind=ShapedWind(study.shape, study.wind.peak, study.wind.duration),
+        wind=study.blows,
         dispersions=dispersions,
         cases=cases,
         seed=seed,

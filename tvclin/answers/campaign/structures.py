@@ -13,17 +13,22 @@ from tvclin.base.errors import InputError
 from tvclin.control.autopilot.detuning import with_modes
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.autopilot.rules import GainsAsked
+from tvclin.kernels.pieces import Pieces
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History, Piecewise
+from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 FloatArray = NDArray[np.float64]
 
-Recorded = TypeVar("Recorded", Structure, GainsAsked)
-_PARTS = {"bending": BendingMode, "slosh": SloshTank, "engine": Engine} | dict.fromkeys(
+Recorded = TypeVar("Recorded", Vehicle, GainsAsked)
+_BODIES = {"bending": BendingMode, "slosh": SloshTank, "engine": Engine}
+_PARTS = {"structure": Structure, **_BODIES} | dict.fromkeys(
     ("attitude_sensor", "rate_gyro", *CHAINS), Filter
 )
-"""What the parts of a structure and an autopilot are, by name; all else in them are numbers."""
+"""What the parts of a vehicle and an autopilot are, by name; all else in them are numbers."""
 
 
 def modes_nominal(structure: Structure) -> dict[str, float]:
@@ -76,7 +81,7 @@ def _single(value: Any) -> Any:
 
 
 def record_of(value: Any) -> Any:
-    """Return a structure or an autopilot as numbers in SI units, of which `of_record` makes it."""
+    """Return a vehicle or an autopilot as numbers in SI units, of which `of_record` makes it."""
     if is_dataclass(value):
         return {f.name: record_of(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, tuple):
@@ -85,7 +90,7 @@ def record_of(value: Any) -> Any:
 
 
 def of_record(kind: type[Recorded], record: Any) -> Recorded:
-    """Return the structure or the autopilot of a record.
+    """Return the vehicle or the autopilot of a record.
 
     Raises
     ------
@@ -107,3 +112,23 @@ def _made(kind: Any, record: Any) -> Any:
     if isinstance(record, dict):
         return kind(**{name: _made(_PARTS.get(name), one) for name, one in record.items()})
     return record
+
+
+def gust_record(wind: ShapedWind | WindEnsemble) -> dict[str, Any]:
+    """Return the gust of a wind as a manifest keeps it: its exact pieces; nothing without one."""
+    if isinstance(wind, WindEnsemble) or wind.gust is None:
+        return {}
+    pieces = wind.gust.pieces
+    parts = {"coefficients": pieces.coefficients, "rates": pieces.rates}
+    kept = {name: [np.real(one).tolist(), np.imag(one).tolist()] for name, one in parts.items()}
+    return {"gust": {"knots": pieces.knots.tolist(), **kept}}
+
+
+def recorded_gust(document: Mapping[str, Any]) -> History | None:
+    """Return the gust that a manifest keeps; None of any other document."""
+    kept = document.get("gust", {})
+    if "knots" not in kept:
+        return None
+    parts = (np.array(kept[name]) for name in ("coefficients", "rates"))
+    coefficients, rates = (real + 1j * imag if imag.any() else real for real, imag in parts)
+    return Piecewise(Pieces(np.array(kept["knots"]), coefficients, rates))

@@ -29,8 +29,6 @@ from tvclin.base.tables import known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
-from tvclin.vehicle.structure import Structure
-from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.file import GUST_TABLE, WIND_TABLE, winds_of
 
@@ -126,10 +124,7 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
         return build_vehicle(source, f"[{where}.vehicle]")
     if isinstance(source, dict):
         known(f"key in [{where}.vehicle]", source, [f.name for f in fields(Vehicle)])
-        try:
-            return Vehicle(**source)
-        except TypeError:
-            raise InputError(f"[{where}.vehicle] must hold every number of a Vehicle") from None
+        return of_record(Vehicle, source)
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
     return load_vehicle(_beside(source, folder))
@@ -139,28 +134,6 @@ def _beside(source: str, folder: Path) -> str | Path:
     """The name of a vehicle of the package, or the path of a file, in the folder if it is there."""
     beside = folder / source
     return beside if source not in list_vehicles() and exists(beside) else source
-
-
-def structure_of(document: Mapping[str, Any], folder: Path) -> Structure | None:
-    """Return what bends and sloshes in the vehicle; None where its file has no structure.
-
-    A vehicle in a table of the study has none.
-
-    Raises
-    ------
-    InputError
-        As `load_structure`.
-    """
-    campaign = document.get("campaign", {})
-    if "structure" in campaign:
-        if not _recorded(document):
-            raise InputError("structure belongs into the vehicle file, beside [vehicle]")
-        return of_record(Structure, campaign["structure"])
-    source = (document.get("study", {}) | campaign).get("vehicle")
-    if not isinstance(source, str):
-        return None
-    found = load_structure(_beside(source, folder))
-    return None if found.is_rigid else found
 
 
 def gains_of(table: Mapping[str, Any], document: Mapping[str, Any]) -> GainsAsked:

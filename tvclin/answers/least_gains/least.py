@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -204,7 +203,7 @@ def _peaks(question: Question, autopilot: Autopilot) -> FloatArray:
 
 def _boundaries(question: Question, autopilot: Autopilot, stops: int | None) -> FloatArray:
     """The boundary in each wind [rad], with the stops of the question or with others."""
-    law = SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
+    law = SaturatedLaw.of(autopilot)
     found = [
         closed_loop_boundary(
             question.plant,

@@ -1,5 +1,7 @@
 """From the columns of a flight to its schedule: checked, thinned, with a note on each column."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -66,9 +68,8 @@ def schedule_of_flight(
         else ()
     )
     beside = {key: values.pop(key)[kept] for key in _BESIDE if key in values}
-    vehicle = Vehicle(
-        name=name, time=time[kept], **{key: value[kept] for key, value in values.items()}
-    )
+    numbers: dict[str, Any] = {key: one[kept] for key, one in values.items()}
+    vehicle = Vehicle(name=name, time=time[kept], **numbers)
     origins = [f"{key}: {column.origin}" for key, column in columns.items()]
     notes = (f"time: {flight.origin('time')}", *origins, *flight.notes, *thin, *_stability(vehicle))
     return FlightSchedule(vehicle, **beside, notes=notes)

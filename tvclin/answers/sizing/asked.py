@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,6 @@ from tvclin.base.errors import (
     number,
     one_of,
     positive,
-    single,
     text,
     within,
 )
@@ -36,6 +35,7 @@ from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.models import USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
@@ -155,9 +155,7 @@ class SizingAsked:
         object.__setattr__(self, "pulses", each("pulses", self.pulses, ShapedWind, "of one shape"))
         instance("soundings", self.soundings, Mapping, "of names to SoundingAsked")
         each("soundings", tuple(self.soundings.values()), SoundingAsked, "with their azimuth")
-        if self.gust is not None:
-            instance("gust", self.gust, History, "such as OneMinusCosineGust")
-            single("gust", self.gust.batch)
+        checked_gust(self.gust)
         self._check_words()
         if not self.pulses and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
@@ -308,16 +306,15 @@ class SizingAsked:
 
     def _met(self, pulse: ShapedWind) -> WindOf:
         def met(vehicle: Vehicle) -> History | PlaneWind:
+            blows = replace(pulse, gust=self.gust)
             if pulse.heading is None and self.plane != BOTH:
-                wind = pulse.history({"wind_peak": self.peak_at(vehicle, pulse)})
-                return wind if self.gust is None else wind + self.gust
+                return blows.history({"wind_peak": self.peak_at(vehicle, pulse)})
             peaks = self._peaks(vehicle, pulse)
             if self.plane == BOTH:
-                winds = {plane: part_in(pulse, peaks, plane, self.gust) for plane in PLANES}
-                return PlaneWind(**winds)
+                return PlaneWind(**{plane: part_in(blows, peaks, plane) for plane in PLANES})
             if peaks[self.plane] == 0.0:
                 pulse.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
-            return part_in(pulse, peaks, self.plane, self.gust)
+            return part_in(blows, peaks, self.plane)
 
         return met
 

@@ -10,16 +10,15 @@ from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
-    ending,
     instance,
     number,
     one_of,
     positive,
-    shown,
     single,
 )
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.sampled import SampledWind
 from tvclin.winds.soundings.passage import angles_along
@@ -60,10 +59,7 @@ class MeasuredWind:
         single("wind", self.wind.batch)
         if self.window is not None:
             number("window", self.window, positive, "s")
-        if self.gust is not None:
-            instance("gust", self.gust, History, "such as OneMinusCosineGust")
-            single("gust", self.gust.batch)
-            ending("gust", self.gust.end)
+        checked_gust(self.gust)
 
     @property
     def known(self) -> tuple[float, float]:
@@ -189,8 +185,7 @@ def fly_through(
     array([0.439, 0.399, 0.347])
     """
     instance("profile", profile, WindProfile, "see read_sounding")
-    if gust is not None and (not isinstance(gust, History) or gust.batch):
-        raise InputError(f"gust must be one history, such as OneMinusCosineGust; got {shown(gust)}")
+    checked_gust(gust)
     if one_of("plane", plane, (*PLANES, BOTH)) != BOTH:
         wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
         return MeasuredWind(wind, window, gust)

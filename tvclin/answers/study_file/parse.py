@@ -1,6 +1,7 @@
 """The tables of a study file: from a document to its plan."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,6 @@ from tvclin.answers.campaign.file import parse_campaign
 from tvclin.answers.campaign.tables import (
     dispersions_of,
     question_of,
-    structure_of,
     subject_of,
 )
 from tvclin.answers.document import Document
@@ -31,23 +31,21 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     """
     subject = subject_of(document, folder)
     if "cases" in document.get("campaign", {}):
-        parse_campaign({k: v for k, v in document.items() if k != "gust"}, folder)
+        parse_campaign(document, folder)
     head, drawn = document.get("study", {}), document.get("campaign", {})
     given = {key: head[key] for key in ("dead_band", "switch", "nozzle_stop") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
         given["dispersions"] = dispersions_of(document)
     wind: Any = winds_of(document, folder)[0]
-    gust = gust_of(document, float(getattr(wind, "duration", 0.0)))
+    gust = gust_of(document, wind)
     question = question_of(document)
     study = {key: value for key, value in (subject | given).items() if key in _ALSO_OF_A_FLIGHT}
     if "nozzle_stop" in study:
         study["plane"] = BOTH
     return StudyPlan(
         **subject,
-        structure=structure_of(document, folder),
-        wind=wind,
-        gust=gust,
+        wind=wind if gust is None else replace(wind, gust=gust),
         sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
         availability=availability_of(document, folder, gust),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,

@@ -12,12 +12,12 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tvclin.answers.study_file.plan import DEFAULT_WIND, StudyPlan
+from tvclin.answers.case import DEFAULT_WIND
+from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.files import called, tables_of
-from tvclin.vehicle.file import COEFFICIENTS, parse_vehicle, vehicle_text
+from tvclin.vehicle.file import COEFFICIENTS, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
-from tvclin.vehicle.structure_file import parse_structure
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
@@ -47,10 +47,8 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     """
     text, name = vehicle_text(source)
     document = tables_of(text, name)
-    if COEFFICIENTS in document and "vehicle" not in document:
+    if {COEFFICIENTS, "vehicle"} & document.keys() and not {"study", "campaign"} & document.keys():
         return StudyPlan(vehicle=load_any_vehicle(source))
-    if "vehicle" in document and not {"study", "campaign"} & document.keys():
-        return StudyPlan(vehicle=parse_vehicle(text, name), structure=parse_structure(text, name))
     from tvclin.answers.study_file.parse import parse_study
 
     with naming(called(name)):

@@ -135,11 +135,3 @@ class Feedback:
         if self.sample_rate is not None:
             shapes["sample_rate"] = np.shape(self.sample_rate)
         return broadcast(**shapes)
-
-    def require_plain(self, what: str) -> None:
-        """Raise `InputError` for filters and a sample rate, which `what` does not know."""
-        if self.sample_rate is not None or any(getattr(self, name) for name in CHAINS):
-            raise InputError(
-                f"{what} knows no filters and no sample_rate of an autopilot; replace them by ()"
-                " and None, or ask for margins()"
-            )

@@ -66,8 +66,8 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     h, late = (np.broadcast_to(one, batch) for one in (period, delay))
 
     def later(delays: FloatArray, cases: NDArray[np.intp]) -> StateLoop:
-        parts = (one.some(cases, batch) for one in (vehicle, law))
-        return _looped(*parts, h.ravel()[cases], delays)
+        own, seen = (one.some(cases, batch) for one in (vehicle, law))
+        return _looped(own, seen, h.ravel()[cases], delays)
 
     return SampledLoop(_looped(vehicle, law, h, late), batch, h, late, later)
 

@@ -13,7 +13,7 @@ from tvclin.control.margins.record import loop_margins
 from tvclin.kernels import polynomials
 from tvclin.kernels.loop_grid import AROUND, BELOW, BEYOND
 from tvclin.kernels.searches import lowest
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -30,24 +30,29 @@ _PHASE_STEP, _MOST_STEPS = np.pi / 8.0, 20_000
 """Steps of the delay's phase [rad], and the most there may be."""
 
 
-def wind_gain(plant: Plant, autopilot: Autopilot) -> float:
+def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     """Return the H-infinity norm from wind to deflection; infinite if the loop is not stable.
 
     Parameters
     ----------
-    plant, autopilot : Plant, Autopilot
+    plant, autopilot : Plant or FlexiblePlant, Autopilot
         One each.
 
     Notes
     -----
     It is the highest peak of |G(j omega)|, the delay being exact. The peak is bracketed among
     frequencies around all roots and gain crossovers and refined there, so that what is left is
-    rounding, about 1e-12 of the value for well separated roots.
+    rounding, about 1e-12 of the value for well separated roots. Of a flexible plant, which has no
+    polynomials, it is the norm of python-control, with the Pade approximation of `Autopilot.close`.
     """
-    loop = autopilot.rational_loop(plant)
-    found = loop_margins(loop)
+    found = loop_margins(autopilot.exact_loop(plant))
     if not found.stable:
         return float(np.inf)
+    if isinstance(plant, FlexiblePlant):
+        import control
+
+        return float(control.system_norm(autopilot.close(plant)["deflection", "wind"], p="inf"))
+    loop = autopilot.rational_loop(plant)
     above = wind_numerator(autopilot, plant)
 
     def lowness(omega: FloatArray) -> FloatArray:

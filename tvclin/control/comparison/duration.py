@@ -21,7 +21,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.control.margins.record import loop_margins
-from tvclin.linear.plant import RIGID, Plant
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
@@ -59,7 +59,7 @@ class WorstDuration:
 
 
 def worst_duration(
-    plant: Plant,
+    plant: AnyPlant,
     autopilot: Autopilot,
     *,
     peak: float,
@@ -71,7 +71,7 @@ def worst_duration(
 
     Parameters
     ----------
-    plant, autopilot : Plant, Autopilot
+    plant, autopilot : Plant or FlexiblePlant, Autopilot
         One each, with a stable closed loop.
     peak : float
         Peak [rad] of every wind of the family.
@@ -102,7 +102,7 @@ def worst_duration(
     >>> round(worst.duration, 1), worst.at_the_end
     (12.8, False)
     """
-    instance("plant", plant, Plant, RIGID)
+    check_plant(plant)
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     if plant.batch or autopilot.batch:
         raise InputError("worst_duration is for one case; take those of a batch one by one")
@@ -112,7 +112,7 @@ def worst_duration(
     high = number("longest", longest, positive, "s")
     if low >= high:
         raise InputError(f"longest must be above shortest; got {high:.6g} and {low:.6g} s")
-    margins = loop_margins(autopilot.rational_loop(plant))
+    margins = loop_margins(autopilot.exact_loop(plant))
     warn_of_feedback(autopilot, plant)
     if not margins.stable:
         raise InputError(f"no duration is the worst: {margins.reason}")

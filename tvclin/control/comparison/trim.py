@@ -21,6 +21,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.warnings import warn_of_feedback
 from tvclin.control.autopilot.wind_gain import wind_gain
 from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
@@ -37,7 +38,7 @@ class TrimComparison:
 
     Attributes
     ----------
-    plant, autopilot, wind : Plant, Autopilot, History
+    plant, autopilot, wind : Plant or FlexiblePlant, Autopilot, History
         What was compared.
     margins : Margins
         Those of the loop.
@@ -64,7 +65,7 @@ class TrimComparison:
         What the reader should know before believing the numbers; often nothing.
     """
 
-    plant: Plant
+    plant: AnyPlant
     autopilot: Autopilot
     wind: History
     margins: Margins
@@ -101,13 +102,13 @@ class TrimComparison:
         return self.peak_deflection / self.trim_deflection if self.trim_deflection else np.nan
 
 
-def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> TrimComparison:
+def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> TrimComparison:
     """Return what an autopilot does in a wind, beside trim and the theory's least deflections.
 
     Parameters
     ----------
-    plant : Plant
-        One plant of any model.
+    plant : Plant or FlexiblePlant
+        One plant of any model; trim, boundaries and minimum are those of the rigid one.
     autopilot : Autopilot
         One autopilot. It has no limits here: compare its peak with the one there is.
     wind : History
@@ -133,19 +134,19 @@ def compare_with_trim(plant: Plant, autopilot: Autopilot, wind: History) -> Trim
     >>> round(c.relative, 3), round(c.boundaries[1.0] / c.trim_deflection, 3)
     (1.622, 0.654)
     """
-    instance("plant", plant, Plant, "see Plant.from_vehicle")
+    check_plant(plant)
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     instance("wind", wind, History, "such as TriangularWind")
     if plant.batch or autopilot.batch or wind.batch:
         raise InputError("compare_with_trim is for one case; take those of a batch one by one")
     ending("wind", wind.end)
-    margins = loop_margins(autopilot.rational_loop(plant))
+    margins = loop_margins(autopilot.exact_loop(plant))
     warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
     peaks = _peaks(plant, autopilot, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
     notes = [] if margins.stable else [margins.reason]
-    boundaries = _boundaries(plant, wind, notes)
-    least = optimum_deflection(plant, wind)
+    boundaries = _boundaries(plant.rigid, wind, notes)
+    least = optimum_deflection(plant.rigid, wind)
     if least.status != "ok":
         notes.append(f"minimum: {least.status}")
     return TrimComparison(
@@ -171,7 +172,7 @@ _PEAKS = (
 )
 
 
-def _peaks(plant: Plant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
+def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
     answer = autopilot.answer(plant, wind)
     sizes = {name: abs(answer.peak(name)[0]) for name in answer.labels}
     return {

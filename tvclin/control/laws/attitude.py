@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,12 @@ class SaturatedLaw(Law):
                 "a SaturatedLaw takes gains and filters only: give actuator, delay and sample_rate"
                 " to fly()"
             )
+
+    @classmethod
+    def of(cls, autopilot: Autopilot) -> Self:
+        """Return the law of an autopilot, without actuator, delay and sample rate."""
+        instance("autopilot", autopilot, Autopilot, "see design_gains")
+        return cls(replace(autopilot, actuator=None, delay=0.0, sample_rate=None))
 
     def _repr_html_(self) -> str:
         return self.autopilot._repr_html_().replace("Autopilot", "Feedback with a limit", 1)

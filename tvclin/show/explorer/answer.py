@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.requirement import covers
+from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND
 from tvclin.control.margins.record import Margins
 from tvclin.show.explorer import parts
-from tvclin.show.explorer.choices import DEAD_BAND, GAINS, REPORT, Choices
+from tvclin.show.explorer.choices import REPORT, Choices
 
 FloatArray = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ def _own_numbers(c: Choices) -> tuple[float, ...]:
     """What the law depends on besides vehicle, wind and limit."""
     if c.law in (REPORT, DEAD_BAND):
         return (c.dead_band,)
-    return (c.attitude_gain, c.rate_gain) if c.law == GAINS else ()
+    return (c.attitude_gain, c.rate_gain) if c.law == AUTOPILOT else ()
 
 
 def _verdict(c: Choices, required: float | None, motion: parts.Motion | None) -> str:

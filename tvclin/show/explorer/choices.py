@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.linear.models import USUAL_MODEL
 from tvclin.vehicle.vehicle import Vehicle
 
-REPORT, TRIM, DEAD_BAND = "report (open loop)", "trim", "dead band"
-GAINS, HALF_RELIEF = "attitude and rate", "half relief"
-RECOVERABLE = "recoverable attitude"
-LAWS = (REPORT, TRIM, DEAD_BAND, GAINS, HALF_RELIEF, RECOVERABLE)
-_OF_LAWS = {"attitude_gain": (GAINS,), "rate_gain": (GAINS,), "delay": (GAINS, HALF_RELIEF)}
+REPORT, TRIM, HALF_RELIEF = "report (open loop)", "trim", "half-relief"
+CONTROLS = (REPORT, *LAWS)
+_GAINS = ("attitude_gain", "rate_gain")
+_OF_LAWS = dict.fromkeys(_GAINS, (AUTOPILOT,)) | {"delay": (AUTOPILOT, HALF_RELIEF)}
 """Fields that count with some laws only."""
 
 
@@ -34,7 +34,7 @@ class Choices:
     limit : float
         Deflection limit [rad].
     law : str
-        One of `LAWS`: what turns the nozzle.
+        One of `CONTROLS`: what turns the nozzle.
     attitude_gain, rate_gain : float
         a0 [rad/rad] and a1 [s], of the law of attitude and rate.
     delay : float

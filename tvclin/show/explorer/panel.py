@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.flexible import flexible_plant, shift_words
+from tvclin.answers.flexible import shift_words
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
+from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.show.explorer.answer import Answer, answer
-from tvclin.show.explorer.choices import GAINS, LAWS, TRIM, Choices, idle
+from tvclin.show.explorer.choices import CONTROLS, TRIM, Choices, idle
 from tvclin.show.explorer.lab import end, is_open
 from tvclin.show.explorer.parts import LONGEST
 from tvclin.show.explorer.picture import new_picture, round_up
 from tvclin.show.explorer.study import write_study
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.file import list_vehicles, load_vehicle
-from tvclin.vehicle.structure_file import load_structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import PULSES
 
@@ -56,7 +56,6 @@ class Panel:
     def __init__(self, vehicle: str | Vehicle) -> None:
         widgets = _widgets()
         first, own = _named(vehicle)
-        self._source = vehicle
         self._vehicles = {first: own} | {
             name: load_vehicle(name) for name in list_vehicles() if name != first
         }
@@ -85,7 +84,7 @@ class Panel:
     def choices(self) -> Choices:
         """What the widgets ask for."""
         asked = {field: control.value for field, control in self.controls.items()}
-        asked["vehicle"] = self._vehicles[asked["vehicle"]]
+        asked["vehicle"] = self._vehicles[asked["vehicle"]].rigid
         return Choices(
             **{
                 field: value * _TO_SI[field] if field in _TO_SI else value
@@ -98,7 +97,7 @@ class Panel:
         reasons = idle(choices.law)
         for field, control in self.controls.items():
             control.disabled, control.tooltip = field in reasons, reasons.get(field)
-        self.canonical.disabled = choices.law != GAINS
+        self.canonical.disabled = choices.law != AUTOPILOT
         self._complete(choices, 0)
 
     def _complete(self, choices: Choices, known: int) -> None:
@@ -124,7 +123,7 @@ class Panel:
     def _draw(self, found: Answer) -> None:
         self.verdict.value = _paragraphs(found.verdict, weight="bold")
         self.margins.value = _paragraphs(_margins(found))
-        bends = _bends(self.controls["vehicle"].value, self._source, found.choices)
+        bends = _bends(self._vehicles[self.controls["vehicle"].value], found.choices.plane)
         self.notes.value = _paragraphs(*found.notes, *bends)
         self.image.value = self._picture.png(found)
 
@@ -203,14 +202,11 @@ def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
     return vehicle.name or "vehicle", vehicle
 
 
-def _bends(name: str, source: str | Vehicle, choices: Choices) -> tuple[str, ...]:
-    """What is to be said of a vehicle whose file has a structure: that all here is rigid."""
-    if isinstance(source, Vehicle) and name not in list_vehicles():
+def _bends(vehicle: Vehicle, plane: str) -> tuple[str, ...]:
+    """What is to be said of a vehicle with a structure: that all here is rigid."""
+    if vehicle.structure is None:
         return ()
-    structure = load_structure(name)
-    if structure.is_rigid:
-        return ()
-    moved = shift_words(flexible_plant(choices.vehicle, structure, choices.plane))
+    moved = shift_words(vehicle, plane)
     rigid = "All here, margins too, is of the rigid vehicle, without the structure in its file"
     return (f"{rigid}{f', which {moved}' if moved else ''} (tvclin margins has it).",)
 
@@ -222,7 +218,7 @@ def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[st
         "plane": ("plane", PLANES, "pitch"),
         "model": ("model", MODELS, USUAL_MODEL),
         "shape": ("wind shape", PULSES, "triangular"),
-        "law": ("law", LAWS, TRIM),
+        "law": ("law", CONTROLS, TRIM),
     }
     controls: dict[str, Any] = {
         field: widgets.Dropdown(description=label, options=list(options), value=value, style=_WIDE)

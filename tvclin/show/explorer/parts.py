@@ -19,29 +19,18 @@ from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gains import half_relief_gains
-from tvclin.control.laws.attitude import SaturatedLaw
-from tvclin.control.laws.dead_band import DeadBandLaw
 from tvclin.control.laws.law import Law, seen_coordinates
-from tvclin.control.laws.recoverable import RecoverableAttitudeLaw
-from tvclin.control.laws.trim import TrimLaw
+from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, design_law
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.show.explorer.choices import (
-    DEAD_BAND,
-    GAINS,
-    HALF_RELIEF,
-    LAWS,
-    RECOVERABLE,
-    REPORT,
-    TRIM,
-)
+from tvclin.show.explorer.choices import CONTROLS, HALF_RELIEF, REPORT
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.shaped import PULSES, pulse
+from tvclin.winds.shaped import PULSES
 
 FloatArray = NDArray[np.float64]
 
@@ -144,7 +133,7 @@ def _needed(plant: Plant, shape: str, dead_band: float, duration: FloatArray) ->
     if np.all(np.isfinite(limit)):
         return np.abs(plant.coefficients.B * limit)
     peak = 0.1
-    wind = pulse("shape", shape, peak, duration)
+    wind = PULSES[shape](peak=peak, duration=duration)
     return np.abs(required_deflection(plant, wind, dead_band).deflection) / peak
 
 
@@ -187,10 +176,10 @@ def motion(
     """
     plant = plant_of(vehicle, plane, model)
     shape, duration, peak = wind
-    gust = pulse("shape", shape, peak, duration)
+    gust = PULSES[one_of("shape", shape, PULSES)](peak=peak, duration=duration)
     name, numbers = law
     times, rate = _samples(plant, duration)
-    if one_of("law", name, LAWS) == REPORT:
+    if one_of("law", name, CONTROLS) == REPORT:
         against = -float(np.sign(plant.coefficients.B)) * float(np.sign(peak))
         if not against:
             raise InputError(
@@ -218,7 +207,7 @@ def _samples(plant: Plant, duration: float) -> tuple[FloatArray, float]:
 
 
 def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> Law:
-    """Return a law by its name, with its dead band or its gains, as `standard_laws` designs it.
+    """Return a law by its name, with its dead band or its gains, as `design_law` designs it.
 
     Raises
     ------
@@ -226,18 +215,14 @@ def law_of(plant: Plant, name: str, numbers: tuple[float, ...], peak: float) -> 
         For a name that is no law, and as the law itself.
     """
     gains = gains_of(plant, name, numbers)
-    if gains is not None:
-        return SaturatedLaw(gains)
-    if name == RECOVERABLE:
-        return RecoverableAttitudeLaw(plant, design_peak=peak)
-    fixed = Plant(plant.coefficients, "fixed-path")
-    one_of("law", name, (TRIM, DEAD_BAND))
-    return TrimLaw(fixed) if name == TRIM else DeadBandLaw(fixed, dead_band=numbers[0])
+    if name == AUTOPILOT:
+        return design_law(name, plant, peak, autopilot=gains)
+    return design_law(name, plant, peak, **({"dead_band": numbers[0]} if name == DEAD_BAND else {}))
 
 
 def gains_of(plant: Plant, name: str, numbers: tuple[float, ...]) -> Autopilot | None:
     """Return the gains of a law by its name; None where it is none of constant gains."""
-    if name == GAINS:
+    if name == AUTOPILOT:
         return Autopilot(attitude_gain=numbers[0], rate_gain=numbers[1])
     return half_relief_gains(plant.coefficients) if name == HALF_RELIEF else None
 

@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import asdict
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from tvclin.base.files import exists, write_new
-from tvclin.show.explorer.choices import GAINS, HALF_RELIEF, Choices
+from tvclin.control.laws.registry import AUTOPILOT
+from tvclin.show.explorer.choices import HALF_RELIEF, Choices
 from tvclin.show.explorer.parts import ACTUATOR
 from tvclin.vehicle.file import VEHICLE_TABLE
+from tvclin.vehicle.vehicle import NUMBERS
 
 
 def study_text(choices: Choices) -> str:
@@ -22,8 +23,7 @@ def study_text(choices: Choices) -> str:
     those of the panel, wherever the file is read.
     """
     c = choices
-    numbers = asdict(c.vehicle)
-    name = numbers.pop("name")
+    name, numbers = c.vehicle.name, {key: getattr(c.vehicle, key) for key in NUMBERS}
     known = {key: float(value) for key, value in numbers.items() if value is not None}
     tables: dict[str, dict[str, Any]] = {
         "study": {"model": c.model, "plane": c.plane, "dead_band": c.dead_band},
@@ -32,7 +32,7 @@ def study_text(choices: Choices) -> str:
         "question": {"limit_deg": _deg(c.limit)},
     }
     gains: dict[str, Any] = {}
-    if c.law == GAINS and (c.attitude_gain or c.rate_gain):
+    if c.law == AUTOPILOT and (c.attitude_gain or c.rate_gain):
         gains = {"attitude_gain": c.attitude_gain, "rate_gain_s": c.rate_gain}
     elif c.law == HALF_RELIEF:
         gains = {"design": "half-relief"}

@@ -72,7 +72,7 @@ def assumptions(found: Findings) -> Section:
 
 def _left_out(found: Findings) -> str:
     damped = "" if found.study.coefficients.damping else ", damping of the attitude rate"
-    if found.plan.structure is None:
+    if found.plan.vehicle.structure is None:
         return f"bending, slosh{damped} and sensor noise are left out"
     return (
         "bending and slosh count for the autopilot alone, and are left out of all else; sensor"

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tvclin.answers.campaign.statistics import shares
-from tvclin.answers.findings import Findings, gains_of
+from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import nozzle_of
 from tvclin.answers.trials import LawsAsked, LawTrial, standard_winds
 from tvclin.base.errors import InputError
@@ -16,7 +16,6 @@ from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargin
-from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import (
@@ -56,8 +55,8 @@ def _laws(found: Findings) -> list[Block]:
     asked, s = found.plan.laws, found.study
     assert asked is not None
     flown, rate = f"the {found.plan.law_model} model", asked.sample_rate
-    if found.plan.structure is not None:
-        rate = nozzle_of(gains_of(found.plan), rate)["sample_rate"]
+    if found.plan.vehicle.structure is not None:
+        rate = nozzle_of(found.plan.asked, rate)["sample_rate"]
         flown += " of the flexible vehicle, with filters, actuator and delay of the autopilot"
     words = (
         f"Each law is flown with a stop on {flown}, sampled at {rate:g} Hz, in winds with the peak"
@@ -109,7 +108,7 @@ def autopilot(found: Findings) -> Section | None:
 def _autopilot(found: Findings) -> list[Block]:
     c, f = found.comparison, found.flexible
     assert c is not None
-    plant: AnyPlant = c.plant if f is None else f.plant
+    plant = c.plant
     margins = c.margins if f is None else f.bands.whole
     verdict = "met" if found.criteria.are_met(found.margins or c.margins) else "not met"
     whose = "" if f is None else " of the flexible vehicle"
@@ -299,10 +298,7 @@ def _in_the_wind(found: Findings, c: TrimComparison) -> Block:
         (("minimum, wind known",), degrees("wind.minimum", c.minimum, unit="deg")),
     ]
     title = "The autopilot in this wind, without a stop"
-    if found.flexible is not None:
-        peak = degrees("wind.flexible", found.flexible.peak_deflection, unit="deg")
-        rows.insert(1, (("the same, flexible vehicle",), peak))
-        title += ", rigid vehicle"
+    title += "" if found.flexible is None else ", flexible vehicle"
     if found.stop is not None:
         stop = abs(float(found.stop.deflection)) * found.study.of_both
         rows.append(

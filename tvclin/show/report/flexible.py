@@ -6,14 +6,15 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.flexible import FlexibleAnswer, flexible_plant, shift_of
+from tvclin.answers.flexible import FlexibleAnswer, shift_of
 from tvclin.answers.questions import FLOWN
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.control.margins.bands import GAIN, PHASE, ModeBand
 from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.record import MARGINS
-from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.flexible import FlexiblePlant, plant_of
 from tvclin.linear.flexible_modes import named_modes
+from tvclin.linear.models import USUAL_MODEL
 from tvclin.plots import bode_chart
 from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, checks, margin
 from tvclin.show.report.figures import inline_svg
@@ -45,10 +46,11 @@ _ENGINE = {"mass": " [kg]", "arm": " [m]", "moment_of_inertia": " [kg m^2]"}
 def flexible(found: Findings) -> Section | None:
     """Return what bends and sloshes, and what that does to the autopilot; None of a rigid one."""
     plan = found.plan
-    if plan.structure is None:
+    if plan.vehicle.structure is None:
         return None
     f = found.flexible
-    plant = flexible_plant(plan.vehicle, plan.structure, plan.plane) if f is None else f.plant
+    plant = plant_of(plan.vehicle, USUAL_MODEL, plan.plane) if f is None else f.plant
+    assert isinstance(plant, FlexiblePlant)
     blocks: list[Block] = [Paragraph(_words(plant)), *_modes(plant)]
     if f is None:
         none = "Its margins and flights need an autopilot: [autopilot] in a study file."

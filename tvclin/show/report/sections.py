@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.answers.findings import Findings, blown
+from tvclin.answers.findings import Findings
 from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
@@ -62,7 +62,7 @@ def inputs(found: Findings) -> Section:
     name = s.vehicle.name or "unnamed"
     blocks = (
         Table(f"Vehicle: {name}", ("quantity", "value"), pairs(vehicle)),
-        *([] if plan.structure is None else given(plan.structure)),
+        *([] if plan.vehicle.structure is None else given(plan.vehicle.structure)),
         Table("Wind and question", ("quantity", "value"), pairs(case)),
         Table("Linear coefficients", ("quantity", "value"), pairs(_coefficients(found))),
     )
@@ -122,7 +122,7 @@ def response(found: Findings) -> Section | None:
     limit = s.limit if s.limit is not None else _ABOVE * needed
     if not limit or np.isinf(limit):
         return None
-    plant, wind = Plant(s.coefficients, s.model), blown(s)
+    plant, wind = Plant(s.coefficients, s.model), s.history
     against = -float(np.sign(s.coefficients.B * wind.peak)) or 1.0
     deflection = trim_then_hold(plant, wind, against * limit, s.dead_band, s.switch)
     end, ends = _end(found, plant, deflection)
@@ -141,7 +141,7 @@ def response(found: Findings) -> Section | None:
 
 def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str]:
     """When a response has said all, and why."""
-    wind = blown(found.study)
+    wind = found.study.history
     longest = _TO_SHOW * float(wind.end)
     shown = shown_until(plant, deflection, wind, longest)
     words = {
@@ -161,7 +161,7 @@ def _end(found: Findings, plant: Plant, deflection: History) -> tuple[float, str
 
 def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -> "ControlPlot":
     """The figure of a response: angles, deflection and wind."""
-    wind = blown(found.study)
+    wind = found.study.history
     times = np.linspace(0.0, end, _POINTS)
     answer = attitude_responses(plant, deflection, wind, times)
     curves = response_curves(answer, deflection, wind, "response", "")
@@ -172,7 +172,7 @@ def _over_time(found: Findings, plant: Plant, deflection: History, end: float) -
 def _outstanding(
     found: Findings, plant: Plant, deflection: History, end: float
 ) -> tuple[tuple[Line, ...], ...]:
-    wind = blown(found.study)
+    wind = found.study.history
     stands, loads = extremes(plant, deflection, wind, end), wind_loads(plant, deflection, wind)
     points = (
         (

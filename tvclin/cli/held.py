@@ -1,10 +1,10 @@
-"""One plant, one wind and one deflection limit, as the command line names them."""
+"""The deflection of `tvclin respond`: trim up to the dead band, and then a limit held."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tvclin.cli.pulse import PulseOptions
+    from tvclin.answers.case import Case
     from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
@@ -13,36 +13,25 @@ _LARGEST = 700.0
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
-    """One plant, one wind, and the deflection that meets it.
+class Held:
+    """A case, and the deflection that meets it, with K, what is required and the limit [rad]."""
 
-    Attributes
-    ----------
-    vehicle : str
-        Name of the vehicle.
-    shape : str
-        Shape of the wind.
-    plant : Plant
-        The plant.
-    wind, deflection : History
-        Its inputs [rad].
-    dead_band : float
-        K.
-    required, limit : float
-        Deflection that is required, and the limit in question [rad], both without sign.
-    governs : str
-        What requires it, as of `RequiredDeflection`.
-    """
-
-    vehicle: str
-    shape: str
-    plant: "Plant"
-    wind: Any
+    case: "Case"
     deflection: "History"
     dead_band: float
     required: float
     limit: float
     governs: str
+
+    @property
+    def plant(self) -> "Plant":
+        """The rigid plant."""
+        return self.case.plant.rigid
+
+    @property
+    def wind(self) -> Any:
+        """The wind as a history [rad]."""
+        return self.case.history
 
     @property
     def sufficient(self) -> bool:
@@ -52,34 +41,23 @@ class Case:
         return bool(covers(self.limit, self.required))
 
 
-def make_case(
-    vehicle: Any,
-    blows: "PulseOptions",
-    dead_band: float,
-    capability: float | None,
-    limit_deg: float | None,
-    model: str | None,
-    plane: str,
-    length: float,
-) -> Case:
-    """Return the case that the options ask for, to be followed for a length [s]."""
+def held(case: "Case", dead_band: float, capability: float | None, length: float) -> Held:
+    """Return what the options ask for, to be followed for a length [s]."""
     import numpy as np
 
     from tvclin.answers.requirement import required_deflection
     from tvclin.base.errors import InputError, within
     from tvclin.linear.deflections import trim_then_hold
-    from tvclin.linear.plant import Plant
 
-    if capability is not None and limit_deg is not None:
+    if capability is not None and case.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
-    history = blows.blowing(vehicle, plane)
+    history, plant = case.history, case.plant.rigid
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
-    plant = Plant.from_vehicle(vehicle, model, plane)
     _check_length(plant, length)
     needed = required_deflection(plant, history, K)
     required = abs(float(needed.deflection))
-    if limit_deg is not None:
-        limit = float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    if case.limit is not None:
+        limit = case.limit
     else:
         limit = required * float(
             within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)
@@ -90,17 +68,7 @@ def make_case(
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
-    return Case(
-        vehicle.name,
-        blows.wind,
-        plant,
-        history,
-        deflection,
-        K,
-        required,
-        limit,
-        str(needed.governs),
-    )
+    return Held(case, deflection, K, required, limit, str(needed.governs))
 
 
 def _check_length(plant: "Plant", length: float) -> None:

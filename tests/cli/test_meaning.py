@@ -1,0 +1,62 @@
+"""An option of a command changes the answer or is refused."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.cli.app import app
+
+FAST = ("--limit-deg", "2", "--json")
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(one) for one in arguments])
+
+
+@pytest.mark.parametrize("law", ["trim", "autopilot"])
+def test_a_flight_has_the_actuator_of_its_options_in_either_unit(law):
+    given = ("fly", "configuration-i", "--engine", "linear", "--law", law, *FAST)
+    hertz, radians, usual = (
+        json.loads(run(*given, *more).stdout)
+        for more in (
+            ("--actuator-hz", 1.5),
+            ("--actuator-frequency", 2 * np.pi * 1.5),
+            (),
+        )
+    )
+    assert hertz == radians
+    assert hertz["peaks_over_the_wind_deg"] != usual["peaks_over_the_wind_deg"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("margins", "--wind", "rectangular"), "--wind needs --flown or --box"),
+        (("margins", "--peak-deg", 3), "--peak-deg needs --flown or --box"),
+        (("margins", "--duration", 3), "--duration needs --flown or --box"),
+        (("size", "--window", 20), "--window needs a sounding"),
+        (("fly", "--engine", "planar", "--rigid"), "--rigid needs --engine linear"),
+        (("fly", "--engine", "sixdof", "--rigid"), "--rigid needs --engine linear"),
+        (("fly", "--engine", "planar", "--actuator-hz", 3), "--actuator-hz needs --engine linear"),
+    ],
+)
+def test_what_has_no_meaning_is_refused(arguments, words):
+    command, *rest = arguments
+    result = run(command, "configuration-i", *rest)
+    assert (result.exit_code, words in result.output) == (2, True), result.output
+
+
+def test_the_wind_gain_of_a_vehicle_that_bends_is_that_of_a_dense_sweep():
+    plant = tv.plant_of(tv.load_vehicle("made-up-launcher"))
+    autopilot = tv.design_gains(
+        plant.coefficients, natural_frequency=1.2, damping=0.7, actuator=tv.Actuator()
+    )
+    wind = tv.TriangularWind(peak=0.05, duration=6.0)
+    found = tv.compare_with_trim(plant, autopilot, wind)
+    loop = autopilot.close(plant)["deflection", "wind"]
+    omega = np.concatenate([np.geomspace(1e-3, 300.0, 40_000), np.linspace(30.0, 40.0, 40_000)])
+    assert found.wind_gain == pytest.approx(np.abs(loop(1j * omega)).max(), rel=1e-4)
+    assert found.margins.gain_increase_dB == autopilot.margins(plant).gain_increase_dB

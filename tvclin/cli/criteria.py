@@ -1,0 +1,64 @@
+"""The options of what margins are held to, and the criteria that they ask for."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tvclin.cli.inputs import only_with
+
+if TYPE_CHECKING:
+    from tvclin.control.margins.criteria import Criteria
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
+
+MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
+
+
+@dataclass(frozen=True)
+class CriteriaOptions:
+    """The options in one place; `grouped` gives them to a command."""
+
+    criteria: Annotated[
+        str, typer.Option(help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
+    ] = "classic"
+    gain_db: Annotated[
+        float | None,
+        typer.Option(
+            help="Required gain margin, up and down, in dB, in place of that of --criteria."
+        ),
+    ] = None
+    phase_deg: Annotated[
+        float | None,
+        typer.Option(help="Required phase margin, in deg, in place of that of --criteria."),
+    ] = None
+    delay_margin_ms: Annotated[float | None, typer.Option(help="Required delay margin, in ms.")] = (
+        None
+    )
+    mode_gain_db: Annotated[
+        float | None, typer.Option(help="Required gain margin of each gain-stabilised mode, in dB.")
+    ] = None
+    mode_phase_deg: Annotated[
+        float | None,
+        typer.Option(help="Required phase margin of each phase-stabilised mode, in deg."),
+    ] = None
+
+    def wanted(self, vehicle: "AnyVehicle") -> "Criteria":
+        """Return the named criteria, or with other numbers those of the user."""
+        from tvclin.base.errors import nonnegative, one_of
+        from tvclin.control.margins.criteria import CRITERIA
+
+        if vehicle.structure is None:
+            only_with(MODES, mode_gain_db=self.mode_gain_db, mode_phase_deg=self.mode_phase_deg)
+        limits: dict[str, float] = {}
+        for option, names, value, unit in (
+            ("--gain-db", ("aero_margin_dB", "gain_increase_dB"), self.gain_db, "dB"),
+            ("--phase-deg", ("phase_margin_deg",), self.phase_deg, "deg"),
+            ("--delay-margin-ms", ("delay_margin",), self.delay_margin_ms, "ms"),
+            ("--mode-gain-db", ("mode_gain_margin_dB",), self.mode_gain_db, "dB"),
+            ("--mode-phase-deg", ("mode_phase_margin_deg",), self.mode_phase_deg, "deg"),
+        ):
+            if value is not None:
+                least = float(nonnegative(option, value, unit)) / (1000.0 if unit == "ms" else 1.0)
+                limits |= dict.fromkeys(names, least)
+        named = CRITERIA[one_of("--criteria", self.criteria, CRITERIA)]
+        return named.changed("the command line", **limits)
