@@ -147,6 +147,7 @@ def test_the_page_shows_what_the_commands_print(tmp_path, monkeypatch):
     page = (Path(__file__).parents[2] / "docs" / "flexible.md").read_text()
     tables, study = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
     Path("my.toml").write_text(vehicle_text("configuration-i")[0] + "\n" + tables)
     Path("all.toml").write_text(study)
     sessions = re.findall(r"```console\n\$ tvclin (.*?)\n(.*?)```", page, re.DOTALL)
