@@ -21,6 +21,7 @@ from tvclin.base.errors import (
     positive,
     shown,
     single,
+    small_angle,
     whole_number,
 )
 from tvclin.base.tables import Table
@@ -159,9 +160,9 @@ class Campaign:
             raise InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
         for name in ("probability", "confidence"):
             fraction(name, getattr(self, name))
-        for name in ("limit", "until"):
+        for name, check in (("limit", small_angle("a deflection", positive)), ("until", positive)):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, number(name, getattr(self, name), positive))
+                object.__setattr__(self, name, number(name, getattr(self, name), check))
 
     @property
     def nominal(self) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from tvclin.base.errors import (
     number,
     one_of,
     positive,
+    small_angle,
     whole_number,
 )
 from tvclin.boundary.stops import Stop, stop_of
@@ -122,7 +123,7 @@ class StudyPlan:
         one_of("switch", self.switch, SWITCHES)
         number("dead_band", self.dead_band, between(0.0, 1.0))
         if self.limit is not None:
-            number("limit", self.limit, positive, "rad")
+            number("limit", self.limit, small_angle("a deflection", positive), "rad")
         if self.structure is not None:
             instance("structure", self.structure, Structure, "see load_structure")
         if self.gust is not None:
