@@ -5,12 +5,14 @@ from __future__ import annotations
 import inspect
 import os
 import random
+import re
 import secrets
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import tvclin as tv
@@ -55,6 +57,48 @@ def complaint(name: str, door: Door, argument: str, value: Any) -> str | None:
     except (Exception, Endless) as error:
         return f"{type(error).__name__}: {str(error)[:200]}"
     return f"a silent NaN in {sorted(lost)}" if lost else None
+
+
+DIRECTIONS = {"attitude", "azimuth", "flight_path_angle", "heading", "latitude", "turn"} | {
+    ("PlaneWind.towards", "angle"), ("PlaneWind.veering", "angle"),
+}  # fmt: skip
+"""Angles that may be up to a turn; all others are within 90 degrees."""
+BEYOND = {
+    ("BangBang", "limit"), ("HeldDeflection", "limit"), ("fly_beside", "boundary"),
+    ("fly_many", "deflection_limit"), ("fly_many", "rate_limit"),
+    ("total_deflection", "dispersion"), ("total_deflection", "wind"),
+}  # fmt: skip
+"""What the package has computed may be more, where the trim of a wind takes more; and rates."""
+
+
+def angles(call: Any) -> set[str]:
+    """Return the arguments of which a docstring says that they are in radians."""
+    said = inspect.getdoc(call) or ""
+    found = re.search(r"(?:Parameters|Attributes)\n-+\n(.*?)(?:\n\n\w+\n-+\n|\Z)", said, re.DOTALL)
+    rows = re.findall(
+        r"^(\w[\w, ]*?) : [^\n]*\n((?:    .*\n?|\n)*)", found[1] if found else "", re.M
+    )
+    return {name for names, told in rows if "[rad]" in told for name in names.split(", ")}
+
+
+def test_an_angle_that_was_meant_in_degrees_is_refused(every: dict[str, Door]) -> None:
+    """4 rad of a deflection or a wind, 7 rad of a direction: of every public function."""
+    asked, taken = 0, []
+    for name, door in every.items():
+        public: Any = tv
+        for part in name.split("."):
+            public = getattr(public, part)
+        for argument in angles(public) & set(door.good):
+            turns = argument in DIRECTIONS or (name, argument) in DIRECTIONS
+            value = np.full(np.shape(door.good[argument]), 7.0 if turns else 4.0)[()]
+            asked += 1
+            try:
+                door.call(**(door.good | {argument: value}))
+                taken.append((name, argument))
+            except tv.InputError:
+                pass
+    assert asked > 40
+    assert set(taken) == BEYOND
 
 
 def test_every_public_name_has_its_door(every: dict[str, Door]) -> None:

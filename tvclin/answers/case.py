@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tvclin.base.errors import InputError, instance, number, one_of, positive, shown
+from tvclin.base.errors import InputError, instance, number, one_of, positive, shown, small_angle
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.models import MODELS, usual_model
 from tvclin.vehicle.coefficients import PLANES
@@ -72,7 +72,9 @@ class Case:
                 f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"
             )
         if self.limit is not None:
-            object.__setattr__(self, "limit", number("limit", self.limit, positive, "rad"))
+            object.__setattr__(
+                self, "limit", number("limit", self.limit, small_angle("a deflection", positive))
+            )
         if self.nozzle_stop is not None:
             stop_of(self.nozzle_stop)
             if getattr(self.wind, "heading", None) is None:

@@ -26,7 +26,7 @@ from tvclin.answers.trim_flown import (
     trim_law_flown,
 )
 from tvclin.base.cards import Row, card
-from tvclin.base.errors import InputError, instance, nonzero, plain, within
+from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
 from tvclin.boundary.limit import (
     AFTER_TRIM,
     BOUNDARY,
@@ -239,4 +239,4 @@ def survivable_peak(
 
 def _capability(limit: ArrayLike) -> FloatArray:
     """Return the size of a limit [rad]."""
-    return np.abs(within("limit", nonzero("limit", limit, "rad"), -_WIDEST, _WIDEST, "rad"))
+    return np.abs(small_angle("a deflection", nonzero)("limit", limit))

@@ -22,7 +22,15 @@ from tvclin.answers.study_notes import (
 )
 from tvclin.base.cards import Row, card
 from tvclin.base.documents import picked
-from tvclin.base.errors import InputError, between, number, one_of, positive, single
+from tvclin.base.errors import (
+    InputError,
+    between,
+    number,
+    one_of,
+    positive,
+    single,
+    small_angle,
+)
 from tvclin.base.tables import Table
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
@@ -357,8 +365,7 @@ class Study:
 
 
 def _capability(limit: float) -> float:
-    number("limit", limit, positive, "rad")
-    return number("limit", limit, between(0.0, np.pi / 2), "rad")
+    return number("limit", limit, small_angle("a deflection", positive), "rad")
 
 
 def _needed(

@@ -22,6 +22,7 @@ MOST_AXES = 16
 """Axes of an array; numpy broadcasts at most 32, and some are ours."""
 LATEST = 1e9
 """Times [s] beyond this can no longer be added to each other without loss."""
+_Check = Callable[..., NDArray[np.float64]]
 _WIDEST = 60
 """Characters of what came that a message quotes."""
 _LONGEST_NAME = 255
@@ -252,9 +253,38 @@ def number(
     return float(array)
 
 
+def directions(name: str, value: ArrayLike, unit: str = "rad") -> NDArray[np.float64]:
+    """Return directions [rad]; `InputError` beyond one turn, where degrees were meant."""
+    return within(name, value, -2.0 * np.pi, 2.0 * np.pi, unit)
+
+
 def bearing(name: str, value: ArrayLike) -> float:
-    """Return a direction [rad]; `InputError` beyond one turn, where degrees were meant."""
-    return number(name, value, between(-2.0 * np.pi, 2.0 * np.pi), "rad")
+    """Return one direction [rad]; `InputError` as of `directions`."""
+    return number(name, value, directions, "rad")
+
+
+def small_angle(what: str, check: _Check = finite) -> _Check:
+    """Return a check of angles [rad], for `number` too: within 90 degrees, in radians.
+
+    Parameters
+    ----------
+    what : str
+        What the angle is, as "a deflection".
+    check : callable
+        What else it must pass.
+    """
+
+    def checked(name: str, value: ArrayLike, unit: str = "rad") -> NDArray[np.float64]:
+        array = check(name, value, unit)
+        most = np.abs(array).max(initial=0.0)
+        if most >= np.pi / 2:
+            degrees = f" ({np.degrees(most):.4g} deg)" if most < LATEST else ""
+            raise InputError(
+                f"{name} must be {what} within 90 degrees, in radians; got {most:.6g} rad{degrees}"
+            )
+        return array
+
+    return checked
 
 
 def fraction(name: str, value: ArrayLike) -> float:

@@ -19,7 +19,7 @@ from tvclin.base.errors import (
     MOST_AXES,
     InputError,
     between,
-    finite,
+    directions,
     number,
     one_of,
     shown,
@@ -105,7 +105,7 @@ class Stop(ABC):
 
     def reach(self, angle: ArrayLike) -> FloatArray:
         """Return how far a unit limit reaches in directions [rad]: the equivalent limit there."""
-        return 1.0 / self.gauge(unit(finite("angle", angle, "rad")))
+        return 1.0 / self.gauge(unit(directions("angle", angle)))
 
     def each_plane(self) -> PolygonStop:
         """Return what is left where each plane is limited by itself: the square inside.
@@ -300,7 +300,7 @@ class SquareStop(PolygonStop):
     """
 
     def __init__(self, turn: float = 0.0) -> None:
-        angle = number("turn", turn, unit="rad")
+        angle = number("turn", turn, directions, "rad")
         PolygonStop.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit(angle)
         )

@@ -18,6 +18,7 @@ from tvclin.base.errors import (
     positive,
     shown,
     single,
+    small_angle,
 )
 from tvclin.boundary.limit import boundary_limit
 from tvclin.control.laws.law import Law
@@ -172,7 +173,9 @@ def fly_beside(
     ending("wind", wind.end)
     if not isinstance(control, ReportControl | Law):
         raise InputError(f"control must be a ReportControl or a Law; got {shown(control)}")
-    limit = number("deflection_limit", deflection_limit, positive, "rad")
+    limit = number(
+        "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
+    )
     if boundary is None:
         least = linear_boundary(plant, control, wind)
     else:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tvclin.base.errors import InputError, between, instance, number, positive
+from tvclin.base.errors import InputError, between, instance, number, positive, small_angle
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.attitude import SaturatedLaw
@@ -105,4 +105,6 @@ def limit_of(control: object, deflection_limit: float) -> float:
     """
     if isinstance(control, History) and deflection_limit == np.inf:
         return np.inf
-    return number("deflection_limit", deflection_limit, positive, "rad")
+    return number(
+        "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
+    )

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tvclin.answers.sizing.record import MINIMUM, NO_FORECAST, TRIM, VARYING, Sizing
-from tvclin.base.errors import InputError, number, positive
+from tvclin.base.errors import InputError, number, positive, small_angle
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, cycle, draw
 
@@ -42,7 +42,7 @@ def sizing_chart(sizing: Sizing, limit: float | None = None) -> "ControlPlot":
     ]
     styles = _styles(sizing)
     if limit is not None:
-        most = np.degrees(number("limit", limit, positive, "rad"))
+        most = np.degrees(number("limit", limit, small_angle("a deflection", positive), "rad"))
         columns.append(Column(_LIMIT, np.full(order.size, most), "deg"))
         styles[_LIMIT] = {"color": WARM, "ls": "-", "lw": 1.4}
     winds = sizing.winds[0] if len(sizing.winds) == 1 else f"the worst of {len(sizing.winds)} winds"

@@ -11,6 +11,7 @@ from tvclin.base.errors import (
     nonzero,
     plain,
     positive,
+    small_angle,
     together,
     within,
 )
@@ -25,13 +26,7 @@ SHORTEST, LONGEST = 1e-9, 1e9
 
 def checked_peak(peak: ArrayLike) -> FloatArray:
     """Return `peak` as a float array; `InputError` unless it is a wind angle, and not zero."""
-    peak = nonzero("peak", peak, "rad")
-    if np.any(np.abs(peak) >= np.pi / 2):
-        most = np.abs(peak).max()
-        degrees = f" ({np.degrees(most):.4g} deg)" if most < LONGEST else ""
-        raise InputError(
-            f"peak must be a wind angle within 90 degrees, in radians; got {most:.6g} rad{degrees}"
-        )
+    peak = small_angle("a wind angle", nonzero)("peak", peak)
     if np.any(np.abs(peak) < _FAINTEST):
         raise InputError(f"peak must be at least {_FAINTEST:g} rad in size; got {peak.min():.6g}")
     return peak

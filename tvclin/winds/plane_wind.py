@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, broadcast, finite, instance, plain, within
+from tvclin.base.errors import InputError, broadcast, directions, instance, plain, within
 from tvclin.kernels import pieces as kernel
 from tvclin.kernels.pieces import Pieces
 from tvclin.winds.histories import History, Piecewise
@@ -81,7 +81,7 @@ class PlaneWind:
             For what is no History, an angle that is not finite, and shapes that do not broadcast.
         """
         instance("wind", wind, History, "such as TriangularWind")
-        direction = unit(finite("angle", angle, "rad"))
+        direction = unit(directions("angle", angle))
         broadcast(wind=wind.batch, angle=direction.shape)
         return cls(pitch=wind * np.real(direction), yaw=wind * np.imag(direction))
 
@@ -112,7 +112,7 @@ class PlaneWind:
         """
         instance("wind", wind, History, "such as TriangularWind")
         turns = within("rate", rate, -_FASTEST, _FASTEST, "rad/s")
-        first = finite("angle", angle, "rad")
+        first = directions("angle", angle)
         shape = broadcast(wind=wind.batch, angle=first.shape, rate=turns.shape)
         if not np.all(np.isfinite(wind.end)):
             raise InputError("wind must end, and be other than zero")
@@ -148,7 +148,7 @@ class PlaneWind:
 
     def component(self, angle: ArrayLike) -> History:
         """Return the part along a direction [rad] from the pitch plane, which may be a batch."""
-        direction = unit(finite("angle", angle, "rad"))
+        direction = unit(directions("angle", angle))
         broadcast(wind=self.batch, angle=direction.shape)
         return self.pitch * np.real(direction) + self.yaw * np.imag(direction)
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, number, one_of
+from tvclin.base.errors import InputError, directions, number, one_of
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.checks import checked_peak, checked_span
 from tvclin.winds.gusts import OneMinusCosineGust, checked_gust
@@ -71,7 +71,7 @@ class ShapedWind:
         checked_peak(self.peak)
         checked_span("duration of the wind", self.duration)
         if self.heading is not None:
-            number("heading of the wind", self.heading, unit="rad")
+            number("heading of the wind", self.heading, directions, "rad")
         checked_gust(self.gust)
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:

@@ -5,13 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import (
-    InputError,
-    finite,
-    number,
-    positive,
-    together,
-)
+from tvclin.base.errors import InputError, directions, finite, number, positive, together
 
 _STEPS = 8
 _AXIS = 1e-12
@@ -40,7 +34,7 @@ def angle_from_speed(
     """
     speed = finite("speed", speed, "m/s")
     velocity = positive("velocity", velocity, "m/s")
-    path = finite("flight_path_angle", flight_path_angle, "rad")
+    path = directions("flight_path_angle", flight_path_angle)
     together(speed=speed, velocity=velocity, flight_path_angle=path)
     with np.errstate(over="ignore"):  # an infinite ratio is refused with the others
         sine = speed * np.sin(path) / velocity
@@ -97,8 +91,8 @@ def angles_of_vector(peak: float, heading: float, attitude: float) -> tuple[floa
         vector that no wind slower than the flight makes.
     """
     size = number("peak", peak, unit="rad")
-    psi = number("heading", heading, unit="rad")
-    along, across = along_and_across(psi, number("attitude", attitude, unit="rad"))
+    psi = number("heading", heading, directions, "rad")
+    along, across = along_and_across(psi, number("attitude", attitude, directions, "rad"))
     if along == across == 0.0:
         raise InputError("a wind along a level flight has no wind angle; give another heading")
     if across == 0.0 or size == 0.0:
@@ -137,7 +131,7 @@ def angles_from_speed(
     InputError
         As `angle_from_speed`.
     """
-    parts = along_and_across(number("heading", heading, unit="rad"), float(attitude))
+    parts = along_and_across(number("heading", heading, directions, "rad"), float(attitude))
     wind = number("speed", speed, unit="m/s")
     pitch, yaw = (float(angle_from_speed(wind * one, velocity, np.pi / 2)) for one in parts)
     return pitch, yaw

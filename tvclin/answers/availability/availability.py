@@ -15,12 +15,13 @@ from tvclin.base.errors import (
     InputError,
     between,
     callable_for,
+    directions,
     fraction,
     instance,
     nonnegative,
     number,
     one_of,
-    within,
+    small_angle,
 )
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.vehicle.coefficients import PLANES
@@ -123,9 +124,9 @@ def availability(
         callable_for("progress", progress, "of how many are done and how many there are")
     checked_gust(gust)
     azimuths = one_row_or_one("azimuth", azimuth)
-    within("azimuth", azimuths, -2.0 * np.pi, 2.0 * np.pi, "rad")
+    directions("azimuth", azimuths)
     growth = growth_of(persistence)
-    capability = number("limit", limit, nonnegative, "rad")
+    capability = number("limit", limit, small_angle("a deflection", nonnegative), "rad")
     trusted = fraction("confidence", confidence)
     if utc_offset is not None:
         soundings = soundings.local(utc_offset)

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import (
     InputError,
-    between,
     finite,
     fraction,
     nonnegative,
@@ -18,6 +17,7 @@ from tvclin.base.errors import (
     one_of,
     one_row,
     positive,
+    small_angle,
 )
 
 FloatArray = NDArray[np.float64]
@@ -102,7 +102,7 @@ def growth_of(asked: Any) -> float | WindGrowth | PairGrowth:
     if isinstance(asked, str):
         one_of("persistence", asked, ("pairs",))
         return PairGrowth()
-    return number("persistence", asked, between(0.0, _LARGEST), "rad")
+    return number("persistence", asked, small_angle("an angle", nonnegative), "rad")
 
 
 def grown_by(

@@ -22,6 +22,7 @@ from tvclin.base.errors import (
     nonnegative,
     number,
     one_row,
+    small_angle,
     within,
 )
 from tvclin.base.files import write_rows
@@ -178,7 +179,7 @@ class Availability:
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
         """Return the same for other limits [rad], each."""
         every = np.ones(len(self.soundings), dtype=bool)
-        row = nonnegative("limits", one_row_or_one("limits", limits), "rad")
+        row = small_angle("a deflection", nonnegative)("limits", one_row_or_one("limits", limits))
         return tuple(self._for_each(limit, every) for limit in row.tolist())
 
     def placard(self, parts: ArrayLike = PLACARD) -> FloatArray:
@@ -273,7 +274,9 @@ class Availability:
 
     def with_limit(self, limit: float) -> Self:
         """Return the same for another limit [rad]; `InputError` for one below zero."""
-        return replace(self, limit=number("limit", limit, nonnegative, "rad"))
+        return replace(
+            self, limit=number("limit", limit, small_angle("a deflection", nonnegative), "rad")
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""

@@ -6,14 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import (
-    InputError,
-    instance,
-    number,
-    one_of,
-    positive,
-    single,
-)
+from tvclin.base.errors import InputError, instance, number, one_of, positive, single, small_angle
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -96,8 +89,9 @@ class Flight:
 
     def __post_init__(self) -> None:
         one_of("law", self.law, LAWS)
-        for name in ("deflection_limit", "sample_rate"):
-            object.__setattr__(self, name, number(name, getattr(self, name), positive))
+        deflection = small_angle("a deflection", positive)
+        for name, check in (("deflection_limit", deflection), ("sample_rate", positive)):
+            object.__setattr__(self, name, number(name, getattr(self, name), check))
         object.__setattr__(self, "rate_limit", check_rate_limit(self.rate_limit))
         for name in GAINS:
             if getattr(self, name) is not None or name.startswith(("alpha", "integral")):

@@ -26,14 +26,7 @@ from tvclin.answers.campaign.statistics import (
     success_probability,
 )
 from tvclin.base.cards import shows
-from tvclin.base.errors import (
-    InputError,
-    imported,
-    number,
-    one_of,
-    path,
-    whole_number,
-)
+from tvclin.base.errors import InputError, imported, number, one_of, path, small_angle, whole_number
 
 if TYPE_CHECKING:
     import xarray
@@ -201,7 +194,7 @@ class CampaignResults:
         asked = self.campaign.limit if limit is None else limit
         if asked is None:
             return None
-        most = number("limit", asked, unit="rad")
+        most = number("limit", asked, small_angle("a deflection"), "rad")
         found = self.answers(output)
         sure = self._asked(None, confidence)[1]
         return success_probability(int(np.sum(found <= most)), found.size, sure)

@@ -27,6 +27,7 @@ from tvclin.base.errors import (
     number,
     one_of,
     positive,
+    small_angle,
     text,
     within,
 )
@@ -170,8 +171,9 @@ class SizingAsked:
         for name in ("dispersion", "reserve"):
             number(name, getattr(self, name), nonnegative)
         for name in ("peak_speed", "start", "stop", "thrust_offset", "gravity_offset", "limit"):
+            check = small_angle("an angle") if name in ("thrust_offset", "limit") else finite
             if getattr(self, name) is not None:
-                number(name, getattr(self, name))
+                number(name, getattr(self, name), check)
 
     def _check_words(self) -> None:
         for name in ("source", "another"):

@@ -10,7 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import Row, card
-from tvclin.base.errors import InputError, each, finite, instance, number, positive, text
+from tvclin.base.errors import (
+    InputError,
+    each,
+    finite,
+    instance,
+    number,
+    positive,
+    small_angle,
+    text,
+)
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, write_text
 from tvclin.flights.condition import FlightCondition
@@ -86,7 +95,7 @@ class FlightSchedule:
                 f"the times of a schedule must rise; got {times[late]:.6g} s after"
                 f" {times[late - 1]:.6g} s at index {late}"
             )
-        nominal = finite("nominal_deflection", self.nominal_deflection, "rad")
+        nominal = small_angle("a deflection")("nominal_deflection", self.nominal_deflection)
         object.__setattr__(self, "nominal_deflection", nominal)
         given = {"nominal_deflection": nominal, **_numbers(self.vehicle)}
         if self.altitude is not None:

@@ -15,7 +15,6 @@ from tvclin.base.cards import table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
-    between,
     each,
     finite,
     instance,
@@ -24,6 +23,7 @@ from tvclin.base.errors import (
     one_of,
     positive,
     single,
+    small_angle,
     text,
     within,
 )
@@ -95,7 +95,7 @@ class DeflectionTotal:
         if reserve >= 1.0:
             raise InputError(f"reserve must be a part of the limit, below 1; got {reserve:.6g}")
         if self.limit is not None:
-            number("limit", self.limit, positive, "rad")
+            number("limit", self.limit, small_angle("a deflection", positive), "rad")
         if self.time is not None:
             number("time", self.time, unit="s")
 
@@ -222,10 +222,10 @@ def total_deflection(
         float(np.asarray(x))
         for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
     )
-    turned = number("thrust_offset", thrust_offset, between(-1.0, 1.0), "rad")
+    turned = number("thrust_offset", thrust_offset, small_angle("an angle"), "rad")
     aside = number("gravity_offset", gravity_offset, finite, "m")
     lines = (
-        Line("nominal flight", abs(number("nominal", nominal, finite, "rad"))),
+        Line("nominal flight", abs(number("nominal", nominal, small_angle("a deflection"), "rad"))),
         Line("wind", abs(number("wind", wind, finite, "rad"))),
         Line("dispersions", number("dispersion", dispersion, nonnegative, "rad"), "random"),
         Line("thrust offset", thrust * float(np.sin(abs(turned))) / slope, "random"),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
-from tvclin.base.errors import between, finite, instance, nonnegative, number, positive
+from tvclin.base.errors import between, instance, nonnegative, number, positive, small_angle
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers, asked
@@ -92,9 +92,13 @@ class RecoverableAttitudeLaw(Law):
             part = number(name, getattr(self, name), between(1e-3, 1.0))
             object.__setattr__(self, name, part)
         object.__setattr__(self, "gain", number("gain", self.gain, positive))
-        object.__setattr__(self, "dead_band", number("dead_band", self.dead_band, nonnegative))
+        object.__setattr__(
+            self,
+            "dead_band",
+            number("dead_band", self.dead_band, small_angle("a wind angle", nonnegative), "rad"),
+        )
         if self.design_peak is not None:
-            peak = abs(number("design_peak", self.design_peak, finite, "rad"))
+            peak = abs(number("design_peak", self.design_peak, small_angle("a wind angle"), "rad"))
             object.__setattr__(self, "design_peak", peak)
         if self.estimator is None:
             return

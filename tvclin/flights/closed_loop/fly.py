@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, nonnegative, number, positive, times_row
+from tvclin.base.errors import InputError, nonnegative, number, positive, small_angle, times_row
 from tvclin.control.autopilot.actuated import check_engine
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.systems import wind_response
@@ -114,7 +114,9 @@ def fly(
     """
     check_flight(plant, law, wind)
     times = times_row("timepts", timepts)
-    limit = number("deflection_limit", deflection_limit, positive, "rad")
+    limit = number(
+        "deflection_limit", deflection_limit, small_angle("a deflection", positive), "rad"
+    )
     most, factor = check_rate_limit(rate_limit), number("gain", gain, positive)
     check_engine(plant, actuator)
     start = float(wind.onset)

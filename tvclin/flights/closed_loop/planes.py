@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.cards import Row, card
-from tvclin.base.errors import InputError, ending, instance, number, positive
+from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
 from tvclin.boundary.stops import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
@@ -172,7 +172,7 @@ def fly_planes(
     whole = LawInPlanes(law, stop, saturate)
     _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
-    limit = positive("deflection_limit", deflection_limit, "rad")
+    limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
     late = float(check_delays(number("delay", delay), np.asarray(1.0 / rate)))
     most = check_rate_limit(rate_limit)
     for one in planes:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import pi, radians
 
-from tvclin.base.errors import finite, number, within
+from tvclin.base.errors import directions, finite, number, within
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Earth:
         within("latitude", self.latitude, -pi / 2, pi / 2, "rad")
         for name, check, unit in (
             ("latitude", finite, "rad"),
-            ("heading", finite, "rad"),
+            ("heading", directions, "rad"),
             ("altitude", finite, "m"),
         ):
             object.__setattr__(self, name, number(name, getattr(self, name), check, unit))

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.errors import InputError, positive, within
+from tvclin.base.errors import InputError, directions, positive, within
 from tvclin.winds.speed import angle_from_speed
 
 FloatArray = NDArray[np.float64]
@@ -83,6 +83,7 @@ def checked_flight(flight: Flown) -> list[FloatArray]:
             f" {type(flight).__name__}"
         ) from None
     arrays = [within(name, given[name], -_FAR, _FAR, unit) for name, unit in _FIELDS.items()]
+    directions("flight_path_angle", arrays[3])
     shape = arrays[0].shape
     if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
         raise InputError(
