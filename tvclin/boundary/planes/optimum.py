@@ -226,15 +226,16 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
     stop, cells = moments.stop, moments.cells
-    size = float(np.abs(moments.demands).max())
-    # Functions that are orthonormal over the cells, each counted over the reach in its plane: then
-    # N(l) is at least |l| times the shortest reach, and so bounds l.
+    # Functions that are orthonormal over the cells, each counted over the reach in its plane; N(l)
+    # is at least what S holds of that plane, 1/g, times |l| of its functions, and so bounds these.
     even, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
     reach = stop.support(moments.axes)
     rows = (even[: cells.shape[1]] + 1j * even[cells.shape[1] :]).T / reach[:, np.newaxis]
     triangle = triangle * reach[:, np.newaxis]
-    d = np.linalg.lstsq(triangle.T, moments.demands / size, rcond=None)[0]
-    ends = np.sqrt(2.0) * stop.gauge([1.0, 1.0j, -1.0, -1.0j]).max() * reach
+    d = np.linalg.lstsq(triangle.T, moments.demands, rcond=None)[0]
+    size = float(np.abs(d).max())
+    d /= size
+    ends = np.maximum(stop.gauge(moments.axes), stop.gauge(-moments.axes)) * reach
     best, trial, shares = np.zeros(d.size), d, np.zeros(0)
     known: list[Vectors] = []
     met: list[FloatArray] = []
@@ -252,7 +253,7 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
             method="highs",
             options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
         )
-        if found.x is None:  # in a stop that is very thin; what is known so far is a deflection too
+        if found.x is None:  # by rounding; what is known so far is a deflection too
             break
         trial, shares = found.x, -found.ineqlin.marginals
         if trial @ d <= (1.0 + _LEFT) * (best @ d):
