@@ -110,8 +110,6 @@ class Findings:
         del asked["document"]  # no number depends on it
         if asked["availability"] is None:
             del asked["availability"]  # the seals of what could be asked before stay what they were
-        if self.plan.vehicle.structure is None:
-            asked["vehicle"].pop("structure", None)
         return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
 
 

@@ -87,7 +87,7 @@ def margins(
     if in_box is not None:
         note_structure(loaded, plane, "the margins in the box")
         if sample_rate is not None:
-            say("Note: the margins in the box are of the continuous autopilot", err=True)
+            say("Note: the margins in the box are of the continuous autopilot.", err=True)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:

@@ -99,17 +99,18 @@ def vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
     """Return the vehicle that a TOML text describes; `source` names it in messages."""
-    faults, vehicle = Faults(), None
+    faults, vehicle, structure = Faults(), None, None
     with faults.kept():
         table_of(text, source, VEHICLE_TABLE)
-    tables = tables_of(text, source)
-    given = tables.get("vehicle")
+    document = tables_of(text, source)
     with faults.kept(), naming(called(source)):
-        structure = build_structure(tables)
-        vehicle = build_vehicle(given, structure=structure) if isinstance(given, dict) else None
+        structure = build_structure(document)
+    given = document.get("vehicle")
+    with faults.kept(), naming(called(source)):
+        vehicle = build_vehicle(given) if isinstance(given, dict) else None
     faults.tell()
     assert vehicle is not None  # or its table is at fault
-    return vehicle
+    return vehicle.replace(structure=structure)
 
 
 def needs_whole(what: str) -> str:

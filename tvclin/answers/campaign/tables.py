@@ -95,7 +95,7 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     for table in _SINGLE:
         with faults.kept():
             given = table.one(document)
-            if table in (SOURCE_TABLE, *((AUTOPILOT_TABLE,) if recorded else ())):
+            if table in (SOURCE_TABLE, *((AUTOPILOT_TABLE, GUST_TABLE) if recorded else ())):
                 continue  # it may hold a whole flight, or numbers without a unit
             if table.name in document or table in _OF_STUDIES:
                 table.read(given)
