@@ -65,10 +65,11 @@ DIRECTIONS = {"attitude", "azimuth", "flight_path_angle", "heading", "latitude",
 """Angles that may be up to a turn; all others are within 90 degrees."""
 BEYOND = {
     ("BangBang", "limit"), ("HeldDeflection", "limit"), ("fly_beside", "boundary"),
-    ("fly_many", "deflection_limit"), ("fly_many", "rate_limit"),
+    ("flown_margins", "limit"), ("fly_many", "deflection_limit"), ("fly_many", "rate_limit"),
     ("total_deflection", "dispersion"), ("total_deflection", "wind"),
 }  # fmt: skip
-"""What the package has computed may be more, where the trim of a wind takes more; and rates."""
+"""What the package has computed may be more, where the trim of a wind takes more; a limit that is
+never met; and rates."""
 
 
 def angles(call: Any) -> set[str]:
