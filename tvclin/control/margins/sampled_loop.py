@@ -143,9 +143,9 @@ class SampledLoop(Loop):
             grows = self._grows(int(k), _BEYOND * edges)
             edge = edges[np.argmax(grows)]  # what is none is left out, if another is one
             least = self._grows_within(int(k), float(edge))
-            place = np.nanargmin(found[k])
+            first = int(np.nanargmin(found[k]))
             found[k] = np.maximum(found[k], least)
-            found[k, place] = least
+            found[k, first] = least
         return found
 
     def _grows(self, case: int, more: FloatArray) -> NDArray[np.bool_]:
