@@ -253,9 +253,8 @@ def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_say
         sample_rate=23.65,
         filters=(tv.Filter.low_pass(13.0, 0.95),),
     )
-    plant = tv.FlexiblePlant.from_vehicle(
-        tv.load_vehicle("made-up-booster"), tv.load_structure("made-up-booster"), "drift-and-speed"
-    )
+    vehicle = tv.load_vehicle("made-up-booster")
+    plant = tv.FlexiblePlant.from_vehicle(vehicle, vehicle.structure, "drift-and-speed")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         margins = autopilot.margins(plant)

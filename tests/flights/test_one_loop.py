@@ -12,7 +12,7 @@ from tvclin.flights.closed_loop.growth import step_near_rest
 from tvclin.flights.closed_loop.sampled import one_flight
 
 VEHICLE = tv.load_vehicle("made-up-booster")
-STRUCTURE = tv.load_vehicle("made-up-booster").structure
+STRUCTURE = VEHICLE.structure
 WIND = tv.TriangularWind(peak=0.05, duration=8.0)
 MODELS = ("fixed-path", "drift-exact", "drift-and-speed")
 RIGID = [tv.Plant.from_vehicle(VEHICLE, model) for model in MODELS]
