@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 
 _STEPS, _LONGEST, _NEAR = 30, 0.05, 1e-11
 """Newton's steps to a delay, how long over the frequency, and how near is there."""
-_PER_SAMPLE, _LOOKS, _ROUNDS = 16.0, (8, 128), 14
+_PER_SAMPLE, _LOOKS, _ROUNDS = 48.0, (8, 192), 14
 """Delays in a sample with which a loop is looked at, how few and how many they may be in all, and
 how often it is looked again where it begins to grow: to 8^-13 of their distance."""
 _BEYOND = 1.0 + 1e-6
@@ -163,7 +163,7 @@ class SampledLoop(Loop):
         count = int(np.clip(np.ceil(_PER_SAMPLE * most / self.period.ravel()[case]), *_LOOKS))
         low, high = 0.0, most
         for _ in range(_ROUNDS):
-            looks = low + (high - low) * np.arange(1, count) / count
+            looks = low + (high - low) * np.append(np.arange(1, count) / count, 2.0 - _BEYOND)
             grows = self._grows(case, looks)
             if high == most and not np.any(grows):
                 return most
