@@ -109,8 +109,8 @@ def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
 
 def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
     """Gains found for the rigid vehicle miss the criteria on the same file, by every command."""
-    given = ("autopilot", "made-up-launcher", "--crossover", "2", "--delay-ms", "10")
-    refused = run(*given, "--least")
+    given = ("autopilot", "made-up-launcher", "--delay-ms", "10")
+    refused = run(*given, "--crossover", "2", "--least")
     assert (refused.exit_code, "no attitude and rate gains meet" in refused.output) == (2, True)
     rigid = json.loads(run(*given, "--least", "--rigid", "--json").stdout)["autopilot"]
     own = ("--attitude-gain", rigid["attitude_gain"], "--rate-gain", rigid["rate_gain_s"])
