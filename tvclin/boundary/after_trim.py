@@ -12,8 +12,8 @@ left no later than that of L,
 
     m(L') <= max(K L, m(L)),
 
-by trim until K L, and the best from there on. Hence no limit between max(K L, m(L)) and L is lost
-if L is not, and
+by trim until K L, and the best from there on; what trim takes to the other side before that counts
+as part of m. Hence no limit between max(K L, m(L)) and L is lost if L is not, and
 
     L <- max(K L, m(L))
 
@@ -92,10 +92,13 @@ class _AfterTrim:
     modes: NDArray[Any]
 
     def peaks(self, cases: IntArray, limits: FloatArray, enough: FloatArray) -> FloatArray:
-        """Return m(L) of some cases, or what is enough where that is proved to be no less."""
+        """Return m(L) of some cases, or what is enough where that is proved to be no less.
+
+        No less than what trim takes to the other side before its dead band is left.
+        """
         poles = self.modes[cases]
-        z = self.problem.left_at(cases, self.dead_band[cases] * limits, poles)
-        return np.maximum(peaks_of(poles, z / poles, enough), 0.0)
+        z, swing = self.problem.left_at(cases, self.dead_band[cases] * limits, poles)
+        return np.maximum(peaks_of(poles, z / poles, enough), swing)
 
 
 def _stepped_down(

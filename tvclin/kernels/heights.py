@@ -52,7 +52,8 @@ def at_heights(
     heights
         Over B times the wind's peak, positive, ``(n,)``.
     out
-        Demands, ``(n, m)``; zeros where trim stays below the height while the wind blows.
+        Demands, and last how far trim has swung to the other side before, ``(n, m + 1)``; zeros
+        for the demands where trim stays below the height while the wind blows.
     """
     knots, coefficients, rates = winds
     kept = np.empty((3, knots.shape[1]))
@@ -63,18 +64,22 @@ def at_heights(
         wind = (knots[j], coefficients[j], rates[j], kept, work)
         law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
         drift(wind, law)
-        i, u = _reached(wind, law, heights[case])
+        i, u, swing = _reached(wind, law, heights[case])
         x, y = state(wind, law, i, u) if i < knots.shape[1] - 1 else (0.0, 0.0)
         for k in range(poles.shape[1]):
             p = poles[case, k]
             ahead = _ahead(wind, i, u, p)
             out[case, k] = of_future(law, p, ahead, x, y)
+        out[case, poles.shape[1]] = swing
 
 
 @bare
-def _reached(wind: Any, law: Any, height: float) -> tuple[int, float]:
-    """Return the piece and the local time at which the driver first is at a height or above it."""
-    knots = wind[0]
+def _reached(wind: Any, law: Any, height: float) -> tuple[int, float, float]:
+    """Return the piece and the local time at which the driver first is at a height or above it.
+
+    And its largest size to the other side before that.
+    """
+    knots, swing = wind[0], 0.0
     for i in range(knots.size - 1):
         width = knots[i + 1] - knots[i]
         if width <= 0.0:
@@ -87,11 +92,13 @@ def _reached(wind: Any, law: Any, height: float) -> tuple[int, float]:
                 b = end if part == turns else (first if part == 0 else second)
                 start, stop = driver(wind, law, i, a)[0], driver(wind, law, i, b)[0]
                 if start >= height:
-                    return i, a
+                    return i, a, swing
                 if stop >= height:
-                    return i, root(ABOVE, height, wind, law, i, a, start - height, b, stop - height)
+                    u = root(ABOVE, height, wind, law, i, a, start - height, b, stop - height)
+                    return i, u, max(swing, -start)
+                swing = max(swing, -start, -stop)
                 a = b
-    return knots.size - 1, 0.0
+    return knots.size - 1, 0.0, swing
 
 
 @bare
