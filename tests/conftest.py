@@ -1,6 +1,7 @@
 """What every test may use: the two vehicles of Table I and the equations they obey."""
 
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,6 +33,12 @@ def _what_plain_python_can_carry(monkeypatch):
     """
     if not choice.available():
         monkeypatch.setattr(choice, "_asked", _Work())
+
+
+@pytest.fixture(autouse=True)
+def _as_into_a_file(monkeypatch):
+    """Let commands print lines of any width, whatever terminal the tests are begun in."""
+    monkeypatch.delenv("COLUMNS", raising=False)
 
 
 @pytest.fixture
@@ -80,8 +87,8 @@ def no_flights():
         return SimpleNamespace(outputs={"attitude": np.zeros_like(times)})
 
     with pytest.MonkeyPatch.context() as patch:
-        for name, (words, _) in flown_room.FLOWN.items():
-            patch.setitem(flown_room.FLOWN, name, (words, still))
+        engines = {name: replace(one, fly=still) for name, one in flown_room.ENGINES.items()}
+        patch.setattr(flown_room, "ENGINES", engines)
         patch.setattr(flown_room, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
         flown_room.flown_limit.cache_clear()
         yield

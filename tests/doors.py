@@ -652,6 +652,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
         "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
+        "SaturatedLaw.of": Door(tv.SaturatedLaw.of, {"autopilot": autopilot}),
         "ShapedWind": Door(
             tv.ShapedWind, {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust}
         ),

@@ -66,7 +66,7 @@ def test_the_worst_total_is_that_of_the_flight_time_with_most(configuration_i) -
         ({"reserve": -0.1}, "reserve must be zero or positive"),
         ({"limit": 0.0}, "limit must be positive"),
         ({"dispersion": -0.1}, "dispersion must be zero or positive"),
-        ({"thrust_offset": 5.0}, "thrust_offset must be between"),
+        ({"thrust_offset": 5.0}, "thrust_offset must be an angle within 90 degrees"),
         ({"gravity_offset": np.nan}, "gravity_offset must be finite"),
         ({"wind": np.nan}, "wind must be finite"),
         ({"others": (3,)}, "others must be a tuple of Line"),

@@ -62,7 +62,7 @@ def test_a_vehicle_with_hardly_an_aerodynamic_moment_is_studied(
     ("changes", "names"),
     [
         ({"wind": "square"}, "wind must be one of"),
-        ({"duration": 0.0}, "duration must be positive"),
+        ({"duration": 0.0}, "duration of the wind must be positive"),
         ({"peak": 0.0}, "peak must be other than zero"),
         ({"peak": 2.0}, "within 90 degrees"),
         ({"dead_band": 1.2}, "dead_band must be between 0 and 1"),

@@ -110,7 +110,7 @@ def test_the_lean_follows_a_steady_rise_by_the_formula():
         gains = tv.relief_gains(
             COEFFICIENTS, natural_frequency=frequency * BETA, damping=damping, alpha_ratio=0.4
         )
-        flown = tv.fly(plant_of(), tv.SaturatedLaw(gains), ramp, late, deflection_limit=10.0)
+        flown = tv.fly(plant_of(), tv.SaturatedLaw(gains), ramp, late, deflection_limit=1.5)
         lean = flown.outputs["attitude"] + flown.outputs["attitude_rate"] / BETA
         ahead = (1.0 - 2.0 * damping / frequency) / 40.0
         assert lean / PEAK == pytest.approx(0.6 * (BETA * late / 40.0 + ahead), abs=1e-7)

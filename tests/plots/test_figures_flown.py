@@ -89,7 +89,7 @@ def test_points_of_figures_10_and_11_are_boundaries_of_the_exact_cubic(draw, nam
     wind = tv.TriangularWind(peak=PEAK, duration=tau_beta / exact.coefficients.beta)
     expected = tv.boundary_limit(exact, wind, K, switch="literal").limit
 
-    flown = found.column(f"flown, {flown_room.FLOWN[engine][0]}", f"(a) K = {K:g}")
+    flown = found.column(f"flown, {flown_room.ENGINES[engine].words}", f"(a) K = {K:g}")
     assert found.abscissa[np.isfinite(flown)] == pytest.approx([tau_beta])
     assert flown[np.isfinite(flown)] == pytest.approx(expected, abs=2e-3)
 

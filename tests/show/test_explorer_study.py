@@ -10,8 +10,9 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.show.explorer.answer import answer
-from tvclin.show.explorer.choices import GAINS, HALF_RELIEF, LAWS, Choices
+from tvclin.show.explorer.choices import CONTROLS, HALF_RELIEF, Choices
 from tvclin.show.explorer.study import study_text, write_study
 
 CHOSEN = Choices(
@@ -23,7 +24,7 @@ CHOSEN = Choices(
     peak=4.7 * (np.pi / 180.0),
     dead_band=0.85,
     limit=0.61 * (np.pi / 180.0),
-    law=GAINS,
+    law=AUTOPILOT,
     attitude_gain=0.84,
     rate_gain=0.66,
     delay=0.027,
@@ -51,12 +52,12 @@ def test_the_study_of_a_panel_has_its_numbers(
     assert margins.delay_margin == pytest.approx(here.margins.delay_margin, rel=1e-12)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", CONTROLS)
 def test_a_study_has_the_gains_of_the_law_if_it_has_some(law: str, tmp_path: Path) -> None:
     path = tmp_path / "one.toml"
     path.write_text(study_text(replace(CHOSEN, law=law)), encoding="utf-8")
     plan = tv.load_study(path)
 
-    assert (plan.gains is not None) is (law in (GAINS, HALF_RELIEF))
+    assert (plan.gains is not None) is (law in (AUTOPILOT, HALF_RELIEF))
     assert (plan.wind.shape, plan.wind.peak) == (CHOSEN.shape, CHOSEN.peak)
     assert (plan.limit, plan.dead_band, plan.plane) == (CHOSEN.limit, 0.85, "yaw")

@@ -204,7 +204,6 @@ def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawT
         gains = plan.asked
         laws = {name: with_filters(law, gains) for name, law in laws.items()}
         nozzle = nozzle_of(gains, asked.sample_rate)
-        _say_faster(nozzle["sample_rate"], asked.sample_rate)
     return law_trials(
         plant,
         {name: laws[name] for name in asked.names},
@@ -213,16 +212,6 @@ def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawT
         progress=told,
         **nozzle,
     )
-
-
-def _say_faster(flown: float, asked: float) -> None:
-    """Warn of laws that are flown at another sample rate [Hz] than was asked for."""
-    if flown != asked:
-        warnings.warn(
-            f"the laws are flown at {flown:g} Hz, not at the {asked:g} Hz of [laws]: a flight with"
-            " an actuator needs at least two samples in the time 1/omega_n of the actuator",
-            stacklevel=2,
-        )
 
 
 def _comparison(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> TrimComparison:

@@ -43,13 +43,13 @@ def trim_law_flown(
     The law is not limited by the largest trim deflection. With b1 < 0 trim itself grows without
     end: no more is tried than a few times the wind's, and where that is lost no limit is enough.
     """
-    from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
-
     shape = least.shape
     found = np.zeros(shape)
     which = np.flatnonzero(np.broadcast_to(flies, shape))
     if not which.size:
         return found
+    from tvclin.flights.closed_loop.edges import edges_above_losses  # late: with all flights
+
     some, winds = plant.some(which, shape), wind.some(which, shape)
     low = np.maximum(least.ravel()[which], _TINY)
     high = np.broadcast_to(np.abs(trim_deflection(plant, wind).peak), shape).ravel()[which]

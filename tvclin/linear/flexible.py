@@ -177,7 +177,9 @@ class FlexiblePlant:
         InputError
             For a factor that is not positive.
         """
-        slope = positive("factor", factor) * np.asarray(self.vehicle.control_force)
+        times = positive("factor", factor)
+        with np.errstate(over="ignore"):  # what is beyond all numbers is refused as that
+            slope = times * np.asarray(self.vehicle.control_force)
         return replace(self, vehicle=self.vehicle.replace(control_force_slope=slope))
 
     @property
@@ -372,6 +374,8 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
     >>> type(tv.plant_of(booster)).__name__, type(tv.plant_of(booster.rigid)).__name__
     ('FlexiblePlant', 'Plant')
     """
+    if not isinstance(vehicle, LinearVehicle):
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     if isinstance(vehicle, LinearVehicle) or vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
     return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model or USUAL_MODEL, plane)

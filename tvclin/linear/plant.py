@@ -136,7 +136,9 @@ class Plant:
             For a factor that is not positive.
         """
         c, times = self.coefficients, positive("factor", factor)
-        return Plant(c.replace(mu_delta=times * np.asarray(c.mu_delta)), self.model)
+        with np.errstate(over="ignore"):  # what is beyond all numbers is refused as that
+            more = times * np.asarray(c.mu_delta)
+        return Plant(c.replace(mu_delta=more), self.model)
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -356,7 +356,8 @@ def _straight(
     bound = needs[NO_FORECAST] * both_ways
     after = needs[AFTER_TRIM]
     if 0.0 < K < 1.0:
-        after = float(open_loop_needs(plant, wind, K, boundary)[AFTER_TRIM])
+        flown = boundary if literal else boundary_alone(plant, wind, K, True)[0]
+        after = float(open_loop_needs(plant, wind, K, flown)[AFTER_TRIM])
     limit, more = _largest(
         {
             BOUNDARY: needs[BOUNDARY] * one_way,

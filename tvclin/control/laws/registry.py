@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from tvclin.base.errors import InputError, instance, one_of
+from tvclin.base.errors import InputError, instance, number, one_of, small_angle
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.autopilot.gains import canonical_gains, half_relief_gains
@@ -92,4 +92,4 @@ def design_law(name: str, plant: Plant, peak: float, **own: Any) -> Law:
     for key in own:
         if key != _OWN.get(name):
             raise InputError(f"{key} is not of the law {name}; leave it out")
-    return design(plant, peak, **own)
+    return design(plant, number("peak", peak, small_angle("a wind angle"), "rad"), **own)
