@@ -6,8 +6,6 @@ still to come, go over into the next by one matrix, made of those that the kerne
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,24 +61,14 @@ def swing_near_rest(batch: Batch) -> FloatArray:
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     size = f.y.shape[1] + f.states.shape[1] + f.commands.shape[1]
     parts = np.array_split(first, -(-first.size * size // _TOGETHER))
-    values = np.concatenate([_eigenvalues(batch, f, part) for part in parts]).astype(complex)[
-        which.ravel()
-    ]
+    found = np.concatenate([np.linalg.eigvals(_steps(batch, f, part)) for part in parts])
+    values = found.astype(complex)[which.ravel()]
     h = f.lengths[f.vehicle, 0]
     turns = np.abs(np.angle(values)) / h[:, np.newaxis]
     slowest = SLOW * SETTLING / np.maximum(f.settling * h, h)
     swings = (turns > slowest[:, np.newaxis]) & (np.angle(values) != 0.0)
     radius = np.where(swings, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
     return np.asarray(np.log(radius) / h)
-
-
-def _eigenvalues(batch: Batch, f: Flights, cases: NDArray[np.intp]) -> NDArray[Any]:
-    """Return the eigenvalues of the steps of some flights, ``(k, n)``."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        steps = _steps(batch, f, cases)
-    # A gain whose step is beyond all numbers throws the nozzle from side to side.
-    steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_BEYOND * np.eye(steps.shape[-1])
-    return np.asarray(np.linalg.eigvals(steps))
 
 
 def step_near_rest(batch: Batch) -> FloatArray:
@@ -93,6 +81,15 @@ def step_near_rest(batch: Batch) -> FloatArray:
 
 
 def _steps(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
+    """Return the steps of some flights near rest, ``(k, n, n)``."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = _composed(batch, f, cases)
+    # A gain whose step is beyond all numbers throws the nozzle from side to side.
+    steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_BEYOND * np.eye(steps.shape[-1])
+    return steps
+
+
+def _composed(batch: Batch, f: Flights, cases: IntArray) -> FloatArray:
     """The steps of some flights, ``(k, size, size)``; each signal is rows of factors on states."""
     k, order, own, ring = cases.size, f.y.shape[1], f.states.shape[1], f.commands.shape[1]
     places, n = f.vehicle[cases], f.A.shape[1]
