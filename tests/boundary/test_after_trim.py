@@ -84,7 +84,7 @@ class Judge:
             )
             if found.status == 0:
                 return found.fun * unit
-        reject()  # the program in cells has no answer to this draw
+        return reject()  # the program in cells has no answer to this draw
 
 
 def held_to(plant, wind, dead_band, above=(1.003, 1.1, 1.5)):
