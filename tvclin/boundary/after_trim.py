@@ -105,7 +105,7 @@ def _stepped_down(
     after: _AfterTrim, cases: IntArray, least: FloatArray, highest: FloatArray
 ) -> FloatArray:
     """Come down from limits that are not lost, by L <- max(K L, m(L))."""
-    found, limit, K = np.array(least), np.array(highest), after.dead_band[cases]
+    limit, K = np.array(highest), after.dead_band[cases]
     left = np.arange(cases.size)
     for _ in range(_STEPS):
         if not left.size:
@@ -121,7 +121,7 @@ def _stepped_down(
         limit[left[near[same]]] = level[same]
         ends[near[same]] = True
         left = left[~ends]
-    return np.maximum(found, limit)
+    return np.maximum(least, limit)
 
 
 def _closed_in(

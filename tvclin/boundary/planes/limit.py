@@ -143,7 +143,8 @@ def plane_limit(
     Returns
     -------
     PlaneLimit
-        The largest of the boundary of the control, the minimum over all unstable poles, and for
+        The largest of the boundary of the control, the minimum over all unstable poles, for
+        0 < K < 1 that minimum after trim (in a wind that turns to one part in a thousand), and for
         K = 1 the bound without a forecast; the notes say where it is not the first, and how far
         off a minimum may be that is not solved.
 
