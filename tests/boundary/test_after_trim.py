@@ -131,7 +131,7 @@ def test_a_slow_vehicle_needs_half_as_much_again():
 
 def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
     # With this limit over K trim is never limited, and yet leaves a slow mode that needs more.
-    path = dict(C1=0.093146, C2=0.0470317, b1=-0.01482715, b2=0.01918220, q=0.000488467)
+    path = {"C1": 0.093146, "C2": 0.0470317, "b1": -0.01482715, "b2": 0.0191822, "q": 0.000488467}
     c = tv.Coefficients(mu_alpha=2.435238, mu_delta=-1.182242, **path)
     plant = tv.Plant.from_coefficients(c, "drift-exact")
     time = [0.0, 1.78016, 5.40902, 5.80530, 7.85176, 11.70395, 14.57010]
