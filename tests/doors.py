@@ -343,11 +343,11 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Campaign,
             {
                 **{f.name: getattr(campaign, f.name) for f in dataclasses.fields(campaign)},
-                "limit": 0.01,
                 "until": 0.1,
                 "outputs": ("required", "flight"),
-                "flight": tv.Flight(deflection_limit=0.01),
-                "gains": tv.GainsAsked(natural_frequency=1.0),
+                "law": "trim",
+                "nozzle": tv.Nozzle(limit=0.01),
+                "design": tv.AutopilotDesign(natural_frequency=1.0),
             },
         ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
@@ -468,22 +468,6 @@ def doors(folder: Path) -> dict[str, Door]:
         "Filter.notch": Door(
             tv.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
         ),
-        "Flight": Door(
-            tv.Flight,
-            {
-                "law": "autopilot",
-                "deflection_limit": 0.01,
-                "rate_limit": 1.0,
-                "sample_rate": 50.0,
-                "attitude_gain": 0.2,
-                "rate_gain": 0.2,
-                "alpha_gain": 0.0,
-                "integral_gain": 0.0,
-                "natural_frequency": 20.0,
-                "damping": 0.7,
-            },
-        ),
-        "Flight.gains": Door(tv.Flight(deflection_limit=0.01).gains, {"plant": plant}),
         "FlightBeside.peaks": Door(beside.peaks, {"name": "attitude"}),
         "FlightSchedule": Door(
             tv.FlightSchedule,
@@ -520,10 +504,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "GainSchedule.margins": Door(two.margins, {"plants": plant}),
-        "GainsAsked": Door(
-            tv.GainsAsked,
+        "AutopilotDesign": Door(
+            tv.AutopilotDesign,
             {
-                "model": "drift",
                 "design": "canonical",
                 "natural_frequency": 1.0,
                 "damping": 0.7,
@@ -531,19 +514,21 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_gain": 0.2,
                 "alpha_gain": 0.1,
                 "integral_gain": 0.0,
-                "actuator_frequency": 25.1,
-                "actuator_damping": 0.7,
                 "delay": 0.0,
                 "crossover": 5.0,
                 "filters": (notch,),
                 "attitude_filters": (notch,),
                 "rate_filters": (notch,),
+                "sample_rate": 50.0,
             },
         ),
-        "GainsAsked.from_table": Door(
-            tv.GainsAsked.from_table, {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}}
+        "AutopilotDesign.from_table": Door(
+            tv.AutopilotDesign.from_table, {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}}
         ),
-        "GainsAsked.autopilot": Door(tv.GainsAsked(design="canonical").autopilot, {"plant": plant}),
+        "AutopilotDesign.autopilot": Door(
+            tv.AutopilotDesign(design="canonical").autopilot,
+            {"plant": plant, "actuator": tv.Actuator()},
+        ),
         "HeldDeflection": Door(tv.HeldDeflection, {"limit": 0.01, "start": 0.0}),
         "History.__call__": Door(wind, {"t": [0.0, 1.0]}),
         "History.before": Door(wind.before, {"time": 5.0}),
@@ -619,6 +604,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "MeasuredWind.to_both_sides": Door(
             tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
+        "Nozzle": Door(
+            tv.Nozzle,
+            {"limit": 0.01, "stop": "square", "rate_limit": 0.2, "actuator": tv.Actuator()},
+        ),
+        "Nozzle.from_table": Door(tv.Nozzle.from_table, {"table": {"limit_deg": 1.0}}),
         "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
         "plant_of": Door(tv.plant_of, {"vehicle": booster, "model": "fixed-path", "plane": "yaw"}),
         "Plant": Door(tv.Plant, {"coefficients": coefficients, "model": "drift-exact"}),
@@ -714,12 +704,11 @@ def doors(folder: Path) -> dict[str, Door]:
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
-                "limit": 0.01,
                 "dead_band": 0.5,
                 "switch": "report",
-                "nozzle_stop": "square",
+                "nozzle": tv.Nozzle(limit=0.01, stop="square"),
                 "laws": tv.LawsAsked(),
-                "gains": tv.GainsAsked(design="canonical"),
+                "design": tv.AutopilotDesign(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],
                 "dispersions": dispersions,
                 "cases": 100,

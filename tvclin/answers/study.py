@@ -48,9 +48,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-STUDY_TABLE = Table(
-    "[study]", words=("vehicle", "model", "plane", "dead_band", "switch", "nozzle_stop")
-)
+STUDY_TABLE = Table("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
 
 
 @dataclass(frozen=True, eq=False)

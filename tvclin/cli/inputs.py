@@ -1,13 +1,14 @@
 """What several commands make of their options."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.histories import History
+
+T = TypeVar("T")
 
 
 def only_with(needed: str, **options: Any) -> None:
@@ -88,8 +89,9 @@ def peak_angle(
     peak_deg: float | None,
     peak_speed: float | None,
     heading: float | None = None,
+    otherwise: float | None = None,
 ) -> float:
-    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was.
+    """Return the peak wind angle of attack [rad] that was asked for, or 5 degrees.
 
     With a heading [rad] it is the size of the vector of both planes.
     """
@@ -100,7 +102,8 @@ def peak_angle(
     from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
     if peak_speed is None:
-        return float(np.radians(5.0 if peak_deg is None else peak_deg))
+        usual = np.radians(5.0) if otherwise is None else otherwise
+        return float(usual if peak_deg is None else np.radians(peak_deg))
     if peak_deg is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
     vehicle = whole_vehicle(vehicle, "--peak-speed")
@@ -152,27 +155,6 @@ def limit_of(limit_deg: float | None) -> float | None:
     return float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
 
 
-def changed_plan(
-    plan: "StudyPlan",
-    wind: str | None,
-    duration: float | None,
-    peak: tuple[float | None, float | None],
-    limit_deg: float | None,
-    given: dict[str, Any],
-    heading: float | None = None,
-) -> "StudyPlan":
-    """Return the plan with what the options say in place of the file."""
-    from dataclasses import replace
-
-    changes = {name: value for name, value in given.items() if value is not None}
-    if limit_deg is not None:
-        changes["limit"] = limit_of(limit_deg)
-        if plan.sizing is not None:
-            changes["sizing"] = replace(plan.sizing, limit=changes["limit"])
-    asked: dict[str, Any] = {"shape": wind, "duration": duration, "heading": heading}
-    blows = plan.wind.heading if heading is None else heading
-    if peak != (None, None):
-        plane = changes.get("plane", plan.plane)
-        asked["peak"] = peak_angle(plan.vehicle, plane, *peak, heading=blows)
-    asked = {name: value for name, value in asked.items() if value is not None}
-    return replace(plan, wind=replace(plan.wind, **asked), **changes)
+def chosen(option: "T | None", otherwise: "T") -> "T":
+    """Return an option, or what holds where it is not given."""
+    return otherwise if option is None else option

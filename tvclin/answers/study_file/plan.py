@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Self
 
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
+from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.study import Study
 from tvclin.base.errors import (
     InputError,
@@ -134,13 +135,12 @@ class StudyPlan(Case):
     @property
     def loop_model(self) -> str:
         """The model that the autopilot controls."""
-        return flexible_model(self.vehicle, super().loop_model)
+        return flexible_model(self.vehicle, self.model)
 
     @property
     def law_model(self) -> str:
         """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
-        own = (self.laws and self.laws.model) or self.model
-        return USUAL_MODEL if own == "drift-and-speed" else flexible_model(self.vehicle, own)
+        return USUAL_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @property
     def _modes(self) -> bool:
@@ -156,8 +156,10 @@ class StudyPlan(Case):
             model=study.model,
             plane=study.plane,
             wind=study.slanting or study.blows,
-            nozzle_stop=study.planes.stop if study.planes is not None and study.in_both else None,
-            limit=study.limit,
+            nozzle=Nozzle(
+                limit=study.limit,
+                stop=study.planes.stop if study.planes is not None and study.in_both else None,
+            ),
             dead_band=study.dead_band,
             switch=study.switch,
         )
@@ -171,8 +173,8 @@ class StudyPlan(Case):
             peak=self.wind.peak,
             gust=self.wind.gust,
             heading=self.wind.heading,
-            stop=self.nozzle_stop,
-            limit=self.limit,
+            stop=self.nozzle.stop,
+            limit=self.nozzle.limit,
             dead_band=self.dead_band,
             model=self.model,
             plane=self.plane,

@@ -7,6 +7,7 @@ from typing import Any
 
 from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
 from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.nozzle import NOZZLE_TABLE
 from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked, SoundingAsked
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import InputError, shown
@@ -67,8 +68,8 @@ def availability_of(
 ) -> AvailabilityAsked | None:
     """Return what a document asks of an archive of soundings; None without [availability].
 
-    The model and a nozzle_stop of the study count where the table says nothing; both planes, unless
-    it names one.
+    The model of the study and the stop of the nozzle count where the table says nothing; both
+    planes, unless it names one.
 
     Raises
     ------
@@ -94,7 +95,10 @@ def availability_of(
     wanted = {key: given.pop(key) for key in ("months", "years", "station") if key in given}
     offset = given.pop("utc_offset_hours", 0.0)
     head = document.get("study", {})
-    study = {to: head[key] for to, key in (("model",) * 2, ("stop", "nozzle_stop")) if key in head}
+    study = {"model": head["model"]} if "model" in head else {}
+    stop = NOZZLE_TABLE.one(document).get("stop")
+    if stop is not None:
+        study["stop"] = stop
     return AvailabilityAsked(
         flight=_flight(document, folder)["schedule"],
         soundings=read_soundings([folder / one for one in names], utc_offset=offset, **wanted),
