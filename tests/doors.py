@@ -171,7 +171,7 @@ def doors(folder: Path) -> dict[str, Door]:
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
-    asked = tv.SizingAsked(schedule=schedule, pulses=(shaped,), every=30.0)
+    asked = tv.SizingAsked(schedule=schedule, every=30.0)
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.WindEstimator(bandwidth=10.0)
@@ -326,17 +326,14 @@ def doors(folder: Path) -> dict[str, Door]:
                 "soundings": archive,
                 "azimuth": 1.5,
                 "plane": "pitch",
-                "stop": "square",
-                "model": "drift",
                 "persistence": 0.001,
-                "gust": gust,
                 "known_to": 20e3,
                 "confidence": 0.9,
                 "least_part": 0.9,
             },
         ),
         "AvailabilityAsked.availability": Door(
-            days_asked.availability, {"limit": 0.01, "progress": None}
+            days_asked.availability, {"case": study.case, "progress": None}
         ),
         "BangBang": Door(tv.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
         "Campaign": Door(
@@ -545,7 +542,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "names": ("trim",),
                 "winds": ("triangle",),
                 "sample_rate": 50.0,
-                "model": "drift-exact",
             },
         ),
         "least_deflection_gains": Door(
@@ -656,19 +652,21 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.SizingAsked,
             {
                 **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
+                "others": (shaped,),
                 "soundings": {"west": tv.SoundingAsked(west, 1.5)},
-                "gust": gust,
                 "window": 20.0,
                 "start": 60.0,
                 "stop": 70.0,
                 "peak_speed": 40.0,
-                "limit": 0.01,
                 "count": "K = 1",
             },
         ),
-        "SizingAsked.peak_at": Door(asked.peak_at, {"vehicle": booster, "pulse": shaped}),
-        "SizingAsked.sizing": Door(asked.sizing, {"progress": None}),
-        "SizingAsked.total": Door(asked.total, {"found": sizing}),
+        "SizingAsked.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
+        "SizingAsked.pulses": Door(asked.pulses, {"case": study.case}),
+        "SizingAsked.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
+        "SizingAsked.times": Door(asked.times, {"case": study.case}),
+        "SizingAsked.total": Door(asked.total, {"case": study.case, "found": sizing}),
+        "SizingAsked.winds": Door(asked.winds, {"case": study.case}),
         "Soundings": Door(
             tv.Soundings,
             {f.name: getattr(archive, f.name) for f in dataclasses.fields(archive)},
@@ -697,6 +695,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "stop": ellipse,
             },
         ),
+        "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
         "StudyPlan": Door(
             tv.StudyPlan,
             {

@@ -55,7 +55,7 @@ def plan():
         cases=700,
         chunk=128,
         seed=11,
-        limit=np.radians(0.42),
+        nozzle=tv.Nozzle(limit=np.radians(0.42)),
         probability=0.9,
     )
 

@@ -47,9 +47,9 @@ def test_the_example_says_what_its_keys_say() -> None:
     assert len(found.dispersions.each) == 5
     sizing = found.sizing
     assert sizing.schedule.at(66.0) == tv.load_schedule("configuration-i").at(66.0)
-    assert (sizing.pulses, sizing.every, sizing.dead_bands) == ((found.wind,), 10.0, (1.0, 0.5))
+    assert (sizing.pulses(found), sizing.every) == ((found.wind,), 10.0)
+    assert sizing.dead_bands == (1.0, 0.5)
     assert (sizing.dispersion, sizing.gravity_offset, sizing.reserve) == (0.2, 0.02, 0.1)
-    assert (sizing.limit, sizing.model) == (found.nozzle.limit, found.model)
 
 
 def test_the_page_shows_a_study() -> None:
@@ -66,11 +66,12 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
     text = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[1]
     (tmp_path / "balloon.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
     tables = tomllib.loads(text.replace("flight.csv", "configuration-i"))
-    asked = parse_study({"study": HEAD} | tables, tmp_path).sizing
+    found = parse_study({"study": HEAD} | tables, tmp_path)
+    asked, gust = found.sizing, found.wind.gust
 
-    assert list(asked.winds) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
-    assert (asked.gust.onset, asked.gust.end, asked.window) == (2.75, 4.75, 30.0)
-    assert asked.times.tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
+    assert list(asked.winds(found)) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
+    assert (gust.onset, gust.end, asked.window) == (2.75, 4.75, 30.0)
+    assert asked.times(found).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
 
 
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
@@ -238,6 +239,11 @@ def test_gains_and_criteria_of_ones_own() -> None:
             {"wind": {"time_s": [0, 1], "angle_rad": [[0.1, 0]]}},
             "a study needs a wind of one shape",
         ),
+        ({"question": {"limit_deg": 0.4}}, r"limit_deg stands in \[nozzle\], not in \[question\]"),
+        (
+            {"size": {"model": "drift"}},
+            r"model stands in \[study\] or \[campaign\], not in \[size\]",
+        ),
         ({"nozzle": {"limt_deg": 0.4}}, r"'limt_deg'; did you mean limit_deg or limit_rad\?"),
         ({"nozzle": {"limit": 0.4}}, "limit has no known unit .* write limit_rad or limit_deg"),
         ({"study": {"vehicle": {"weight": 1.0}}}, "weight has no known unit .*; write weight_N or"),
@@ -361,32 +367,28 @@ def test_whose_the_flight_is(tmp_path: Path) -> None:
 
 
 def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
-    schedule, pulse = tv.load_schedule("configuration-i"), tv.ShapedWind("triangular", 0.08, 7.5)
+    schedule = tv.load_schedule("configuration-i")
     low = tv.WindProfile(height=[0.0, 100.0], east=[5.0, 5.0], north=[0.0, 0.0])
     for given, said in (
-        ({}, "a sizing needs a wind: a pulse or a sounding"),
-        ({"pulses": (pulse,), "dead_bands": ()}, "dead_bands must hold one number or more"),
+        ({"pulse": False}, "a sizing needs a wind: a pulse or a sounding"),
+        ({"dead_bands": ()}, "dead_bands must hold one number or more"),
         (
             {"soundings": {"low": SoundingAsked(low, 0.0)}},
             "low: the flight does not reach the wind",
         ),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.SizingAsked(schedule=schedule, **given).sizing()
+            tv.SizingAsked(schedule=schedule, **given).sizing(plan())
 
 
 def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
-    vehicle, pulse = tv.load_vehicle("configuration-i"), tv.ShapedWind("triangular", 0.08, 7.5)
-    schedule = tv.load_schedule("configuration-i")
-    pitch, yaw = (
-        tv.SizingAsked(schedule=schedule, pulses=(pulse,), peak_speed=60.0, plane=plane)
-        for plane in ("pitch", "yaw")
-    )
-    across = np.sin(yaw.peak_at(vehicle, pulse)) * vehicle.velocity
-    assert across == pytest.approx(60.0, rel=1e-14)
-    assert np.sin(pitch.peak_at(vehicle, pulse)) * vehicle.velocity == pytest.approx(
-        60.0 * np.sin(vehicle.attitude), rel=1e-14
-    )
+    asked = tv.SizingAsked(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
+    for plane in ("pitch", "yaw"):
+        case = replace(plan(), plane=plane)
+        met = asked.at(case, 66.0, case.wind)
+        meets = 60.0 * (np.sin(met.vehicle.attitude) if plane == "pitch" else 1.0)
+        across = np.sin(met.history.peak) * met.vehicle.velocity
+        assert across == pytest.approx(meets, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -440,7 +442,7 @@ def test_the_limit_of_an_option_counts_for_the_whole_flight_too(tmp_path: Path) 
     path = tmp_path / "s.toml"
     path.write_text(
         '[study]\nvehicle = "configuration-i"\nmodel = "fixed-path"\n'
-        '[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+        "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
         '[schedule]\nsource = "configuration-i"\n[size]\nevery_s = 60\n[nozzle]\nlimit_deg = 0.01\n'
     )
     for options, answer in (((), False), (("--limit-deg", 3), True)):

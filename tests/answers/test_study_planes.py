@@ -107,7 +107,7 @@ def test_a_file_gives_the_direction_in_its_wind() -> None:
     assert plan.study().planes is not None
     flight = parse_study(document | {"schedule": {"source": "configuration-i"}})
     assert flight.sizing is not None
-    assert (flight.sizing.plane, flight.sizing.nozzle_stop) == ("both", "round")
+    assert (flight.planes, flight.nozzle.stop) == ("both", "round")
 
 
 def test_what_has_no_direction_is_told_so(booster) -> None:
@@ -121,7 +121,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
         found = run("study", *options)
         assert found.exit_code == 2
         assert words in " ".join(found.output.split())
-    with pytest.raises(tv.InputError, match="stop needs a heading"):
+    with pytest.raises(tv.InputError, match="a stop of both planes needs a wind with a direction"):
         tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round", model="fixed-path")
     wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=1.0)
     with pytest.raises(tv.InputError, match="a campaign is in one plane"):

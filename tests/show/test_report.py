@@ -93,8 +93,8 @@ def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
 def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.LawsAsked(names=("trim", "autopilot"), model="drift-exact", sample_rate=20.0)
-    flight = replace(whole.sizing, start=60.0, stop=90.0, model="fixed-path")
+    laws = tv.LawsAsked(names=("trim", "autopilot"), sample_rate=20.0)
+    flight = replace(whole.sizing, start=60.0, stop=90.0)
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
 
@@ -172,7 +172,7 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
 
 
 def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
-    plant = tv.Plant.from_vehicle(plan.vehicle, "drift-exact")
+    plant = tv.Plant.from_vehicle(plan.vehicle, plan.model)
     laws = tv.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
     parts = {"trim": 1.0, "no_forecast": tv.forecast_free_limit(plant, study.wind).limit}
@@ -576,7 +576,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     fixed = tv.StudyPlan(vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once)
     short = find(fixed)
     wide = np.radians(0.9)
-    enough = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=replace(once, limit=wide)))
+    enough = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=once))
     heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
     headline = {one.name: one.text for one in heading}
     section = {
@@ -608,7 +608,7 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     said = (
         "the flight is that of configuration-i, not of the study's vehicle, my.toml; give its own"
     )
-    asked = tv.load_sizing(study)
+    asked = tv.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["size", str(study)])
 

@@ -11,7 +11,7 @@ import numpy as np
 from tvclin.answers.nozzle import Nozzle
 from tvclin.base.errors import InputError, instance, one_of, shown
 from tvclin.linear.models import MODELS, usual_model
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -43,7 +43,7 @@ class Case:
         The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
         given. An ensemble is for campaigns, and any other history for flights.
     nozzle : Nozzle
-        What the nozzle can do. A stop of both planes needs a wind with a direction.
+        What the nozzle can do; with a stop of both planes both are judged.
     design : AutopilotDesign, optional
         The autopilot; questions that need one take the canonical gains where nothing is said.
 
@@ -72,11 +72,6 @@ class Case:
                 f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"
             )
         instance("nozzle", self.nozzle, Nozzle, "of a limit, a stop, a rate limit, an actuator")
-        if self.nozzle.stop is not None and getattr(self.wind, "heading", None) is None:
-            raise InputError(
-                "a stop of both planes needs a wind with a direction: give where it blows from,"
-                " and the azimuth of the flight"
-            )
         if self.design is not None:
             from tvclin.control.autopilot.rules import AutopilotDesign
 
@@ -86,6 +81,11 @@ class Case:
     def shape(self) -> str:
         """Shape of the wind."""
         return str(getattr(self.wind, "shape", "sampled"))
+
+    @property
+    def planes(self) -> str:
+        """The plane that is judged, or both, where the nozzle has a stop of both."""
+        return self.plane if self.nozzle.stop is None else BOTH
 
     @property
     def loop_model(self) -> str:

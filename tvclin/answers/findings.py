@@ -264,16 +264,14 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
     del study
     assert plan.sizing is not None
-    found = plan.sizing.sizing(told)
-    return found, plan.sizing.total(found)
+    found = plan.sizing.sizing(plan, told)
+    return found, plan.sizing.total(plan, found)
 
 
 def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
     del study
     assert plan.availability is not None
-    if plan.nozzle.limit is None:
-        raise InputError("availability is judged for a limit: give limit_deg in [nozzle]")
-    return plan.availability.availability(plan.nozzle.limit, told)
+    return plan.availability.availability(plan, told)
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:

@@ -26,8 +26,6 @@ from tvclin.winds.shaped import ShapedWind, part_in
 
 FloatArray = NDArray[np.float64]
 
-BOTH = "both"
-"""The word for both planes, where a plane is asked for."""
 PARTS, VECTOR = (
     "each plane by itself in its part of the stop",
     "the boundary of both planes together",

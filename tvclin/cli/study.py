@@ -144,8 +144,6 @@ def study(
         cases=chosen(cases, plan.cases),
         seed=chosen(seed, plan.seed),
     )
-    if plan.sizing is not None:
-        plan = replace(plan, sizing=replace(plan.sizing, limit=plan.nozzle.limit))
     note_structure(plan.vehicle, plan.plane, "the boundaries")
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS

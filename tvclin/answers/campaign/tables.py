@@ -25,7 +25,7 @@ from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import Faults, InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
-from tvclin.base.tables import known
+from tvclin.base.tables import Table, known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
@@ -101,12 +101,24 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
             ):
                 continue  # it may hold a whole flight, or numbers without a unit
             if table.name in document or table in _OF_STUDIES:
+                _at_home(table, given)
                 table.read(given)
     with faults.kept():
         if "wind" in document and not recorded:
             winds_of(document, folder)
     with faults.kept():
         dispersions_of(document)
+    faults.tell()
+
+
+def _at_home(table: Table, given: Mapping[str, Any]) -> None:
+    """Raise `InputError` for keys that another table has, and say which."""
+    faults = Faults()
+    for key in given:
+        homes = [one.heading for one in TABLES if key in one.every_key]
+        with faults.kept():
+            if homes and key not in (*table.every_key, *table.quantities):
+                raise InputError(f"{key} stands in {' or '.join(homes)}, not in {table.heading}")
     faults.tell()
 
 

@@ -13,7 +13,6 @@ from tvclin.answers.campaign.tables import (
     subject_of,
 )
 from tvclin.answers.document import Document
-from tvclin.answers.planes import BOTH
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
@@ -21,8 +20,6 @@ from tvclin.base.errors import one_of
 from tvclin.control.autopilot.rules import AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import gust_of, winds_of
-
-_ALSO_OF_A_FLIGHT = ("model", "plane")
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
@@ -41,17 +38,13 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     wind: Any = winds_of(document, folder)[0]
     gust = gust_of(document, wind)
     question = question_of(document)
-    study = {key: value for key, value in (subject | given).items() if key in _ALSO_OF_A_FLIGHT}
-    nozzle = nozzle_of(document)
-    if nozzle.stop is not None:
-        study |= {"plane": BOTH, "nozzle_stop": nozzle.stop}
     return StudyPlan(
         **subject,
         wind=wind if gust is None else replace(wind, gust=gust),
-        sizing=sizing_of(document, folder, gust, limit=nozzle.limit, **study),
-        availability=availability_of(document, folder, gust),
+        sizing=sizing_of(document, folder),
+        availability=availability_of(document, folder),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
-        nozzle=nozzle,
+        nozzle=nozzle_of(document),
         design=AutopilotDesign.from_table(document["autopilot"])
         if "autopilot" in document
         else None,
