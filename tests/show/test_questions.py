@@ -79,6 +79,24 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
     assert f"without a stop it would turn the nozzle by {asks:.3f} deg" in said
 
 
+def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights() -> None:
+    plain = found_for(0.5, design=DESIGN, criteria=LOOSE)
+    design = replace(DESIGN, sample_rate=20.0)
+    nozzle = tv.Nozzle(limit=np.radians(0.5), rate_limit=np.radians(0.4))
+    found = found_for(0.5, design=design, nozzle=nozzle, criteria=LOOSE)
+    loop, before = found.comparison, plain.comparison
+    expected = loop.autopilot.margins(loop.plant)
+    assert loop.margins.phase_margin_deg == expected.phase_margin_deg
+    assert loop.margins.phase_margin_deg < before.margins.phase_margin_deg - 1.0
+    assert loop.peak_deflection == before.peak_deflection  # of the continuous autopilot, as told
+    assert "all peaks of the continuous one" in " ".join(loop.notes)
+    law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
+    flown = {"actuator": tv.Actuator(), "sample_rate": 20.0, "rate_limit": nozzle.rate_limit}
+    boundary = tv.closed_loop_boundary(loop.plant, law, found.study.wind, **flown)
+    assert found.stop.deflection == boundary.deflection
+    assert abs(boundary.deflection) > 1.05 * abs(plain.stop.deflection)
+
+
 def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
     strict = tv.Criteria.own("strict", aero_margin_dB=60.0)
     for limit in (3.0, None):

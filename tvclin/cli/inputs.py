@@ -7,6 +7,7 @@ from tvclin.cli.output import say
 if TYPE_CHECKING:
     from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.histories import History
+    from tvclin.winds.shaped import ShapedWind
 
 T = TypeVar("T")
 
@@ -89,9 +90,8 @@ def peak_angle(
     peak_deg: float | None,
     peak_speed: float | None,
     heading: float | None = None,
-    otherwise: float | None = None,
 ) -> float:
-    """Return the peak wind angle of attack [rad] that was asked for, or 5 degrees.
+    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was.
 
     With a heading [rad] it is the size of the vector of both planes.
     """
@@ -102,8 +102,7 @@ def peak_angle(
     from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
     if peak_speed is None:
-        usual = np.radians(5.0) if otherwise is None else otherwise
-        return float(usual if peak_deg is None else np.radians(peak_deg))
+        return float(np.radians(5.0 if peak_deg is None else peak_deg))
     if peak_deg is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
     vehicle = whole_vehicle(vehicle, "--peak-speed")
@@ -142,6 +141,34 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     peak, duration = number("--gust", given[0], nonzero), number("--gust", given[1], positive)
     found = OneMinusCosineGust(peak=np.radians(peak), duration=duration)
     return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
+
+
+def wind_with(
+    wind: "ShapedWind",
+    shape: str | None,
+    duration: float | None,
+    peak: float | None,
+    heading: float | None,
+    gust: tuple[float, float] | None,
+    gust_at: float | None = None,
+) -> "ShapedWind":
+    """Return a wind with what options say in its place; a gust peaks in its middle without a time.
+
+    Peak and heading are in rad.
+    """
+    from dataclasses import replace
+
+    if gust is None:
+        only_with("--gust", gust_at=gust_at)
+    lasts = chosen(duration, wind.duration)
+    return replace(
+        wind,
+        shape=chosen(shape, wind.shape),
+        duration=lasts,
+        peak=chosen(peak, wind.peak),
+        heading=chosen(heading, wind.heading),
+        gust=chosen(gust_of(gust, chosen(gust_at, 0.5 * lasts)), wind.gust),
+    )
 
 
 def limit_of(limit_deg: float | None) -> float | None:

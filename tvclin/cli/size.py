@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import chosen, gust_of, heading_given, note_source, only_with
+from tvclin.cli.inputs import chosen, heading_given, note_source, only_with, wind_with
 from tvclin.cli.options import (
     STOPS_HELP,
     TIME_HELP,
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.boundary.stops import Stop
-    from tvclin.winds.shaped import ShapedWind
 
 _SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
@@ -193,11 +192,12 @@ def size(
     if peak_deg is not None and peak_speed is not None:
         raise InputError("give --peak-deg or --peak-speed, not both")
     named = any(one is not None for one in (wind, duration, peak_deg, peak_speed, heading))
+    peak = _radians("--peak-deg", peak_deg, -90.0)
     case = replace(
         case,
-        model=model or case.model,
+        model=chosen(model, case.model),
         plane=case.plane if plane in (None, BOTH) else plane,
-        wind=_wind(case.wind, wind, duration, peak_deg, heading, gust),
+        wind=wind_with(case.wind, wind, duration, peak, heading, gust),
         nozzle=replace(
             case.nozzle,
             limit=chosen(_radians("--limit-deg", limit_deg), case.nozzle.limit),
@@ -213,9 +213,9 @@ def size(
         stop=chosen(end, asked.stop),
         every=chosen(every, asked.every),
         dead_bands=tuple(dead_band) if dead_band else asked.dead_bands,
-        law=law or asked.law,
+        law=chosen(law, asked.law),
         varying=varying or asked.varying,
-        count=count or asked.count,
+        count=chosen(count, asked.count),
         dispersion=chosen(dispersion, asked.dispersion),
         thrust_offset=chosen(
             _radians("--thrust-offset-deg", thrust_offset_deg, -90.0), asked.thrust_offset
@@ -268,28 +268,6 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
         yield f'--count "{varying}" lets the varying parameters enter the total'
 
 
-def _wind(
-    wind: "ShapedWind",
-    shape: str | None,
-    duration: float | None,
-    peak_deg: float | None,
-    heading: float | None,
-    gust: tuple[float, float] | None,
-) -> "ShapedWind":
-    """A wind with what options say in its place, and a gust in its middle."""
-    from dataclasses import replace
-
-    lasts = chosen(duration, wind.duration)
-    return replace(
-        wind,
-        shape=shape or wind.shape,
-        duration=lasts,
-        peak=chosen(_radians("--peak-deg", peak_deg, -90.0), wind.peak),
-        heading=chosen(heading, wind.heading),
-        gust=wind.gust if gust is None else gust_of(gust, 0.5 * lasts),
-    )
-
-
 def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
     """The stop of both planes, round where they are asked for without one; None of one plane."""
     from tvclin.vehicle.coefficients import BOTH
@@ -297,7 +275,7 @@ def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "S
     if plane not in (None, BOTH) or (stop is None and plane is None):
         only_with(f"--plane {BOTH}", stop=given)
         return None
-    return given or stop or "round"
+    return chosen(given, stop or "round")
 
 
 def _soundings(

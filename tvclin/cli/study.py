@@ -6,12 +6,12 @@ import typer
 
 from tvclin.cli.inputs import (
     chosen,
-    gust_of,
     heading_given,
     limit_of,
     note_structure,
     only_with,
     peak_angle,
+    wind_with,
 )
 from tvclin.cli.options import (
     LINEAR_HELP,
@@ -118,29 +118,21 @@ def study(
     from tvclin.cli.study_tables import print_dispersed, print_questions, print_study
 
     plan = load_study(source)
-    plan = replace(plan, model=model or plan.model, plane=plane or plan.plane)
+    plan = replace(plan, model=chosen(model, plan.model), plane=chosen(plane, plan.plane))
     heading = chosen(heading_given(wind_direction_deg, azimuth_deg), plan.wind.heading)
-    blows = replace(
-        plan.wind,
-        shape=wind or plan.wind.shape,
-        duration=chosen(duration, plan.wind.duration),
-        peak=peak_angle(plan.vehicle, plan.plane, peak_deg, peak_speed, heading, plan.wind.peak),
-        heading=heading,
-    )
-    if gust is None:
-        only_with("--gust", gust_at=gust_at)
-    else:
-        blows = replace(blows, gust=gust_of(gust, chosen(gust_at, 0.5 * blows.duration)))
+    peak = None
+    if (peak_deg, peak_speed) != (None, None):
+        peak = peak_angle(plan.vehicle, plan.plane, peak_deg, peak_speed, heading)
     plan = replace(
         plan,
-        wind=blows,
+        wind=wind_with(plan.wind, wind, duration, peak, heading, gust, gust_at),
         nozzle=replace(
             plan.nozzle,
             limit=chosen(limit_of(limit_deg), plan.nozzle.limit),
-            stop=stop or plan.nozzle.stop,
+            stop=chosen(stop, plan.nozzle.stop),
         ),
         dead_band=chosen(dead_band, plan.dead_band),
-        switch=switch or plan.switch,
+        switch=chosen(switch, plan.switch),
         cases=chosen(cases, plan.cases),
         seed=chosen(seed, plan.seed),
     )

@@ -309,8 +309,9 @@ class SizingAsked:
         velocity, attitude = (float(np.asarray(x)) for x in (vehicle.velocity, vehicle.attitude))
         if self.peak_speed is not None:
             at = self.peak_speed, velocity, attitude
-            peak = float(angle_in_plane(*at, case.plane))
-            if pulse.heading is not None:
+            if pulse.heading is None:
+                peak = float(angle_in_plane(*at, case.plane))
+            else:
                 peak = math.hypot(*angles_from_speed(*at, pulse.heading))
             pulse = replace(pulse, peak=peak)
         return pulse if case.planes == BOTH else pulse.in_plane(case.plane, attitude)
