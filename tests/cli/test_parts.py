@@ -1,0 +1,197 @@
+"""What is asked is computed, told or refused: every question with every part of a case."""
+
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.archives import Balloon, jet, write
+from tvclin.answers.parts import OPTIONS, QUESTIONS, REFUSED, TOLD, entry, table, told
+from tvclin.cli.app import app
+from tvclin.vehicle.file import vehicle_text
+from tvclin.vehicle.linear_vehicle import load_any_vehicle
+
+PAGES = Path(__file__).parents[2] / "docs"
+SOUNDING = Path(__file__).parents[1] / "soundings" / "table.csv"
+BENDS = """
+[[bending]]
+frequency_rad_per_s = 38.0
+damping = 0.005
+modal_mass_kg = 2e5
+gimbal_displacement = 1.0
+gimbal_slope_per_m = -0.07
+attitude_slope_per_m = 0.02
+rate_slope_per_m = 0.02
+"""
+VALUES = {
+    "gust": ("--gust", 1.5, 1.0),
+    "head wind": ("--peak-deg", -5),
+    "heading": ("--wind-direction-deg", 250, "--azimuth-deg", 45),
+    "measured wind": ("--winds", SOUNDING, "--azimuth-deg", 90),
+    "shape of the stop": ("--stop", "square"),
+    "actuator": ("--actuator-hz", 3),
+    "rate limit": ("--rate-limit-deg", 0.2),
+    "delay": ("--delay-ms", 40),
+    "sample rate": ("--sample-rate", 30),
+    "filters": ("--notch-hz", "5,0.05,0.5"),
+    "integral gain": ("--integral-gain", 0.05),
+    "dispersion": ("--disperse",),
+    "limit": ("--limit-deg", 0.3),
+}
+LINEAR = ("--engine", "linear", "--law", "autopilot", "--limit-deg", 2)
+BASE = {
+    "margins": ("--flown", "--limit-deg", 2),
+    "laws": ("--wind", "triangle"),
+    "fly": LINEAR,
+    "size": ("--from", 70, "--to", 70),
+    "availability": ("--limit-deg", 0.35, "--azimuth-deg", 90),
+}
+OTHERWISE = {
+    ("margins", "dispersion"): ("--detuned",),
+    ("margins", "limit"): ("--flown", "--limit-deg", 3),
+    ("fly", "limit"): (*LINEAR[:-1], 1.5),
+    ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
+    ("size", "gust"): ("--gust", 1.5, 1.0),
+    ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 45),
+    ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 90),
+    ("availability", "shape of the stop"): ("--plane", "both", "--stop", "square"),
+}
+
+
+class Files(NamedTuple):
+    """The vehicle of a question, with a damping, and with a bending mode."""
+
+    plain: Path
+    damped: Path
+    bent: Path
+    station: Path
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("parts")
+    text = vehicle_text("configuration-i")[0]
+    damped = text.replace("[vehicle]", "[vehicle]\npitch_damping_N_m_s_per_rad = 4e6", 1)
+    made = []
+    for name, words in {"plain": text, "damped": damped, "bent": text + BENDS}.items():
+        made.append(folder / f"{name}.toml")
+        made[-1].write_text(words)
+    days = [f"2023-02-{day:02d}T00" for day in range(1, 11)]
+    station = write(
+        folder / "s-data.txt", [Balloon(day, jet(6.0 * (k + 1))) for k, day in enumerate(days)]
+    )
+    return Files(*made, Path(station))
+
+
+def asked(question, vehicle, station, *options):
+    if question == "availability":
+        options = (station, *options)
+    words = (question, vehicle, *options, "--json")
+    return CliRunner().invoke(app, [str(one) for one in words])
+
+
+BY_FILE = ("study", "report", "campaign")
+
+
+@pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in (*BY_FILE, "explore")])
+def test_every_part_is_computed_told_or_refused(question, files):
+    base = asked(question, files.plain, files.station, *BASE.get(question, ()))
+    assert base.exit_code in (0, 1), base.output
+    wrong = {}
+    for part in OPTIONS:
+        kind = entry(question, part)
+        vehicle = {"structure": files.bent, "damping": files.damped}.get(part, files.plain)
+        options = (*BASE.get(question, ()), *VALUES.get(part, ()))
+        options = OTHERWISE.get((question, part), options)
+        result = asked(question, vehicle, files.station, *options)
+        changed = result.exit_code in (0, 1) and result.stdout != base.stdout
+        said = " ".join(result.output.split())
+        if kind == REFUSED:
+            right = result.exit_code == 2 and "tvclin" in said
+        elif kind == TOLD:
+            sentence = " ".join(told(question, load_any_vehicle(str(vehicle)), "pitch"))
+            right = sentence in " ".join(result.stderr.split())
+        else:
+            right = changed
+        if not right:
+            wrong[part] = (kind, result.exit_code, changed, said[:300])
+    assert not wrong, wrong
+
+
+WIND = {"shape": "triangular", "peak_deg": 5.0, "duration_s": 7.5}
+DIRECTION = {"direction_deg": 250, "azimuth_deg": 45}
+STUDY = {
+    "study": {"vehicle": "plain.toml"},
+    "wind": WIND,
+    "nozzle": {"limit_deg": 1.0},
+    "autopilot": {},
+    "laws": {"names": ["autopilot"], "winds": ["triangle"]},
+}
+MEASURED = {"sounding": "table.csv", "azimuth_deg": 90}
+IN_FILES = {
+    "damping": {"study": {"vehicle": "damped.toml"}},
+    "gust": {"gust": {"peak_deg": 1.5, "duration_s": 1.0}},
+    "head wind": {"wind": {"peak_deg": -5.0}},
+    "heading": {"wind": DIRECTION},
+    "shape of the stop": {"wind": DIRECTION, "nozzle": {"stop": "square"}},
+    "actuator": {"nozzle": {"actuator_frequency_rad_per_s": 18.0}},
+    "rate limit": {"nozzle": {"rate_limit_deg_per_s": 0.3}},
+    "delay": {"autopilot": {"delay_ms": 40}},
+    "sample rate": {"autopilot": {"sample_rate_Hz": 30}},
+    "filters": {"autopilot": {"filter": [{"kind": "low-pass", "frequency_Hz": 5.0}]}},
+    "integral gain": {"autopilot": {"integral_gain_per_s": 0.05}},
+    "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}]},
+    "limit": {"nozzle": {"limit_deg": 0.5}},
+}
+
+
+def in_toml(tables):
+    """Return tables of plain values, and of lists of such tables, as TOML."""
+
+    def one(values):
+        return "{" + ", ".join(f"{k} = {value(v)}" for k, v in values.items()) + "}"
+
+    def value(found):
+        if isinstance(found, list) and found and isinstance(found[0], dict):
+            return f"[{', '.join(map(one, found))}]"
+        return json.dumps(found)
+
+    return "\n".join(
+        f"{k} = {one(v) if isinstance(v, dict) else value(v)}" for k, v in tables.items()
+    )
+
+
+def changed_by(base, change):
+    return base | {k: base.get(k, {}) | v if isinstance(v, dict) else v for k, v in change.items()}
+
+
+def test_every_part_of_a_study_is_computed_or_told(files):
+    folder = files.plain.parent
+
+    def found(tables):
+        (folder / "study-file.toml").write_text(in_toml(tables))
+        return CliRunner().invoke(app, ["study", str(folder / "study-file.toml"), "--json"])
+
+    base = found(STUDY)
+    assert base.exit_code in (0, 1), base.output
+    wrong = {}
+    for part in OPTIONS:
+        if part in IN_FILES:
+            result = found(changed_by(STUDY, IN_FILES[part]))
+            if result.exit_code == 2 or result.stdout == base.stdout:
+                wrong[part] = result.output[:300]
+    assert not wrong, wrong
+    bent = found(changed_by(STUDY, {"study": {"vehicle": "bent.toml"}}))
+    assert "".join(told("study", load_any_vehicle(str(files.bent)), "pitch")) in " ".join(
+        bent.stderr.split()
+    )
+
+
+def test_the_conventions_print_the_table():
+    assert table() in (PAGES / "conventions.md").read_text()
+
+
+def test_the_page_answers_what_the_study_does():
+    assert all(entry("report", part) == entry("study", part) for part in OPTIONS)
