@@ -347,6 +347,17 @@ def doors(folder: Path) -> dict[str, Door]:
                 "design": tv.AutopilotDesign(natural_frequency=1.0),
             },
         ),
+        "Case": Door(
+            tv.Case,
+            {
+                "vehicle": booster,
+                "model": "drift",
+                "plane": "yaw",
+                "wind": slanting,
+                "nozzle": tv.Nozzle(limit=0.01),
+                "design": tv.AutopilotDesign(),
+            },
+        ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
         "CampaignResults.answers": Door(results.answers, {"output": results.angles[0]}),
         "CampaignResults.column": Door(results.column, {"name": "thrust"}),

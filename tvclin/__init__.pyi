@@ -19,6 +19,7 @@ from .answers.campaign.plan import Campaign as Campaign
 from .answers.campaign.quick import DispersedStudy as DispersedStudy
 from .answers.campaign.quick import disperse_study as disperse_study
 from .answers.campaign.results import CampaignResults as CampaignResults
+from .answers.case import Case as Case
 from .answers.document import Document as Document
 from .answers.least_gains.front import GainsFront as GainsFront
 from .answers.least_gains.front import least_gains_front as least_gains_front

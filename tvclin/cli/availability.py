@@ -1,7 +1,7 @@
 """`tvclin availability`: on how many days of an archive the nozzle is enough."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,7 @@ from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.confidence import Part
+    from tvclin.answers.availability.growth import PairGrowth
     from tvclin.answers.availability.record import Availability, Today
 
 _MONTHS = "January February March April May June July August September October November December"
@@ -169,7 +170,7 @@ def availability(
         raise typer.Exit(1)
 
 
-def _persistence(degrees: float | None, hours: float | None) -> Any:
+def _persistence(degrees: float | None, hours: float | None) -> "float | PairGrowth | None":
     import numpy as np
 
     from tvclin.answers.availability.growth import PairGrowth

@@ -122,7 +122,10 @@ class Campaign(Case):
         different("outputs", self.outputs)
         for name in self.outputs:
             one_of("outputs", name, OUTPUTS)
-        one_of("law", self.law, LAWS)
+        if one_of("law", self.law, LAWS) != AUTOPILOT and "flight" not in self.outputs:
+            raise InputError(
+                'a law is flown by the output "flight"; add that, or leave out the law'
+            )
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
         _ = self.gains  # refuses a rule that cannot be

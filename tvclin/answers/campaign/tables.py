@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -136,8 +137,8 @@ def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
 
 def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
     """Return what the table [nozzle] says."""
-    table = NOZZLE_TABLE.one(document)
-    return of_record(Nozzle, table) if _recorded(document) else Nozzle.from_table(table)
+    read = partial(of_record, Nozzle) if _recorded(document) else Nozzle.from_table
+    return read(NOZZLE_TABLE.one(document))
 
 
 def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
@@ -159,14 +160,11 @@ def _beside(source: str, folder: Path) -> str | Path:
 
 def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
     """Return what the table [autopilot] asks for; None without it."""
-    table = document.get("autopilot")
-    if table is None:
+    if AUTOPILOT_TABLE.name not in document:
         return None
-    return (
-        of_record(AutopilotDesign, table)
-        if _recorded(document)
-        else AutopilotDesign.from_table(table)
-    )
+    own = AutopilotDesign
+    read = partial(of_record, own) if _recorded(document) else own.from_table
+    return read(AUTOPILOT_TABLE.one(document))
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:

@@ -7,6 +7,7 @@ from typing import Any
 
 from tvclin.answers.campaign.file import parse_campaign
 from tvclin.answers.campaign.tables import (
+    design_of,
     dispersions_of,
     nozzle_of,
     question_of,
@@ -17,7 +18,6 @@ from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import one_of
-from tvclin.control.autopilot.rules import AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import gust_of, winds_of
 
@@ -45,9 +45,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         availability=availability_of(document, folder),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
         nozzle=nozzle_of(document),
-        design=AutopilotDesign.from_table(document["autopilot"])
-        if "autopilot" in document
-        else None,
+        design=design_of(document),
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,
         document=Document.from_table(document["document"]) if "document" in document else None,
         **question,

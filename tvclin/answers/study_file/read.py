@@ -41,7 +41,7 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
     --------
     >>> import tvclin as tv
     >>> plan = tv.load_study("configuration-i")
-    >>> plan.wind.shape, plan.limit
+    >>> plan.wind.shape, plan.nozzle.limit
     ('triangular', None)
     """
     text, name = vehicle_text(source)
