@@ -2,8 +2,10 @@
 
 import platform
 import re
+import tomllib
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version
+from importlib.resources import files
 
 import numpy as np
 
@@ -24,18 +26,8 @@ from tvclin.show.report.blocks import (
     checks,
     labelled,
 )
-from tvclin.show.reproduce.claims import equations as every_equation
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
-_ALWAYS = {
-    "(B2c)": "moments about the centre of gravity",
-    "(B4)": "beta and B from the vehicle",
-    "(4b)": "the condition of survival, at each unstable pole",
-    "(8)": "the boundary limit, over trim",
-    "(11)": "when the dead band is left",
-    "(6b)": "the minimum, held from the start, on one pole",
-    "(C4)": "the minimum, full deflection to one side or the other, on two poles",
-}
 _BY_SHAPE = {
     ("rectangular", False): "(7)",
     ("rectangular", True): "(16)",
@@ -83,7 +75,8 @@ def _left_out(found: Findings) -> str:
 def equations(found: Findings) -> Section:
     """Return the equations that were used, by their numbers in the report of 1968."""
     s = found.study
-    used = dict(_ALWAYS)
+    known = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
+    used = {key: one["use"] for key, one in known.items() if "use" in one}
     for name in s.boundaries:
         drifts = name != "fixed-path"
         used["(B8)" if drifts else "(5)"] = f"the {name} model"
@@ -92,9 +85,9 @@ def equations(found: Findings) -> Section:
         if drifts:
             used["(15b)"] = "K1"
     rows: list[tuple[Line, ...]] = [
-        ((one["id"],), (Formula(one["tex"], _as_it_should_read(one)),), (used[one["id"]],))
-        for one in every_equation()
-        if one["id"] in used
+        ((key,), (Formula(one["tex"], one["text"]),), (used[key],))
+        for key, one in known.items()
+        if key in used
     ]
     words = (
         "Numbers are those of Borsody and Teren (NASA Lewis Research Center, 1968), with the errors"
@@ -169,8 +162,3 @@ def _one_pole(found: Findings) -> Check:
         return Check("doubt", (begin, *tau, ", longer than the ", *upto, end))
     begin = "The slow motion of the flight path may be neglected: the wind lasts "
     return Check("ok", (begin, *tau, ", not longer than ", *upto, "."))
-
-
-def _as_it_should_read(equation: dict[str, str]) -> str:
-    corrected = equation["corrected"]
-    return equation["printed"] if corrected.startswith("agrees") else corrected
