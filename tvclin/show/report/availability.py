@@ -7,14 +7,13 @@ import numpy as np
 from tvclin.answers.availability.confidence import Part
 from tvclin.answers.availability.record import Availability
 from tvclin.answers.findings import Findings
-from tvclin.base.lines import Line, degrees, number
+from tvclin.base.lines import Line, Table, degrees, number
 from tvclin.plots import availability_chart
 from tvclin.show.report.blocks import (
     Block,
     Figure,
     Paragraph,
     Section,
-    Table,
     checks,
     section_of,
 )

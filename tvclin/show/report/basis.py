@@ -13,7 +13,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.glossary import SYMBOLS, TERMS
 from tvclin.answers.study import outlasts_one_pole
 from tvclin.answers.study_notes import OUTLASTS
-from tvclin.base.lines import Formula, Line, significant, text
+from tvclin.base.lines import Formula, Line, Table, labelled, significant, text
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import (
     Check,
@@ -21,10 +21,8 @@ from tvclin.show.report.blocks import (
     Figure,
     Paragraph,
     Section,
-    Table,
     as_sentence,
     checks,
-    labelled,
 )
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
