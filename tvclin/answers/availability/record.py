@@ -26,6 +26,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.files import write_rows
+from tvclin.base.lines import degrees, text
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 
@@ -160,7 +161,7 @@ class Availability:
         """
         asked = number("part", part, between(0.0, 1.0))
         every = np.ones(len(self.soundings), dtype=bool)
-        ends = [self._rows(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
+        ends = [self.each(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
         return self._plain(
             [
                 True if low.lower >= asked else False if high.upper < asked else None
@@ -234,12 +235,12 @@ class Availability:
         """
         names = ["time_utc", "azimuth_deg", "need_deg", "least_deg", "most_deg", "flies", "why"]
         rows: list[list[str]] = [names]
-        degrees = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
+        angles = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
         flies = np.atleast_2d(self.flies)
         for a, azimuth in enumerate(np.degrees(np.atleast_1d(self.azimuth)).tolist()):
             for i, (time, why) in enumerate(zip(self.soundings.times, self.why, strict=True)):
                 said = "" if np.isnan(flies[a, i]) else str(int(flies[a, i]))
-                cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in degrees)
+                cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in angles)
                 rows.append([str(time), f"{azimuth:.10g}", *cells, said, why])
         return write_rows(rows, path)
 
@@ -281,7 +282,7 @@ class Availability:
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         names = [f"{100 * part:g} %" for part in PLACARD]
-        months = {str(month): self._rows(each) for month, each in self.by_month().items()}
+        months = {str(month): self.each(each) for month, each in self.by_month().items()}
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).round(12)
         placards = np.degrees(np.atleast_2d(self.placard()))
         towards = [
@@ -292,7 +293,7 @@ class Availability:
                 "placard_deg": dict(zip(names, placards[a], strict=True)),
                 "persistence_deg": np.degrees(self.persistence[a]),
             }
-            for a, part in enumerate(self._rows(self.part()))
+            for a, part in enumerate(self.each(self.part()))
         ]
         head = "vehicle=judge.flight.vehicle.name station=soundings.station model plane limit_deg"
         return {
@@ -303,18 +304,26 @@ class Availability:
         }
 
     def _repr_html_(self) -> str:
-        parts = self._rows(self.part())
-        rows: list[tuple[str, Any, str]] = [("limit", np.degrees(self.limit), "deg")]
+        parts = self.each(self.part())
+        rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
         rows += [
             (f"towards {azimuth:.4g} deg", str(part), "")
             for azimuth, part in zip(azimuths, parts, strict=True)
         ]
         rows += [
-            (f"enough for {100 * p:g} %", np.degrees(self.placard([p])), "deg")
+            (
+                f"enough for {100 * p:g} %",
+                ", ".join(text(degrees("", limit)) for limit in self.placard([p]).ravel()),
+                "deg",
+            )
             for p in (0.5, 0.9, 0.95, 0.99)
         ]
         return card("Launch availability", rows + [("note", note, "") for note in self.notes])
+
+    def each(self, value: Any) -> tuple[Any, ...]:
+        """Return what a method gives for each azimuth, also where there is one alone."""
+        return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
         with np.errstate(invalid="ignore"):
@@ -334,9 +343,6 @@ class Availability:
                 for flies, need in rows
             ]
         )
-
-    def _rows(self, value: Any) -> tuple[Any, ...]:
-        return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _plain(self, values: list[Any]) -> Any:
         return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)
