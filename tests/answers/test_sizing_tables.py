@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 from tvclin.answers.findings import find
 from tvclin.answers.sizing import tables
+from tvclin.answers.sizing.total import total_table
 from tvclin.answers.study_file.read import load_study
 from tvclin.base.lines import Number, Table
 from tvclin.cli.app import app
@@ -71,7 +72,7 @@ def test_the_card_of_a_notebook_has_the_digits_of_the_tables(answers):
     tallest = tables.by_wind(sizing, "K = 1").rows[0]
     for number in texts(tallest):
         assert f"<td>{number}</td>" in sizing._repr_html_()
-    for number in texts(line for row in total.table().rows for line in row):
+    for number in texts(line for row in total_table(total).rows for line in row):
         assert number in total._repr_html_()
 
 

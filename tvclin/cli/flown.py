@@ -52,13 +52,14 @@ def print_flown(found: "FlownMargins", case: "Case", sample_rate: float | None) 
     import numpy as np
 
     from tvclin.cli.output import print_tables
+    from tvclin.flights.closed_loop.flown_record import flown_table
 
     wind = case.history
     title = (
         f"In this {case.shape} wind of {wind.end - wind.onset:g} s, with a stop at"
         f" {np.degrees(case.limit or 0.0):g} deg, {sample_rate or _RATE:g} Hz"
     )
-    print_tables(found.table(title))
+    print_tables(flown_table(found, title))
     say(
         f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
         " autopilot."

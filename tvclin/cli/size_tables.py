@@ -18,6 +18,7 @@ def print_sizing(
 ) -> None:
     """Print the required deflections, the total and all notes; some come from elsewhere."""
     from tvclin.answers.sizing import tables
+    from tvclin.answers.sizing.total import total_table
     from tvclin.base.lines import text
 
     name = found.schedule.vehicle.name or source
@@ -31,7 +32,7 @@ def print_sizing(
     if 1 < len(found.winds) <= _COLUMNS:
         print_tables(tables.each_wind(found, counted))
     say(f"{tables.legend(found)}\n")
-    print_tables(total.table(counted))
+    print_tables(total_table(total, counted))
     for line in total.verdict:
         say(text(line))
     for note in (*found.notes, *said):

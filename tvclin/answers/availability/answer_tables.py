@@ -17,7 +17,8 @@ def by_month(a: Availability) -> Table:
     """Return how many soundings of each month fly, towards each azimuth."""
     rows = []
     for month, parts in a.by_month().items():
-        for towards, part in zip(_towards(a), a.each(parts), strict=True):
+        each = parts if isinstance(parts, tuple) else (parts,)
+        for towards, part in zip(_towards(a), each, strict=True):
             key = f"availability.month.{month}{towards}"
             counts = {"flown": part.flown, "judged": part.judged, "unknown": part.unknown}
             shares = {"part": part.part, "lower": part.lower, "upper": part.upper}

@@ -161,7 +161,7 @@ class Availability:
         """
         asked = number("part", part, between(0.0, 1.0))
         every = np.ones(len(self.soundings), dtype=bool)
-        ends = [self.each(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
+        ends = [self._rows(self._for_each(self.limit, every, unknown)) for unknown in (0.0, 1.0)]
         return self._plain(
             [
                 True if low.lower >= asked else False if high.upper < asked else None
@@ -282,7 +282,7 @@ class Availability:
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         names = [f"{100 * part:g} %" for part in PLACARD]
-        months = {str(month): self.each(each) for month, each in self.by_month().items()}
+        months = {str(month): self._rows(each) for month, each in self.by_month().items()}
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).round(12)
         placards = np.degrees(np.atleast_2d(self.placard()))
         towards = [
@@ -293,7 +293,7 @@ class Availability:
                 "placard_deg": dict(zip(names, placards[a], strict=True)),
                 "persistence_deg": np.degrees(self.persistence[a]),
             }
-            for a, part in enumerate(self.each(self.part()))
+            for a, part in enumerate(self._rows(self.part()))
         ]
         head = "vehicle=judge.flight.vehicle.name station=soundings.station model plane limit_deg"
         return {
@@ -304,7 +304,7 @@ class Availability:
         }
 
     def _repr_html_(self) -> str:
-        parts = self.each(self.part())
+        parts = self._rows(self.part())
         rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
         rows += [
@@ -321,8 +321,7 @@ class Availability:
         ]
         return card("Launch availability", rows + [("note", note, "") for note in self.notes])
 
-    def each(self, value: Any) -> tuple[Any, ...]:
-        """Return what a method gives for each azimuth, also where there is one alone."""
+    def _rows(self, value: Any) -> tuple[Any, ...]:
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:

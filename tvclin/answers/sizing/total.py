@@ -103,30 +103,7 @@ class DeflectionTotal:
     as_dict = keyed("time_s lines total_deg reserve required_deg")
 
     def _repr_html_(self) -> str:
-        return table(self.table(), self.verdict)
-
-    def table(self, counted: str = "") -> Table:
-        """Return what takes deflection and the total, as a table; `counted` says what of a wind."""
-        wind = f"wind, {counted}" if counted else "wind"
-        rows: list[tuple[tuple[Inline, ...], ...]] = [
-            (
-                (wind if one.name == "wind" else one.name,),
-                (one.kind,),
-                degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
-            )
-            for one in self.lines
-            if one.deflection
-        ]
-        sums = "sum and root of sum of squares"
-        rows.append((("total",), (sums,), degrees("total.total", self.total)))
-        if self.reserve:
-            kept = significant("total.reserve_percent", 100 * self.reserve, unit="%")
-            needed = degrees("total.required", self.required)
-            rows.append((("limit that keeps ", *kept, " in reserve"), ("",), needed))
-        known = " of those that are known" if self.not_sized else ""
-        at = "" if self.time is None else f" at the worst flight time{known}, {self.time:g} s"
-        head = ("what", "how it adds up", "[deg]")
-        return Table(f"All that takes deflection{at}", head, tuple(rows))
+        return table(total_table(self), self.verdict)
 
     @property
     def verdict(self) -> tuple[tuple[Inline, ...], ...]:
@@ -185,6 +162,30 @@ class DeflectionTotal:
     def left(self) -> float | None:
         """What of the limit total and reserve leave [rad]; negative if it is too little."""
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
+
+
+def total_table(total: DeflectionTotal, counted: str = "") -> Table:
+    """Return what takes deflection and the total, as a table; `counted` says what of a wind."""
+    wind = f"wind, {counted}" if counted else "wind"
+    rows: list[tuple[tuple[Inline, ...], ...]] = [
+        (
+            (wind if one.name == "wind" else one.name,),
+            (one.kind,),
+            degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
+        )
+        for one in total.lines
+        if one.deflection
+    ]
+    sums = "sum and root of sum of squares"
+    rows.append((("total",), (sums,), degrees("total.total", total.total)))
+    if total.reserve:
+        kept = significant("total.reserve_percent", 100 * total.reserve, unit="%")
+        needed = degrees("total.required", total.required)
+        rows.append((("limit that keeps ", *kept, " in reserve"), ("",), needed))
+    known = " of those that are known" if total.not_sized else ""
+    at = "" if total.time is None else f" at the worst flight time{known}, {total.time:g} s"
+    head = ("what", "how it adds up", "[deg]")
+    return Table(f"All that takes deflection{at}", head, tuple(rows))
 
 
 def total_deflection(

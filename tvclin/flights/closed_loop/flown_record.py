@@ -138,21 +138,22 @@ class FlownMargins:
                 found.append(f"{words} {one.value:.4g}: some larger changes survive again")
         return tuple(found)
 
-    def table(self, caption: str = "Flown margins") -> Table:
-        """Return how far each quantity may change, what fails then, and what near rest allows."""
-        rows: list[tuple[Line, ...]] = []
-        for name in CHANGES:
-            one: FlownMargin = getattr(self, name)
-            flown, near_rest = (
-                _change(f"flown.{name}.{key}", value, name == "delay")
-                for key, value in (("value", one.value), ("near_rest", one.near_rest))
-            )
-            rows.append(((_CHANGES[name],), flown, (_CAUSES.get(one.cause, one.cause),), near_rest))
-        return Table(caption, ("change", "margin", "failure", "near rest"), tuple(rows))
-
     def _repr_html_(self) -> str:
         spare = number("spare", self.spare, 2)
-        return table(self.table(), [("limit over boundary: ", *spare), (self.status,)])
+        return table(flown_table(self), [("limit over boundary: ", *spare), (self.status,)])
+
+
+def flown_table(found: FlownMargins, caption: str = "Flown margins") -> Table:
+    """Return how far each quantity may change, what fails then, and what near rest allows."""
+    rows: list[tuple[Line, ...]] = []
+    for name in CHANGES:
+        one: FlownMargin = getattr(found, name)
+        flown, near_rest = (
+            _change(f"flown.{name}.{key}", value, name == "delay")
+            for key, value in (("value", one.value), ("near_rest", one.near_rest))
+        )
+        rows.append(((_CHANGES[name],), flown, (_CAUSES.get(one.cause, one.cause),), near_rest))
+    return Table(caption, ("change", "margin", "failure", "near rest"), tuple(rows))
 
 
 def _change(name: str, value: float, is_delay: bool) -> Line:

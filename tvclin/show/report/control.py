@@ -13,6 +13,7 @@ from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins
 from tvclin.control.margins.tables import margin_table
 from tvclin.flights.closed_loop.edges import OK
+from tvclin.flights.closed_loop.flown_record import flown_table
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import (
@@ -143,7 +144,7 @@ def _flown(found: Findings) -> list[Block]:
         " times the least with which this autopilot survives.",
     )
     return [
-        f.table("Margins that the limit leaves in this wind"),
+        flown_table(f, "Margins that the limit leaves in this wind"),
         Paragraph(words),
         *checks(f.notes),
     ]

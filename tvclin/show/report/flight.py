@@ -3,6 +3,7 @@
 from tvclin.answers.findings import Findings
 from tvclin.answers.sizing import tables
 from tvclin.answers.sizing.record import STEADY, Sizing
+from tvclin.answers.sizing.total import total_table
 from tvclin.plots import sizing_chart
 from tvclin.show.report.blocks import (
     Block,
@@ -40,7 +41,7 @@ def _blocks(found: Findings) -> list[Block]:
         blocks += tables.over_time(sizing, asked.counted, j)
     notes = checks((*asked.warnings, *sizing.notes), asked.notes)
     verdict = [Paragraph(line) for line in total.verdict]
-    return [*blocks, total.table(asked.counted), *verdict, *notes]
+    return [*blocks, total_table(total, asked.counted), *verdict, *notes]
 
 
 def _words(s: Sizing, of: str) -> str:
