@@ -19,7 +19,7 @@ vehicle = "configuration-i"
 [[wind]]
 peak_deg = 5
 duration_s = 7.5
-[question]
+[nozzle]
 limit_deg = 0.5
 [size]
 start_s = 60

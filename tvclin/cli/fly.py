@@ -9,7 +9,7 @@ from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.fly_shown import Shown
 from tvclin.cli.fly_winds import Window, Winds, WindsTime, sounding_wind
 from tvclin.cli.gains import GainOptions, LoopOptions, given
-from tvclin.cli.inputs import limit_of, note_structure, only_with, vehicle_of
+from tvclin.cli.inputs import note_structure, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
@@ -26,8 +26,6 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.pulse import PulseOptions
 
 _LONGEST = 20.0
-_RATE = 100.0
-"""Samples of a law [Hz] where nothing is asked."""
 
 
 @grouped
@@ -141,15 +139,14 @@ def fly(
         vehicle=loaded,
         plane=plane,
         wind=gust,
-        limit=limit_of(limit_deg),
-        gains=gains.asked(loop),
+        nozzle=loop.nozzle(limit_deg, rate_limit_deg),
+        design=gains.asked(loop, sample_rate),
     )
     flying = wind, chosen, dead_band
     if linear:
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
-        steps = _RATE if sample_rate is None else sample_rate, rate_limit_deg
         with waiting("flying"):
-            found = fly_linear(LinearCase(case, *flying, *steps), boundary, np.linspace(0.0, *span))
+            found = fly_linear(LinearCase(case, *flying), boundary, np.linspace(0.0, *span))
     else:
         only_with(
             "--engine linear",

@@ -49,15 +49,15 @@ def held(case: "Case", dead_band: float, capability: float | None, length: float
     from tvclin.base.errors import InputError, within
     from tvclin.linear.deflections import trim_then_hold
 
-    if capability is not None and case.limit is not None:
+    if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
     history, plant = case.history, case.plant.rigid
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
     _check_length(plant, length)
     needed = required_deflection(plant, history, K)
     required = abs(float(needed.deflection))
-    if case.limit is not None:
-        limit = case.limit
+    if case.nozzle.limit is not None:
+        limit = case.nozzle.limit
     else:
         limit = required * float(
             within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)

@@ -68,8 +68,7 @@ class LeastOptions:
         assert isinstance(wind, ShapedWind)
         winds = [replace(wind, duration=part * wind.duration).history({}) for part in _DURATIONS]
         return least_asked(
-            replace(asked, design=LEAST_NOZZLE, crossover=self.crossover),
-            case.plant,
+            replace(case, design=replace(asked, design=LEAST_NOZZLE, crossover=self.crossover)),
             winds,
             criteria,
             gains=("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate"),

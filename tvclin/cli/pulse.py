@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tvclin.cli.inputs import limit_of, peak_angle
+from tvclin.cli.inputs import peak_angle
 from tvclin.cli.options import Duration, PeakDeg, PeakSpeed, Wind
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
-    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.answers.nozzle import Nozzle
+    from tvclin.control.autopilot.rules import AutopilotDesign
     from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.shaped import ShapedWind
 
@@ -40,17 +41,18 @@ class PulseOptions:
         vehicle: "AnyVehicle",
         model: str | None,
         plane: str,
-        gains: "GainsAsked | None" = None,
-        limit_deg: float | None = None,
+        nozzle: "Nozzle | None" = None,
+        design: "AutopilotDesign | None" = None,
     ) -> "Case":
-        """Return the case of a vehicle in the wind, with a limit and an autopilot if given."""
+        """Return the case of a vehicle in the wind, with a nozzle and an autopilot if given."""
         from tvclin.answers.case import Case
+        from tvclin.answers.nozzle import Nozzle
 
         return Case(
             vehicle=vehicle,
             model=model or "",
             plane=plane,
             wind=self.blowing(vehicle, plane),
-            limit=limit_of(limit_deg),
-            gains=gains,
+            nozzle=nozzle or Nozzle(),
+            design=design,
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import rigid_vehicle_of
+from tvclin.cli.inputs import limit_of, rigid_vehicle_of
 from tvclin.cli.options import (
     AsJson,
     Csv,
@@ -59,6 +59,7 @@ def respond(
 
     Exit code 0: answered; 2: bad input.
     """
+    from tvclin.answers.nozzle import Nozzle
     from tvclin.base.errors import positive, within
     from tvclin.cli.output import print_json
     from tvclin.linear.extremes import extremes, shown_until
@@ -69,7 +70,7 @@ def respond(
     within("--until", until, 1e-3, _LONGEST)
     length = until * float(positive("--duration", blows.duration, "s"))
     within("--points", points, 2, 1_000_000)
-    asked = blows.case(loaded, model, plane, limit_deg=limit_deg)
+    asked = blows.case(loaded, model, plane, Nozzle(limit=limit_of(limit_deg)))
     case = held(asked, dead_band, capability, max(length, blows.duration))
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
