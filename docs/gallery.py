@@ -37,7 +37,7 @@ class Figure:
 
 def of_the_report() -> list[Figure]:
     """Return the figures that `tvclin reproduce` writes."""
-    from tvclin.show.reproduce.figures import FIGURES
+    from tvclin.show.reproduce import FIGURES
 
     return [
         Figure(name, "", draw, f"tv.plots.{getattr(draw, '__name__', name)}()")

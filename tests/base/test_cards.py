@@ -54,11 +54,9 @@ def test_margins_are_shown_in_the_units_they_name():
     margins = tv.canonical_gains(PLANT.coefficients).margins(PLANT)
     shown = cells(margins)
 
-    assert float(shown["phase margin"][0]) == pytest.approx(
-        np.degrees(margins.phase_margin), rel=1e-5
-    )
-    assert float(shown["aero margin (gain may fall)"][0]) == pytest.approx(
-        20 * np.log10(margins.aero_margin), rel=1e-5
+    assert float(shown["phase"][0]) == pytest.approx(np.degrees(margins.phase_margin), abs=5e-3)
+    assert float(shown["aero: gain may fall"][0]) == pytest.approx(
+        20 * np.log10(margins.aero_margin), abs=5e-3
     )
 
 
@@ -152,10 +150,10 @@ def test_a_sizing_shows_its_worst_and_a_total_its_lines_in_degrees():
 
     assert set(sized.worst) <= set(rows)
     need, time, wind = rows["K = 1"]
-    assert float(need) == pytest.approx(np.degrees(sized.worst["K = 1"].deflection), rel=1e-5)
+    assert float(need) == pytest.approx(np.degrees(sized.worst["K = 1"].deflection), abs=5e-4)
     assert (time, wind) == (f"{sized.worst['K = 1'].time:g}", "gust")
-    assert float(lines["total"]) == pytest.approx(np.degrees(total.total), rel=1e-5)
-    assert float(lines["limit"]) == pytest.approx(np.degrees(0.1), rel=1e-5)
+    assert float(lines["total"]) == pytest.approx(np.degrees(total.total), abs=5e-4)
+    assert "<p>Limit 5.730 deg: SUFFICIENT, " in total._repr_html_()
 
 
 def test_trials_are_one_table_of_laws_and_winds():
@@ -165,8 +163,8 @@ def test_trials_are_one_table_of_laws_and_winds():
 
     assert heads[:2] == ["law", "wind"]
     assert row[:2] == ["<trim>", "gust"]
-    assert float(row[2]) == pytest.approx(trials[0].limit, rel=1e-5)
-    assert cells(trials[0])["limit"] == (row[2], "-")
+    assert float(row[2]) == pytest.approx(trials[0].limit, abs=5e-4)
+    assert float(cells(trials[0])["limit"][0]) == pytest.approx(trials[0].limit, rel=1e-5)
 
 
 def test_residues_of_modes_that_oscillate_are_shown_in_degrees():

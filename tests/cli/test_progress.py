@@ -13,7 +13,7 @@ from tvclin.answers.findings import find
 from tvclin.base.files import tables_of
 from tvclin.cli import progress
 from tvclin.cli.app import app
-from tvclin.show.reproduce import figures
+from tvclin.show import reproduce
 
 
 def test_a_pipe_gets_a_line_now_and_then(
@@ -64,9 +64,10 @@ def test_a_page_tells_of_each_part() -> None:
 
 
 def test_the_report_tells_of_each_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(figures, "WRITERS", (lambda folder: [folder / "a"],) * 3)
+    drawn = reproduce.FIGURES["sketch-a"]
+    monkeypatch.setattr(reproduce, "FIGURES", dict.fromkeys("abc", drawn))
     told: list[tuple[float, float]] = []
-    figures.reproduce(tmp_path, lambda done, total: told.append((done, total)))
+    reproduce.reproduce(tmp_path, lambda done, total: told.append((done, total)))
 
     assert told == [(1, 3), (2, 3), (3, 3)]
 

@@ -15,7 +15,7 @@ from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.linear.closed_responses import triangular_attitude, triangular_attitude_with_drift
 from tvclin.plots.curves import Column, Curves, curves_of
 from tvclin.plots.style import Look, draw
-from tvclin.show.reproduce.figures import FIGURES
+from tvclin.show.reproduce import FIGURES
 
 mpl.use("Agg")
 pytestmark = pytest.mark.usefixtures("no_flights")
@@ -290,7 +290,7 @@ def test_sketch_c_solves_equation_c6():
 
 def test_importing_the_figures_loads_neither_control_nor_matplotlib():
     code = (
-        "import sys, tvclin.plots, tvclin.show.reproduce.figures;"
+        "import sys, tvclin.plots, tvclin.show.reproduce;"
         "print([m for m in ('control', 'matplotlib', 'scipy') if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

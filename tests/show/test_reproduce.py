@@ -11,7 +11,7 @@ import tvclin as tv
 from tvclin.base import files
 from tvclin.cli.app import app
 from tvclin.plots import flown as flown_room
-from tvclin.show.reproduce import figures, ledger
+from tvclin.show import reproduce
 
 mpl.use("Agg")
 pytestmark = pytest.mark.usefixtures("no_flights")
@@ -30,9 +30,7 @@ def run(*arguments):
 def everything(tmp_path_factory, no_flights):
     plt.close("all")  # what other tests have drawn
     output = tmp_path_factory.mktemp("out") / "made" / "here"
-    with pytest.MonkeyPatch.context() as patch:  # the page itself belongs to test_ledger
-        patch.setattr(ledger, "ledger", lambda: "The ledger.\n" * 100)
-        return output, run("--output", output)
+    return output, run("--output", output)
 
 
 def test_all_files_are_written_and_told(everything):
@@ -66,7 +64,7 @@ def test_each_csv_names_its_figure_and_its_parameters(everything):
 
 def test_each_csv_holds_what_the_figure_draws(everything):
     output, _ = everything
-    plot = figures.FIGURES["figure-7"]()
+    plot = reproduce.FIGURES["figure-7"]()
 
     assert plot.curves.csv() == (output / "figure-7.csv").read_text(encoding="utf-8")
     plt.close(plot.figure)
@@ -74,7 +72,7 @@ def test_each_csv_holds_what_the_figure_draws(everything):
 
 @pytest.mark.parametrize("there", [True, False])
 def test_what_flies_is_said_where_jsbsim_is_missing(tmp_path, monkeypatch, there):
-    monkeypatch.setattr(figures, "WRITERS", ())
+    monkeypatch.setattr(reproduce, "FIGURES", {})
     monkeypatch.setattr(flown_room, "find_spec", lambda name: object() if there else None)
     result = run("--output", tmp_path)
 
@@ -87,19 +85,19 @@ def test_no_figure_stays_open(everything):
     assert not plt.get_fignums()
 
 
-def test_every_part_is_written_in_turn_and_again_over_itself(tmp_path, monkeypatch):
-    def part(name):
-        def write(output):
-            files.write_text(output / name, name)
-            return [output / name]
-
-        return write
-
-    monkeypatch.setattr(figures, "WRITERS", (part("one"), part("two")))
+def test_every_figure_is_written_in_turn_and_again_over_itself(tmp_path, monkeypatch):
+    two = {name: reproduce.FIGURES[name] for name in ("sketch-a", "sketch-b")}
+    monkeypatch.setattr(reproduce, "FIGURES", two)
+    expected = [tmp_path / f"{name}.{kind}" for name in two for kind in ("png", "csv")]
 
     for _ in range(2):
-        assert figures.reproduce(tmp_path) == [tmp_path / "one", tmp_path / "two"]
-    assert (tmp_path / "two").read_text() == "two"
+        assert reproduce.reproduce(tmp_path) == expected
+        assert (tmp_path / "sketch-b.csv").read_text().startswith("# sketch-b")
+
+
+def test_the_command_says_where_figures_differ_from_the_print(everything):
+    for figure, words in reproduce.DIFFERENCES.items():
+        assert f"{figure}: {words}" in everything[1].output
 
 
 @pytest.mark.parametrize("place", ["file", "file/below", "nul\0"])
@@ -107,7 +105,7 @@ def test_a_place_that_cannot_be_a_directory_is_one_sentence(tmp_path, place):
     (tmp_path / "file").write_text("mine")
 
     with pytest.raises(tv.InputError):
-        figures.reproduce(tmp_path / place)
+        reproduce.reproduce(tmp_path / place)
     assert (tmp_path / "file").read_text() == "mine"
 
 
@@ -128,7 +126,7 @@ def test_an_unwritable_place_is_one_sentence(tmp_path, monkeypatch):
 
     monkeypatch.setattr(files.tempfile, "mkstemp", refuse)
     with pytest.raises(tv.InputError, match="cannot be written: Permission denied"):
-        figures.reproduce(tmp_path)
+        reproduce.reproduce(tmp_path)
 
     plt.close("all")
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.base import lines
 from tvclin.base.cards import shows, table
 from tvclin.base.errors import (
     callable_for,
@@ -132,12 +133,20 @@ class LawTrials(tuple[LawTrial, ...]):
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        columns = ("law", "wind", "limit, of full trim", "angle of attack", "attitude", "status")
-        rows = [
-            (t.law, t.wind, t.limit, t.peak_angle_of_attack, t.peak_attitude, t.status)
+        head = ("law", "wind", "limit, of full trim", "angle of attack", "attitude", "status")
+        rows = tuple(
+            (
+                (t.law,),
+                (t.wind,),
+                lines.number("limit", t.limit),
+                lines.number("angle of attack", t.peak_angle_of_attack, 2),
+                lines.number("attitude", t.peak_attitude, 2),
+                (t.status,),
+            )
             for t in self
-        ]
-        return table("What each law needs; angles over the peak of the wind", columns, rows)
+        )
+        caption = "What each law needs; angles over the peak of the wind"
+        return table(lines.Table(caption, head, rows))
 
 
 def standard_winds(peak: float, duration: float) -> dict[str, History]:

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tvclin.base.lines import Line, Table, text
+
 _FEW = 6
 """An array of so many numbers at most is shown in full, a longer one by its range."""
 
@@ -79,24 +81,16 @@ def _of(record: Any, name: str) -> Any:
     return None if record is None else getattr(record, name)
 
 
-def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    """Return a table in HTML with a heading for each column, all texts escaped.
-
-    Parameters
-    ----------
-    title : str
-        Stands above the table.
-    columns : iterable of str
-        The headings, with units.
-    rows : iterable of iterables
-        The values of each line, shown as in `card`.
-    """
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in columns)
+def table(shown: Table, said: Iterable[Line] = ()) -> str:
+    """Return a table of an answer in HTML, and what is said below it, all texts escaped."""
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in shown.head)
     lines = "".join(
-        f"<tr>{''.join(f'<td>{escape(_shown(value))}</td>' for value in row)}</tr>" for row in rows
+        f"<tr>{''.join(f'<td>{escape(text(cell))}</td>' for cell in row)}</tr>"
+        for row in shown.rows
     )
-    caption = f'<caption style="text-align:left"><b>{escape(title)}</b></caption>'
-    return f"<table>{caption}<tr>{head}</tr>{lines}</table>"
+    caption = f'<caption style="text-align:left"><b>{escape(shown.caption)}</b></caption>'
+    words = "".join(f"<p>{escape(text(line))}</p>" for line in said)
+    return f"<table>{caption}<tr>{head}</tr>{lines}</table>{words}"
 
 
 def _shown(value: Any) -> str:

@@ -4,6 +4,7 @@ Angles and limits over trim have three digits behind the point wherever they sta
 built, and flights are searched, to about a thousandth.
 """
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,13 +45,48 @@ Line = tuple[Inline, ...]
 
 Row = tuple[str, Line]
 """What records yield for tables on a page and in a terminal: a label, and what is beside it."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of an answer, the same in a terminal, in a notebook and on a page.
+
+    Attributes
+    ----------
+    caption : str
+        Stands above the table.
+    head : tuple of str
+        The headings of the columns, with units.
+    rows : tuple of tuple of Line
+        The cells of each row, of which the first is its heading.
+    """
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[Line, ...], ...]
+    kind = "table"
+
+
 _UNLIMITED = "unlimited"
+_SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
+"""Letter and index of a symbol, such as beta, K1 or F_A."""
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(line: Line) -> str:
     """Return a line as it is shown."""
     return "".join(part if isinstance(part, str) else part.text for part in line)
+
+
+def labelled(label: str) -> Line:
+    """Return a label; its last word is a formula where that is a symbol, as in "thrust T"."""
+    words, space, last = label.rpartition(" ")
+    found = _SYMBOL.fullmatch(last)
+    if found is None:
+        return (label,)
+    letter, index = found[1], found[2] or found[3]
+    tex = f"\\{letter}" if len(letter) > 1 else letter
+    return (words + space, Formula(tex + (f"_{{{index}}}" if index else ""), last))
 
 
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:

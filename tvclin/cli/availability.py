@@ -11,11 +11,7 @@ from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
-    from tvclin.answers.availability.confidence import Part
-    from tvclin.answers.availability.growth import PairGrowth
     from tvclin.answers.availability.record import Availability, Today
-
-_MONTHS = "January February March April May June July August September October November December"
 
 
 def availability(
@@ -190,29 +186,17 @@ def _persistence(degrees: float | None, hours: float | None) -> "float | PairGro
 def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> None:
     import numpy as np
 
-    from tvclin.answers.availability.record import PLACARD
-    from tvclin.cli.output import print_table
+    from tvclin.answers.availability import answer_tables
+    from tvclin.cli.output import print_tables
 
     name = found.judge.flight.vehicle.name or source
     say(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
     azimuths = [f"{one:.4g}" for one in np.degrees(np.atleast_1d(found.azimuth)).tolist()]
-    say(f"Limit {np.degrees(found.limit):.4f} deg")
+    say(f"Limit {np.degrees(found.limit):.3f} deg")
     for azimuth, part in zip(azimuths, found.part(), strict=True):
         say(f"towards {azimuth} deg: {part}")
-    names = _MONTHS.split()
-    rows = [
-        [names[month - 1], azimuth, *_cells(part)]
-        for month, parts in found.by_month().items()
-        for azimuth, part in zip(azimuths, parts, strict=True)
-    ]
-    heads = ["month", "towards [deg]", "flown", "of", "unknown", "flown [%]", "from", "to"]
-    print_table("\nBy month", heads, rows)
-    parts = [
-        [azimuth, *(f"{one:.4f}" if np.isfinite(one) else "-" for one in np.degrees(row).tolist())]
-        for azimuth, row in zip(azimuths, found.placard(), strict=True)
-    ]
-    heads = ["towards [deg]", *(f"{100 * part:g} %" for part in PLACARD)]
-    print_table("The limit that is enough for so many [deg]", heads, parts)
+    typer.echo()
+    print_tables(answer_tables.by_month(found), answer_tables.placard(found))
     say(
         "A sounding that meets its limit more than once is flown only if that decides about"
         f" {np.degrees(found.limit):.4g} deg. Else least_deg and most_deg of the CSV bracket what"
@@ -225,19 +209,13 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
         say(f"Note: {note}.")
 
 
-def _cells(part: "Part") -> list[str]:
-    cells = [str(part.flown), str(part.judged), str(part.unknown)]
-    shares = (part.part, part.lower, part.upper)
-    return cells + [f"{100 * one:.1f}" if part.judged else "-" for one in shares]
-
-
 def _said(one: "Today") -> str:
     """What a balloon says, in words."""
     import numpy as np
 
     if one.go is None:
-        between = f", between {np.degrees(one.least):.4f} and {np.degrees(one.most):.4f} deg"
+        between = f", between {np.degrees(one.least):.3f} and {np.degrees(one.most):.3f} deg"
         return f"NOT KNOWN{f', {one.why}' if one.why else between}"
     need = np.degrees(one.most if one.go else one.least)
     beside = "" if np.isnan(one.part) else f", more than {100 * one.part:.0f} % of the archive"
-    return f"{'GO' if one.go else 'NO GO'}, it asks for {need:.4f} deg{beside}"
+    return f"{'GO' if one.go else 'NO GO'}, it asks for {need:.3f} deg{beside}"

@@ -1,6 +1,5 @@
 """What `tvclin margins --flown` adds: how much may change in this wind, with this stop."""
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -9,7 +8,7 @@ from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
-    from tvclin.flights.closed_loop.flown_record import FlownMargin, FlownMargins
+    from tvclin.flights.closed_loop.flown_record import FlownMargins
 
 Flown = Annotated[
     bool,
@@ -49,29 +48,18 @@ def print_flown(found: "FlownMargins", case: "Case") -> None:
     """Print the flown margins of a case as a table, with what is to be known about them."""
     import numpy as np
 
-    from tvclin.cli.output import print_table
-    from tvclin.flights.closed_loop.flown_record import CHANGES
+    from tvclin.cli.output import print_tables
+    from tvclin.flights.closed_loop.flown_record import flown_table
 
     wind = case.history
     title = (
         f"In this {case.shape} wind of {wind.end - wind.onset:g} s, with a stop at"
         f" {np.degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
     )
-    rows = [_row(name, getattr(found, name)) for name in CHANGES]
-    print_table(title, ["may change", "by", "then it", "near rest"], rows)
+    print_tables(flown_table(found, title))
     say(
         f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
         " autopilot."
     )
     for note in found.notes:
         say(f"Note: {note}")
-
-
-def _row(name: str, one: "FlownMargin") -> list[str]:
-    def shown(value: float) -> str:
-        if name == "delay":
-            return f"{1000.0 * value:.1f} ms"
-        return f"{replace(one, value=value).dB:.2f} dB ({value:.4g}x)"
-
-    cause = {"lost": "is lost"}.get(one.cause, one.cause)
-    return [name.replace("_", " "), shown(one.value), cause, shown(one.near_rest)]

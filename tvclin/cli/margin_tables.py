@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from tvclin.control.margins.record import Margins
     from tvclin.linear.flexible import AnyPlant
 
-_DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
-"""Behind the point, of a margin in each unit."""
 _BESIDE = 0.05
 """A pole of an approximate delay is that of the exact one if it is so near, over its size."""
 
@@ -62,8 +60,9 @@ class MarginsFound:
 
 def print_margins(title: str, found: MarginsFound) -> None:
     """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
-    from tvclin.cli.bands import judged_cells, parts_line, print_bands
-    from tvclin.cli.output import print_pairs, print_table, shown
+    from tvclin.cli.bands import parts_line, print_bands
+    from tvclin.cli.output import print_pairs, print_tables, shown
+    from tvclin.control.margins.tables import margin_table
 
     pairs, whole = shown(found.autopilot.rows()), found.whole
     if found.plant.structure is not None:
@@ -72,10 +71,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
         pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
     if whole.stable:
-        judged = {one.requirement.margin: one for one in found.judged if not one.band}
-        headings = ["margin", "value", "at [rad/s]", "asked", "by"]
-        rows = [[*row, *judged_cells(judged.get(name))] for name, row in _rows(whole)]
-        print_table("", headings, rows)
+        print_tables(margin_table(whole, found.judged))
         print_bounds(found.autopilot, found.plant)
     else:
         say(f"NO MARGINS: {whole.reason}")
@@ -118,22 +114,6 @@ def poles(autopilot: "Autopilot", plant: Any) -> str:
         every = every[(every.real > 0.0) | (apart <= _BESIDE * np.abs(every))]
     shown = [f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in every]
     return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
-
-
-def _rows(found: "Margins") -> list[tuple[str, list[str]]]:
-    beside = {
-        "aero_margin_dB": f" ({found.aero_margin:.3g}x)",
-        "gain_increase_dB": f" ({found.gain_increase:.3g}x)",
-    }
-    rows = []
-    for name, label, value, unit, at in found.rows():
-        shown = f"{value:.{_DIGITS[unit]}f} {unit}".strip() + beside.get(name, "")
-        when = f"{at:.4g}" if at >= 0.0 else "-"
-        rows.append((name, [label, shown, when]))
-        if name == "disk_margin":
-            both = f"{found.disk_margin_dB:.2f} dB, {found.disk_phase_deg:.1f} deg"
-            rows.append(("", ["  gain and phase", both, when]))
-    return rows
 
 
 def margins_document(found: MarginsFound) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import typer
 
 if TYPE_CHECKING:
     from tvclin.base.lines import Row
+    from tvclin.base.lines import Table as Answer
 
 
 _BESIDE = 3
@@ -59,6 +60,14 @@ def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str
     for row in rows:
         table.add_row(*map(Text, row))
     console.print(table)
+
+
+def print_tables(*tables: "Answer") -> None:
+    """Print tables of an answer."""
+    from tvclin.base.lines import text
+
+    for one in tables:
+        print_table(one.caption, one.head, [tuple(map(text, row)) for row in one.rows])
 
 
 def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) -> None:

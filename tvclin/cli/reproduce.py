@@ -1,4 +1,4 @@
-"""`tvclin reproduce`: the report's figures, their numbers, and the ledger, in a directory."""
+"""`tvclin reproduce`: the report's figures and their numbers, in a directory."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,16 +14,17 @@ def reproduce(
         Path, typer.Option(help="Directory for the files; made if it is missing.")
     ] = Path("reproduced"),
 ) -> None:
-    """Write the report's figures (PNG), their numbers (CSV), and the ledger (ledger.md).
+    """Write the report's figures (PNG) and their numbers (CSV); say where they differ from print.
 
     Figures 6 to 11 also show flights, so it takes a minute or two.
     """
     from tvclin.base.errors import install
     from tvclin.base.files import called
     from tvclin.plots.flown import chosen_engine
-    from tvclin.show.reproduce.figures import reproduce as write_everything
+    from tvclin.show.reproduce import DIFFERENCES
+    from tvclin.show.reproduce import reproduce as write_everything
 
-    with bar("figures, and the ledger") as progress:
+    with bar("figures") as progress:
         written = write_everything(output, progress)
     for path in written:
         typer.echo(called(path))
@@ -32,4 +33,6 @@ def reproduce(
             "Figures 6 to 11 show planar flights alone: those with six degrees of freedom need"
             f" JSBSim, {install('sixdof')}."
         )
-    say(f"Wrote {len(written)} files into {called(output)}.")
+    say(f"Wrote {len(written)} files into {called(output)}. Where they differ from the print:")
+    for figure, words in DIFFERENCES.items():
+        say(f"{figure}: {words}")

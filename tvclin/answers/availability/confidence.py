@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tvclin.base.cards import shows
 from tvclin.base.documents import keyed
+from tvclin.base.lines import Line, number, text
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -71,21 +72,34 @@ class Part:
             return float("nan"), float("nan")
         return self.flown / every, (self.flown + self.unknown) / every
 
+    @property
+    def line(self) -> Line:
+        """The part in one sentence."""
+        unknown = (*number("availability.unknown", self.unknown, 0), " unknown")
+        if not self.judged:
+            return ("none judged, ", *unknown)
+        share = {"part": self.part, "lower": self.lower, "upper": self.upper}
+        share |= dict(zip(("least", "most"), self.bounds, strict=True))
+        of = {k: number(f"availability.{k}_percent", 100.0 * x, 1) for k, x in share.items()}
+        apart: Line = (" (", *of["least"], " to ", *of["most"], " % whatever they were)")
+        return (
+            *number("availability.flown", self.flown, 0),
+            " of ",
+            *number("availability.judged", self.judged, 0),
+            " flown",
+            *((", ", *unknown) if self.unknown else ()),
+            ": ",
+            *(*of["part"], " %"),
+            *(apart if self.unknown else ()),
+            f"; {100 * self.confidence:g} % interval ",
+            *(*of["lower"], " to ", *of["upper"], " %, as of "),
+            *number("availability.effective", self.effective, 0),
+            " independent ones",
+        )
+
     def __str__(self) -> str:
         """In one sentence."""
-        if not self.judged:
-            return f"none judged, {self.unknown} unknown"
-        said = f"{self.flown} of {self.judged} flown"
-        if self.unknown:
-            low, high = (100 * one for one in self.bounds)
-            said += f", {self.unknown} unknown: {100 * self.part:.1f} %"
-            said += f" ({low:.1f} to {high:.1f} % whatever they were)"
-        else:
-            said += f": {100 * self.part:.1f} %"
-        return (
-            f"{said}; {100 * self.confidence:g} % interval {100 * self.lower:.1f} to"
-            f" {100 * self.upper:.1f} %, as of {self.effective:.0f} independent ones"
-        )
+        return text(self.line)
 
 
 def part_of(

@@ -26,6 +26,7 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.files import write_rows
+from tvclin.base.lines import degrees, text
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 
@@ -234,12 +235,12 @@ class Availability:
         """
         names = ["time_utc", "azimuth_deg", "need_deg", "least_deg", "most_deg", "flies", "why"]
         rows: list[list[str]] = [names]
-        degrees = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
+        angles = [np.degrees(np.atleast_2d(one)) for one in (self.need, self.least, self.most)]
         flies = np.atleast_2d(self.flies)
         for a, azimuth in enumerate(np.degrees(np.atleast_1d(self.azimuth)).tolist()):
             for i, (time, why) in enumerate(zip(self.soundings.times, self.why, strict=True)):
                 said = "" if np.isnan(flies[a, i]) else str(int(flies[a, i]))
-                cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in degrees)
+                cells = ("" if np.isnan(x[a, i]) else repr(x[a, i].item()) for x in angles)
                 rows.append([str(time), f"{azimuth:.10g}", *cells, said, why])
         return write_rows(rows, path)
 
@@ -304,17 +305,24 @@ class Availability:
 
     def _repr_html_(self) -> str:
         parts = self._rows(self.part())
-        rows: list[tuple[str, Any, str]] = [("limit", np.degrees(self.limit), "deg")]
+        rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
         rows += [
             (f"towards {azimuth:.4g} deg", str(part), "")
             for azimuth, part in zip(azimuths, parts, strict=True)
         ]
         rows += [
-            (f"enough for {100 * p:g} %", np.degrees(self.placard([p])), "deg")
+            (
+                f"enough for {100 * p:g} %",
+                ", ".join(text(degrees("", limit)) for limit in self.placard([p]).ravel()),
+                "deg",
+            )
             for p in (0.5, 0.9, 0.95, 0.99)
         ]
         return card("Launch availability", rows + [("note", note, "") for note in self.notes])
+
+    def _rows(self, value: Any) -> tuple[Any, ...]:
+        return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
         with np.errstate(invalid="ignore"):
@@ -334,9 +342,6 @@ class Availability:
                 for flies, need in rows
             ]
         )
-
-    def _rows(self, value: Any) -> tuple[Any, ...]:
-        return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _plain(self, values: list[Any]) -> Any:
         return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)

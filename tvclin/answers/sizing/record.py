@@ -16,6 +16,7 @@ from tvclin.base.cards import table
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import imported, one_of
 from tvclin.base.files import write_rows
+from tvclin.base.lines import Table, degrees, significant
 from tvclin.boundary.stops import Stop
 
 if TYPE_CHECKING:
@@ -155,14 +156,14 @@ class Sizing:
         }
 
     def _repr_html_(self) -> str:
-        rows = [
-            (name, np.degrees(worst.deflection), worst.time, worst.wind)
-            for name, worst in self.worst.items()
-        ]
+        rows = tuple(
+            ((name,), degrees(name, at.deflection), significant("", at.time, 6), (at.wind,))
+            for name, at in self.worst.items()
+        )
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
         title = f"{self.schedule.vehicle.name or 'Sizing'}, {self.model}, {self.plane}: {span}"
-        columns = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
-        return table(title, columns, rows)
+        head = ("requirement", "largest [deg]", "at flight time [s]", "in the wind")
+        return table(Table(title, head, rows))
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -312,12 +313,12 @@ class Sizing:
         return found
 
     def _columns(self) -> dict[str, NDArray[Any]]:
-        degrees = {f"{_key(k)}_deg": np.degrees(v) for k, v in self.required.items()}
+        angles = {f"{_key(k)}_deg": np.degrees(v) for k, v in self.required.items()}
         for plane, found in self.alone.items():
             own = {f"{_key(k)}_{plane}_alone_deg": np.degrees(v) for k, v in found.required.items()}
-            degrees |= own
+            angles |= own
         others = {f"{k}_s" if u == "s" else k: v for k, (v, u) in self._others().items()}
-        return degrees | others
+        return angles | others
 
     def _others(self) -> dict[str, tuple[NDArray[Any], str]]:
         return {

@@ -27,6 +27,7 @@ from tvclin.base.errors import (
     text,
     within,
 )
+from tvclin.base.lines import Inline, Table, degrees, significant
 from tvclin.vehicle.vehicle import Vehicle
 
 _WIDEST = 1e9
@@ -102,15 +103,28 @@ class DeflectionTotal:
     as_dict = keyed("time_s lines total_deg reserve required_deg")
 
     def _repr_html_(self) -> str:
-        rows = [(line.name, line.kind, np.degrees(line.deflection)) for line in self.lines]
-        rows += [("total", "all", np.degrees(self.total))]
-        if self.limit is not None:
-            rows += [("limit", "available", np.degrees(self.limit))]
-        return table(
-            "Total deflection needed",
-            ("what takes deflection", "how it adds up", "deg"),
-            rows,
-        )
+        return table(total_table(self), self.verdict)
+
+    @property
+    def verdict(self) -> tuple[tuple[Inline, ...], ...]:
+        """Whether the limit is enough, and where the total is not known, each as a line."""
+        said: list[tuple[Inline, ...]] = []
+        if self.limit is not None and self.left is not None:
+            left = degrees("total.left", abs(self.left), unit="deg")
+            beside = " left beside the reserve" if self.reserve else " left"
+            line: tuple[Inline, ...] = ("SUFFICIENT, ", *left, beside)
+            if self.sufficient is None:
+                known = "NOT KNOWN to be sufficient; where the winds are known "
+                line = (known, *line[1:])
+            if self.sufficient is False:
+                short = degrees("total.short", self.required - self.limit, unit="deg")
+                of = " of the limit that keeps the reserve" if self.reserve else ""
+                line = ("NOT SUFFICIENT, short by ", *short, of)
+            limit = degrees("total.limit", self.limit, unit="deg")
+            said.append(("Limit ", *limit, ": ", *line))
+        if self.not_sized:
+            said.append((f"NOT SIZED {', '.join(self.not_sized)}",))
+        return tuple(said)
 
     @property
     def systematic(self) -> float:
@@ -145,17 +159,33 @@ class DeflectionTotal:
         return None if enough and self.not_sized else enough
 
     @property
-    def words(self) -> tuple[str, str]:
-        """At which flight time it is, and beside what a limit leaves something, as all say it."""
-        known = " of those that are known" if self.not_sized else ""
-        return f"worst flight time{known}, {self.time:g} s", (
-            " beside the reserve" if self.reserve else ""
-        )
-
-    @property
     def left(self) -> float | None:
         """What of the limit total and reserve leave [rad]; negative if it is too little."""
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
+
+
+def total_table(total: DeflectionTotal, counted: str = "") -> Table:
+    """Return what takes deflection and the total, as a table; `counted` says what of a wind."""
+    wind = f"wind, {counted}" if counted else "wind"
+    rows: list[tuple[tuple[Inline, ...], ...]] = [
+        (
+            (wind if one.name == "wind" else one.name,),
+            (one.kind,),
+            degrees(f"total.{one.name.replace(' ', '_')}", one.deflection),
+        )
+        for one in total.lines
+        if one.deflection
+    ]
+    sums = "sum and root of sum of squares"
+    rows.append((("total",), (sums,), degrees("total.total", total.total)))
+    if total.reserve:
+        kept = significant("total.reserve_percent", 100 * total.reserve, unit="%")
+        needed = degrees("total.required", total.required)
+        rows.append((("limit that keeps ", *kept, " in reserve"), ("",), needed))
+    known = " of those that are known" if total.not_sized else ""
+    at = "" if total.time is None else f" at the worst flight time{known}, {total.time:g} s"
+    head = ("what", "how it adds up", "[deg]")
+    return Table(f"All that takes deflection{at}", head, tuple(rows))
 
 
 def total_deflection(

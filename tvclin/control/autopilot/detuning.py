@@ -12,19 +12,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import table
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
+from tvclin.base.lines import Line, Table, number
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import CRITERIA, Criteria
-from tvclin.control.margins.record import Margins, loop_margins
+from tvclin.control.margins.record import MARGINS, Margins, loop_margins
 from tvclin.kernels.stability import stability
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.vehicle.structure import SloshTank, Structure
 
 FloatArray = NDArray[np.float64]
 
+_SHOWN = {"aero_margin_dB": "down", "gain_increase_dB": "up", "phase_margin_deg": "phase"}
+"""The margins of a table, and their headings."""
 _SEARCHED, _HALVED = 41, 20
 """So many factors on a frequency are tried between the least and the largest, and how often the
 interval is halved in which the loop becomes unstable."""
@@ -91,17 +94,39 @@ class Detuned:
         rows = zip(*columns.values(), strict=True)
         return {"rows": [dict(zip(columns, row, strict=True)) for row in rows], "edges": self.edges}
 
-    def _repr_html_(self) -> str:
-        m = self.margins
-        rows: list[tuple[str, Any, str]] = []
+    def table(self) -> Table:
+        """Return the margins of each row, what fails first in it, and whether criteria are met."""
+        m, rows = self.margins, []
         for k, change in enumerate(self.changes):
-            numbers = f"{m.aero_margin_dB[k]:.2f} and {m.gain_increase_dB[k]:.2f} dB"
-            numbers += f", {m.phase_margin_deg[k]:.1f} deg; first {self.first[k]}"
-            rows.append((change, numbers if m.status[k] == "ok" else str(m.status[k]), ""))
-        for edge in self.edges:
-            sides = [f"{side:.3f}" for side in (edge.lower, edge.upper) if np.isfinite(side)]
-            rows.append((f"{edge.name}, unstable at", " and ".join(sides) or "none", "times"))
-        return card("Detuned: aero margin, gain increase, phase margin", rows)
+            numbers = (number(f"detuned.{k}.{name}", getattr(m, name)[k], 2) for name in _SHOWN)
+            first = (_failing(self.first[k]),)
+            short = change.replace(" at the sensors", "").replace("half its", "half")
+            rows.append(((short,), *numbers, first, ("met" if self.met[k] else "NOT MET",)))
+        head = ("change", *_SHOWN.values(), "fails first", "asked")
+        return Table("Margins with one mode detuned, in dB and deg", head, tuple(rows))
+
+    @property
+    def said(self) -> tuple[Line, ...]:
+        """At which frequencies of a mode the loop becomes unstable, a line for each mode."""
+        said = []
+        for j, edge in enumerate(self.edges):
+            sides = {"lower": edge.lower, "upper": edge.upper}
+            shown = [number(f"edge.{j}.{k}", at) for k, at in sides.items() if np.isfinite(at)]
+            if shown:
+                line = shown[0] if len(shown) == 1 else (*shown[0], " and ", *shown[1])
+                said.append((f"{edge.name}: unstable at ", *line, " of its frequency"))
+        return tuple(said) or (("Between these frequencies the loop becomes unstable nowhere.",),)
+
+    def _repr_html_(self) -> str:
+        return table(self.table(), self.said)
+
+
+def _failing(name: str) -> str:
+    """The name of a margin in the words of the headings; "bending 1, gain" of a mode."""
+    what, _, mode = name.partition(" of ")
+    if mode:
+        return f"{mode}, {'gain' if 'gain' in what else 'phase'}"
+    return _SHOWN.get(name) or (MARGINS[name][0] if name in MARGINS else name.upper())
 
 
 def detuned(

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Row, card
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, plain
+from tvclin.base.lines import Line, number, text
 from tvclin.control.margins.loop import Loop
 from tvclin.kernels.loop_margins import LoopFindings, classical_margins
 
@@ -45,6 +46,11 @@ class MarginRow(NamedTuple):
     value: Any
     unit: str
     frequency: Any
+
+
+def margin(name: str, value: Any, unit: str) -> Line:
+    """Return a margin with the digits of its unit."""
+    return number(name, value, {"dB": 2, "deg": 2, "ms": 1, "": 3}[unit], unit)
 
 
 def factor_to(unit: str) -> float:
@@ -169,19 +175,10 @@ float or ndarray
         )
 
     def _repr_html_(self) -> str:
-        rows = [
-            ("status", self.status, ""),
-            ("aero margin (gain may fall)", self.aero_margin_dB, "dB"),
-            ("at", self.aero_frequency, "rad/s"),
-            ("gain increase (gain may rise)", self.gain_increase_dB, "dB"),
-            ("at", self.gain_increase_frequency, "rad/s"),
-            ("phase margin", self.phase_margin_deg, "deg"),
-            ("at", self.crossover_frequency, "rad/s"),
-            ("delay margin", self.delay_margin, "s"),
-            ("disk margin", self.disk_margin, "-"),
-            ("peak sensitivity", self.peak_sensitivity, "-"),
-            ("peak complementary sensitivity", self.peak_complementary_sensitivity, "-"),
-        ]
+        rows: list[Row] = [("status", self.status, "")]
+        for name, label, value, unit, at in self.rows():
+            shown = value if np.ndim(value) else text(margin(name, value, unit)[:1])
+            rows += [(label, shown, unit), ("at", at, "rad/s")]
         return card("Margins", rows)
 
     @property

@@ -8,16 +8,25 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import Row, card, shows
+from tvclin.base.cards import shows, table
 from tvclin.base.documents import keyed
-from tvclin.control.margins.record import decibels
+from tvclin.base.lines import Line, Table, number, significant
+from tvclin.control.margins.record import decibels, margin
 from tvclin.flights.closed_loop.edges import OK
 from tvclin.flights.closed_loop.many import UNDECIDED
 
 FloatArray = NDArray[np.float64]
 
 NOTHING = "nothing"
-CHANGES = ("gain_fall", "gain_rise", "effectiveness_fall", "effectiveness_rise", "delay")
+_CHANGES = {
+    "gain_fall": "gain falls",
+    "gain_rise": "gain rises",
+    "effectiveness_fall": "effectiveness falls",
+    "effectiveness_rise": "effectiveness rises",
+    "delay": "further delay",
+}
+CHANGES = tuple(_CHANGES)
+_CAUSES = {"lost": "is lost", "rings": "rings near rest", UNDECIDED: "neither lost nor settled"}
 
 
 class NearRest(NamedTuple):
@@ -130,12 +139,29 @@ class FlownMargins:
         return tuple(found)
 
     def _repr_html_(self) -> str:
-        rows: list[Row] = [
-            ("limit, of full trim", self.limit, "-"),
-            ("limit over boundary", self.spare, "-"),
-        ]
-        for name in CHANGES:
-            one = getattr(self, name)
-            shown, unit = (one.value, "s") if name == "delay" else (one.dB, "dB")
-            rows.append((f"{name.replace('_', ' ')}, then {one.cause}", shown, unit))
-        return card("Flown margins", [*rows, ("status", self.status, "")])
+        spare = number("spare", self.spare, 2)
+        return table(flown_table(self), [("limit over boundary: ", *spare), (self.status,)])
+
+
+def flown_table(found: FlownMargins, caption: str = "Flown margins") -> Table:
+    """Return how far each quantity may change, what fails then, and what near rest allows."""
+    rows: list[tuple[Line, ...]] = []
+    for name in CHANGES:
+        one: FlownMargin = getattr(found, name)
+        flown, near_rest = (
+            _change(f"flown.{name}.{key}", value, name == "delay")
+            for key, value in (("value", one.value), ("near_rest", one.near_rest))
+        )
+        rows.append(((_CHANGES[name],), flown, (_CAUSES.get(one.cause, one.cause),), near_rest))
+    return Table(caption, ("change", "margin", "failure", "near rest"), tuple(rows))
+
+
+def _change(name: str, value: float, is_delay: bool) -> Line:
+    """A further delay in ms, or a factor in dB and as it is."""
+    if is_delay:
+        return margin(name, 1000.0 * value, "ms")
+    shown = margin(name, decibels(value), "dB")
+    return (
+        *shown,
+        *(() if np.isinf(value) else (" (", *significant(f"{name}.factor", value), "x)")),
+    )

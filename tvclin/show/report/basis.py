@@ -2,8 +2,10 @@
 
 import platform
 import re
+import tomllib
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version
+from importlib.resources import files
 
 import numpy as np
 
@@ -11,7 +13,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.glossary import SYMBOLS, TERMS
 from tvclin.answers.study import outlasts_one_pole
 from tvclin.answers.study_notes import OUTLASTS
-from tvclin.base.lines import Formula, Line, significant, text
+from tvclin.base.lines import Formula, Line, Table, labelled, significant, text
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.show.report.blocks import (
     Check,
@@ -19,23 +21,11 @@ from tvclin.show.report.blocks import (
     Figure,
     Paragraph,
     Section,
-    Table,
     as_sentence,
     checks,
-    labelled,
 )
-from tvclin.show.reproduce.claims import equations as every_equation
 
 _PACKAGES = ("tvclin", "numpy", "scipy", "control", "matplotlib")
-_ALWAYS = {
-    "(B2c)": "moments about the centre of gravity",
-    "(B4)": "beta and B from the vehicle",
-    "(4b)": "the condition of survival, at each unstable pole",
-    "(8)": "the boundary limit, over trim",
-    "(11)": "when the dead band is left",
-    "(6b)": "the minimum, held from the start, on one pole",
-    "(C4)": "the minimum, full deflection to one side or the other, on two poles",
-}
 _BY_SHAPE = {
     ("rectangular", False): "(7)",
     ("rectangular", True): "(16)",
@@ -83,7 +73,8 @@ def _left_out(found: Findings) -> str:
 def equations(found: Findings) -> Section:
     """Return the equations that were used, by their numbers in the report of 1968."""
     s = found.study
-    used = dict(_ALWAYS)
+    known = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
+    used = {key: one["use"] for key, one in known.items() if "use" in one}
     for name in s.boundaries:
         drifts = name != "fixed-path"
         used["(B8)" if drifts else "(5)"] = f"the {name} model"
@@ -92,9 +83,9 @@ def equations(found: Findings) -> Section:
         if drifts:
             used["(15b)"] = "K1"
     rows: list[tuple[Line, ...]] = [
-        ((one["id"],), (Formula(one["tex"], _as_it_should_read(one)),), (used[one["id"]],))
-        for one in every_equation()
-        if one["id"] in used
+        ((key,), (Formula(one["tex"], one["text"]),), (used[key],))
+        for key, one in known.items()
+        if key in used
     ]
     words = (
         "Numbers are those of Borsody and Teren (NASA Lewis Research Center, 1968), with the errors"
@@ -169,8 +160,3 @@ def _one_pole(found: Findings) -> Check:
         return Check("doubt", (begin, *tau, ", longer than the ", *upto, end))
     begin = "The slow motion of the flight path may be neglected: the wind lasts "
     return Check("ok", (begin, *tau, ", not longer than ", *upto, "."))
-
-
-def _as_it_should_read(equation: dict[str, str]) -> str:
-    corrected = equation["corrected"]
-    return equation["printed"] if corrected.startswith("agrees") else corrected

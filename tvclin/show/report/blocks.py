@@ -1,17 +1,10 @@
 """What a page is made of: paragraphs, checks, tables, figures."""
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from tvclin.answers.findings import Findings
-from tvclin.base.lines import Formula, Line, Row, number
-
-_SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
-"""Letter and index of a symbol, such as beta, K1 or F_A."""
-
-_DIGITS = {"dB": 1, "deg": 1, "ms": 0, "": 2}
-"""Digits behind the point of margins."""
+from tvclin.base.lines import Line, Row, Table, labelled
 
 
 @dataclass(frozen=True)
@@ -36,16 +29,6 @@ class Checks:
 
     each: tuple[Check, ...]
     kind = "checks"
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table; the first cell of each row is its heading."""
-
-    caption: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[Line, ...], ...]
-    kind = "table"
 
 
 @dataclass(frozen=True)
@@ -99,19 +82,3 @@ def as_sentence(note: str) -> str:
 def pairs(rows: Iterable[Row]) -> tuple[tuple[Line, ...], ...]:
     """Return rows of a label and a value as those of a table."""
     return tuple((labelled(label), line) for label, line in rows)
-
-
-def labelled(label: str) -> Line:
-    """Return a label; its last word is a formula where that is a symbol, as in "thrust T"."""
-    words, space, last = label.rpartition(" ")
-    found = _SYMBOL.fullmatch(last)
-    if found is None:
-        return (label,)
-    letter, index = found[1], found[2] or found[3]
-    tex = f"\\{letter}" if len(letter) > 1 else letter
-    return (words + space, Formula(tex + (f"_{{{index}}}" if index else ""), last))
-
-
-def margin(name: str, value: float, unit: str) -> Line:
-    """Return a margin with the digits of its unit."""
-    return number(name, value, _DIGITS[unit], unit)

@@ -1,20 +1,19 @@
 """The sections of closed loops and dispersed cases."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from tvclin.answers.campaign.statistics import shares
 from tvclin.answers.findings import Findings
 from tvclin.answers.trials import LawsAsked, LawTrial, standard_winds
 from tvclin.base.errors import InputError
-from tvclin.base.lines import Line, degrees, least, number, significant
+from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.comparison.trim import TrimComparison
 from tvclin.control.margins.record import Margins
+from tvclin.control.margins.tables import margin_table
 from tvclin.flights.closed_loop.edges import OK
-from tvclin.flights.closed_loop.flown_record import CHANGES, FlownMargin
+from tvclin.flights.closed_loop.flown_record import flown_table
 from tvclin.linear.plant import Plant
 from tvclin.plots import comparison_chart, nichols_chart
 from tvclin.show.report.blocks import (
@@ -22,10 +21,7 @@ from tvclin.show.report.blocks import (
     Figure,
     Paragraph,
     Section,
-    Table,
     checks,
-    labelled,
-    margin,
     pairs,
     section_of,
 )
@@ -34,15 +30,6 @@ from tvclin.show.report.sections import LEAST
 
 _ACROSS = 3
 """Winds beside each other in a table of laws."""
-_CHANGES = {
-    "gain_fall": "gain falls",
-    "gain_rise": "gain rises",
-    "effectiveness_fall": "effectiveness falls",
-    "effectiveness_rise": "effectiveness rises",
-    "delay": "further delay",
-}
-_CAUSES = {"lost": "the flight is lost", "rings": "the loop is unstable near rest"}
-_CAUSES |= {"undecided": "the flight is neither lost nor settled"}
 
 
 def laws(found: Findings) -> Section | None:
@@ -150,25 +137,17 @@ def _flown(found: Findings) -> list[Block]:
     f = found.flown
     if f is None:
         return []
-    rows = []
-    for name in CHANGES:
-        one: FlownMargin = getattr(f, name)
-        cells = [
-            margin(f"flown.{name}.{key}", 1000.0 * value, "ms")
-            if name == "delay"
-            else margin(f"flown.{name}.{key}", replace(one, value=value).dB, "dB")
-            for key, value in (("value", one.value), ("near_rest", one.near_rest))
-        ]
-        rows.append(((_CHANGES[name],), cells[0], (_CAUSES.get(one.cause, one.cause),), cells[1]))
     words = (
         "How much each quantity alone may change before a flight through this wind, with the limit"
         " as its stop, is lost, or the loop becomes unstable near rest. The limit is ",
         *number("flown.spare", f.spare, 2),
         " times the least with which this autopilot survives.",
     )
-    title = "Margins that the limit leaves in this wind"
-    head = ("change", "margin", "failure", "margin near rest")
-    return [Table(title, head, tuple(rows)), Paragraph(words), *checks(f.notes)]
+    return [
+        flown_table(f, "Margins that the limit leaves in this wind"),
+        Paragraph(words),
+        *checks(f.notes),
+    ]
 
 
 def _lost(found: Findings) -> str:
@@ -260,23 +239,7 @@ def _no_forecast(plant: Plant, wind: object) -> float:
 def _margins(found: Findings, whole: Margins) -> Block:
     if not whole.stable:
         return Paragraph((f"There are no margins: {whole.reason}.",))
-    asked = found.criteria.judge(found.margins or whole)
-    judged = {one.requirement.margin: one for one in asked if not one.band}
-    rows: list[tuple[Line, ...]] = []
-    for name, label, value, unit, at in whole.rows():
-        row = [
-            labelled(label),
-            margin(f"margin.{name}", value, unit),
-            significant(f"margin.{name}.rad_per_s", at, 3),
-        ]
-        one = judged.get(name)
-        if one is None:
-            rows.append((*row, ("",), ("",)))
-            continue
-        limit = significant(f"criteria.{name}", one.requirement.shown[0], 4, unit)
-        most = ("at most ",) if one.requirement.at_most else ()
-        rows.append((*row, (*most, *limit), ("met" if one.met else "not met",)))
-    return Table("Margins", ("margin", "value", "at [rad/s]", "asked", "criterion"), tuple(rows))
+    return margin_table(whole, found.criteria.judge(found.margins or whole))
 
 
 def _in_the_wind(found: Findings, c: TrimComparison) -> Block:

@@ -8,15 +8,13 @@ import numpy as np
 from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import FlexibleAnswer, shift_of
 from tvclin.answers.questions import FLOWN
-from tvclin.base.lines import Line, degrees, least, number, significant
-from tvclin.control.margins.bands import GAIN, PHASE, ModeBand
-from tvclin.control.margins.criteria import Judgement
-from tvclin.control.margins.record import MARGINS
+from tvclin.base.lines import Line, Table, degrees, least, number, significant
+from tvclin.control.margins.tables import band_table
 from tvclin.linear.flexible import FlexiblePlant, plant_of
 from tvclin.linear.flexible_modes import named_modes
 from tvclin.linear.models import USUAL_MODEL
 from tvclin.plots import bode_chart
-from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table, checks, margin
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, checks
 from tvclin.show.report.figures import inline_svg
 from tvclin.vehicle.structure import Structure
 
@@ -57,7 +55,7 @@ def flexible(found: Findings) -> Section | None:
         why = found.reasons.get("flexible")
         blocks.append(Paragraph((f"There is no answer: {why}." if why else none,)))
         return Section(_NAME, _TITLE, tuple(blocks))
-    blocks += [_bands(found, f), *_detuned(f)]
+    blocks += [band_table(f.bands, found.criteria.judge(f.bands)), *_detuned(f)]
     label = "Bode diagram of the loop of the flexible vehicle, each mode marked by its name"
     caption = "Magnitude and phase of the loop, with its margins; each mode is named at its peak."
     blocks.append(Figure(label, caption, inline_svg(bode_chart(f.autopilot, plant), "bode", label)))
@@ -125,91 +123,12 @@ def _modes(plant: FlexiblePlant) -> list[Block]:
     return [Table("Modes of the coupled vehicle, without an autopilot", head, tuple(rows))]
 
 
-def _bands(found: Findings, f: FlexibleAnswer) -> Table:
-    """What the rigid body has, if the loop is stable, and what each mode has."""
-    rigid = f.bands.rigid
-    rows: list[tuple[Line, ...]] = []
-    parts = (
-        ("gain may fall", "aero_margin", rigid.aero_margin_dB, "dB", rigid.aero_frequency),
-        ("gain may rise", "gain", rigid.gain_increase_dB, "dB", rigid.gain_increase_frequency),
-        ("phase", "phase", rigid.phase_margin_deg, "deg", rigid.crossover_frequency),
-    )
-    for label, key, value, unit, at in parts if f.bands.whole.stable else ():
-        where = significant(f"flexible.rigid.{key}.rad_per_s", at, 3)
-        spare = margin(f"flexible.rigid.{key}", value, unit)
-        rows.append(((f"rigid body, {label}",), ("",), where, spare, ("",), ("",)))
-    asked = {
-        one.band: one
-        for one in found.criteria.judge(f.bands)
-        if one.band and not np.isnan(one.value)
-    }
-    rows += [_mode(k, mode, asked.get(mode.name)) for k, mode in enumerate(f.bands.modes)]
-    head = ("band", "stabilised by", "at [rad/s]", "margin", "asked", "criterion")
-    return Table("Margins by band", head, tuple(rows))
-
-
-def _mode(k: int, mode: ModeBand, asked: Judgement | None) -> tuple[Line, ...]:
-    key = f"flexible.band.{k}"
-    spare: Line = ("none",)
-    if mode.stabilised == GAIN:
-        spare = margin(f"{key}.gain", mode.gain_margin_dB, "dB")
-    elif mode.stabilised == PHASE:
-        spare = margin(f"{key}.phase", mode.phase_margin_deg, "deg")
-    elif mode.closed_pole.real < 0.0:
-        spare = (*margin(f"{key}.distance", mode.distance, ""), " from -1")
-    cells: tuple[Line, ...] = (
-        (mode.name,),
-        (str(mode.stabilised),),
-        significant(f"{key}.rad_per_s", mode.frequency, 3),
-        spare,
-    )
-    if asked is None:
-        return (*cells, ("",), ("",))
-    limit, unit = asked.requirement.shown
-    verdict = "met" if asked.met else "not met"
-    return (*cells, significant(f"{key}.asked", limit, 4, unit), (verdict,))
-
-
 def _detuned(f: FlexibleAnswer) -> list[Block]:
     """Each mode off its place: the margins of the whole loop, and what fails first."""
     d = f.detuned
     if d is None:
         return []
-    rows: list[tuple[Line, ...]] = []
-    for k, change in enumerate(d.changes):
-        key, m = f"flexible.detuned.{k}", d.margins
-        rows.append(
-            (
-                (change,),
-                number(f"{key}.aero_dB", m.aero_margin_dB[k], 1),
-                number(f"{key}.gain_dB", m.gain_increase_dB[k], 1),
-                number(f"{key}.phase_deg", m.phase_margin_deg[k], 1),
-                (_first(d.first[k]),),
-                ("met" if d.met[k] else "not met",),
-            )
-        )
-    head = ("change", "gain down [dB]", "gain up [dB]", "phase [deg]", "fails first", "criteria")
-    line: Line = ()
-    for j, edge in enumerate(d.edges):
-        for side in ("lower", "upper"):
-            at = getattr(edge, side)
-            if np.isfinite(at):
-                times = number(f"flexible.edge.{j}.{side}", at, 3)
-                line += (f"{edge.name} at ", *times, " times its frequency; ")
-    if line:
-        said: Line = ("The loop becomes unstable with ", *line[:-1], " times its frequency.")
-    else:
-        said = ("At no frequency between these does the loop become unstable.",)
-    table = Table("Margins with one mode detuned", head, tuple(rows))
-    return [table, Paragraph(said)]
-
-
-def _first(name: str) -> str:
-    """What fails first, in words."""
-    margin, _, mode = name.partition(" of ")
-    if mode:
-        return f"{mode}, {'gain' if 'gain' in margin else 'phase'}"
-    return MARGINS[name][0] if name in MARGINS else name
+    return [d.table(), *(Paragraph(line) for line in d.said)]
 
 
 def _flown(f: FlexibleAnswer) -> Table:

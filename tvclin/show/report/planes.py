@@ -4,9 +4,9 @@ import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.base.errors import InputError
-from tvclin.base.lines import Line, degrees, number
+from tvclin.base.lines import Line, Table, degrees, number
 from tvclin.plots import study_planes_chart
-from tvclin.show.report.blocks import Block, Figure, Paragraph, Section, Table
+from tvclin.show.report.blocks import Block, Figure, Paragraph, Section
 from tvclin.show.report.figures import inline_svg
 
 

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.base.lines import Line, degrees, least, number, significant
+from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
 from tvclin.linear.loads import wind_loads
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.plots import response_chart, response_curves, study_chart
-from tvclin.show.report.blocks import Figure, Paragraph, Section, Table, pairs
+from tvclin.show.report.blocks import Figure, Paragraph, Section, pairs
 from tvclin.show.report.figures import inline_svg
 from tvclin.show.report.flexible import given
 from tvclin.winds.histories import History

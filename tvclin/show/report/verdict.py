@@ -6,9 +6,9 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.questions import Question, questions, sufficient, without_stop
 from tvclin.answers.study import Study, outlasts_one_pole
 from tvclin.answers.study_notes import TRUSTS
-from tvclin.base.lines import Line, degrees, least, number, significant
+from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
-from tvclin.show.report.blocks import Section, Table
+from tvclin.show.report.blocks import Section
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite."
 _NONE = "Not enough: no limit is, with this dead band, see Assumptions."

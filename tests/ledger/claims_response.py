@@ -4,12 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from tvclin.boundary.closed_forms import rectangular_limit
-from tvclin.linear.closed_responses import rectangular_attitude
-from tvclin.linear.deflections import trim_then_hold
-from tvclin.linear.plant import Plant
-from tvclin.linear.response import attitude_responses
-from tvclin.show.reproduce.cases import (
+from tests.ledger.cases import (
     FULL,
     HALF,
     NONE,
@@ -27,7 +22,12 @@ from tvclin.show.reproduce.cases import (
     without_drift,
     zero,
 )
-from tvclin.show.reproduce.computed import Computed, Value, rounds_to
+from tests.ledger.computed import Computed, Value, rounds_to
+from tvclin.boundary.closed_forms import rectangular_limit
+from tvclin.linear.closed_responses import rectangular_attitude
+from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.plant import Plant
+from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.coefficients import Coefficients
 
 ABOVE, BELOW = 1.1, 0.9

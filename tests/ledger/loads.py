@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from functools import cache
 
+from tests.ledger.cases import FULL, HALF, NONE, gust, vehicles
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.deflections import trim_deflection, trim_then_hold
 from tvclin.linear.loads import wind_loads
 from tvclin.linear.plant import Plant
-from tvclin.show.reproduce.cases import FULL, HALF, NONE, gust, vehicles
 from tvclin.vehicle.coefficients import Coefficients
 
 TAU_BETA = (4.0, 8.0, 20.0)

@@ -4,10 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 
-from tvclin.linear.deflections import trim_deflection
-from tvclin.linear.modes import unstable_modes
-from tvclin.linear.plant import Plant
-from tvclin.show.reproduce.cases import (
+from tests.ledger.cases import (
     FULL,
     NAMES,
     NONE,
@@ -22,8 +19,11 @@ from tvclin.show.reproduce.cases import (
     without_drift,
     zero,
 )
-from tvclin.show.reproduce.claims_appendices import FAST, SLOW, single_pole_duration
-from tvclin.show.reproduce.computed import Value
+from tests.ledger.claims_appendices import FAST, SLOW, single_pole_duration
+from tests.ledger.computed import Value
+from tvclin.linear.deflections import trim_deflection
+from tvclin.linear.modes import unstable_modes
+from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import load_vehicle
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY

@@ -2,10 +2,10 @@
 
 import tomllib
 from collections.abc import Callable
-from importlib.resources import files
+from pathlib import Path
 
-from tvclin.show.reproduce import claims_appendices, claims_boundary, claims_flown, claims_response
-from tvclin.show.reproduce.computed import Computed
+from tests.ledger import claims_appendices, claims_boundary, claims_flown, claims_response
+from tests.ledger.computed import Computed
 
 COMPUTATIONS: dict[str, Callable[[], Computed]] = {
     function.__name__: function
@@ -38,6 +38,6 @@ def records(kind: str) -> list[dict[str, str]]:
     kind : {"equation", "claim", "deviation"}
         What the file lists; it has the same name in the plural.
     """
-    text = (files("tvclin.show.reproduce") / f"{kind}s.toml").read_text(encoding="utf-8")
+    text = Path(__file__).with_name(f"{kind}s.toml").read_text(encoding="utf-8")
     found: list[dict[str, str]] = tomllib.loads(text)[kind]
     return found

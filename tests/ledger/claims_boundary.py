@@ -4,11 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from tvclin.base.units import FOOT, POUND, UNITS
-from tvclin.boundary.closed_forms import rectangular_limit
-from tvclin.boundary.optimum.minimum_peak import optimum_deflection
-from tvclin.linear.plant import Plant
-from tvclin.show.reproduce.cases import (
+from tests.ledger.cases import (
     FULL,
     HALF,
     NONE,
@@ -23,7 +19,11 @@ from tvclin.show.reproduce.cases import (
     without_drift,
     zero,
 )
-from tvclin.show.reproduce.computed import Computed, Value, about, rounds_to
+from tests.ledger.computed import Computed, Value, about, rounds_to
+from tvclin.base.units import FOOT, POUND, UNITS
+from tvclin.boundary.closed_forms import rectangular_limit
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.linear.plant import Plant
 
 PERCENT = "percent"
 

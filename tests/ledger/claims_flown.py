@@ -7,9 +7,9 @@ frozen at the time of Table I or along a trajectory that is reconstructed from i
 from collections.abc import Callable
 from functools import partial
 
-from tvclin.show.reproduce.cases import FULL, HALF, band, both, on_model, with_drift
-from tvclin.show.reproduce.computed import Computed, Value
-from tvclin.show.reproduce.flown import Attitudes, Boundaries, attitudes, boundaries
+from tests.ledger.cases import FULL, HALF, band, both, on_model, with_drift
+from tests.ledger.computed import Computed, Value
+from tests.ledger.flown import Attitudes, Boundaries, attitudes, boundaries
 from tvclin.vehicle.coefficients import Coefficients
 
 EXCESS = "percent, (18) above the flown boundary"

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from tests.ledger.cases import both, vehicles
+from tests.ledger.computed import Computed, Value, about, rounds_to
 from tvclin.boundary.optimum.two_poles import (
     early_switch,
     longest_single_pole_duration,
@@ -12,8 +14,6 @@ from tvclin.boundary.optimum.two_poles import (
 )
 from tvclin.linear.modes import all_modes, unstable_modes
 from tvclin.linear.plant import Plant
-from tvclin.show.reproduce.cases import both, vehicles
-from tvclin.show.reproduce.computed import Computed, Value, about, rounds_to
 from tvclin.vehicle.coefficients import Coefficients
 
 RATIO = 0.1

@@ -2,17 +2,21 @@
 
 import ast
 import re
+import tomllib
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
+from tests.ledger import attempts, cases, claims, flown, loads
+from tests.ledger import page as ledger
+from tests.ledger.computed import about, rounds_to, shown
 from tvclin.boundary.limit import boundary_limit
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.show.reproduce import attempts, cases, claims, flown, ledger, loads
-from tvclin.show.reproduce.computed import about, rounds_to, shown
+from tvclin.show.reproduce import DIFFERENCES
 
 ROOT = Path(__file__).parents[2]
 EQUATIONS = [
@@ -59,7 +63,7 @@ def computed():
 
 @cache
 def page():
-    return ledger.ledger()
+    return ledger.page()
 
 
 def numbers_in(text):
@@ -73,7 +77,7 @@ def test_the_page_in_docs_is_what_the_package_computes():
     if found != page():
         pytest.fail(
             "docs/validation.md is out of date; write it with"
-            " `python -m tvclin.show.reproduce.ledger docs/validation.md`",
+            " `python -m tests.ledger.page docs/validation.md`",
             pytrace=False,
         )
 
@@ -86,6 +90,16 @@ def test_the_page_holds_every_equation_and_every_claim_in_tables_of_even_rows():
     for block in re.findall(r"(?:^\|.*\n)+", page(), re.MULTILINE):
         assert len({len(re.split(r"(?<!\\)\|", row)) for row in block.splitlines()}) == 1
     assert "](" not in page()
+
+
+def test_the_equations_of_the_study_page_are_those_of_the_ledger():
+    ledgers = {one["id"]: one for one in claims.equations()}
+    pages = tomllib.loads((files("tvclin.show.report") / "equations.toml").read_text("utf-8"))
+    for number, equation in pages.items():
+        corrected = ledgers[number]["corrected"]
+        agrees = corrected.startswith("agrees")
+        assert equation["text"] == (ledgers[number]["printed"] if agrees else corrected)
+    assert list(pages) == [number for number in ledgers if number in pages]
 
 
 def test_every_numbered_equation_of_the_report_occurs_once():
@@ -113,7 +127,7 @@ def test_every_proof_is_a_test_that_exists(kind):
 )
 def test_every_record_is_complete(kind, keys):
     for record in claims.records(kind):
-        assert set(record) - {"tex", "verdict_note"} == keys
+        assert set(record) - {"verdict_note"} == keys
         assert all(record.values())
 
 
@@ -255,12 +269,6 @@ def test_frozen_flights_of_the_ledger_are_those_of_the_exact_cubic():
                 assert attitude == pytest.approx(float(ours[0]) / -cases.PEAK, abs=3e-3)
 
 
-def test_the_page_is_written_as_it_is(tmp_path, monkeypatch):
-    monkeypatch.setattr(ledger, "ledger", page)
-    assert ledger.write_into(tmp_path) == [tmp_path / "ledger.md"]
-    assert (tmp_path / "ledger.md").read_text(encoding="utf-8") == page()
-
-
 def test_cells_keep_their_bounds():
     assert ledger._safe("C1 |s| < 1,\n a*b, [x](y)") == r"C1 \|s\| \< 1, a\*b, [x]\(y)"
     assert ledger._safe("`a*b` **c**") == "`a*b` **c**"
@@ -275,6 +283,12 @@ def test_the_deviations_quote_what_is_computed():
     text = " ".join(" ".join(record.values()) for record in claims.records("deviation"))
     assert "3.6 and 5.5 percent" in text
     assert "15.24" in text
+
+
+def test_what_reproduce_says_of_drift_is_what_the_claim_computes():
+    values = computed()["drift-24-percent-at-20"][1].values[0]
+    first, second = (f"{number:.1f}" for number in values.numbers)
+    assert f"{first} (I) and {second} percent (II)" in DIFFERENCES["figure-5"]
 
 
 def test_rounding_and_about():

@@ -5,12 +5,10 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from tvclin.base.files import write_text
-from tvclin.show.reproduce import attempts, flown, loads
-from tvclin.show.reproduce.claims import claims, compute, equations, records
-from tvclin.show.reproduce.computed import Computed, Value, shown
+from tests.ledger import attempts, flown, loads
+from tests.ledger.claims import claims, compute, equations, records
+from tests.ledger.computed import Computed, Value, shown
 
-NAME = "ledger.md"
 REPRODUCED, NOT_REPRODUCED = "reproduced", "**not reproduced**"
 
 _HEAD = """\
@@ -19,8 +17,7 @@ _HEAD = """\
 Borsody and Teren (NASA, Lewis Research Center, 1968) against `tvclin`: every equation, and every
 number of the text. This page is generated: every number in the columns "I" and "II" is computed
 with the package from Table I when the page is made, and a test holds the page to it.
-`tvclin reproduce --output DIR` writes it as `DIR/ledger.md`, and
-`python -m tvclin.show.reproduce.ledger docs/validation.md` writes this copy.
+`python -m tests.ledger.page docs/validation.md` writes it.
 
 ## How to read it
 
@@ -28,7 +25,7 @@ with the package from Table I when the page is made, and a test holds the page t
   only I is meant. Numbers have at most four significant digits.
 - A printed number is *reproduced* when ours rounds to it in its printed digits; "about" allows one
   step of the last digit. For words the criterion is an inequality, in the docstring of the function
-  named under "function", in `tvclin/show/reproduce/claims_*.py`.
+  named under "function", in `tests/ledger/claims_*.py`.
 - Numbers of equations are those of the report; "(after B7)" is an unnumbered one near (B7).
 - A proof is a test of the repository that derives the equation independently of the package. All
   variables in linear equations are deviations from the nominal flight.
@@ -116,39 +113,12 @@ On purpose, in these points; the numbers of the report are reproduced with its o
 """
 
 
-def ledger() -> str:
+def page() -> str:
     """Return the whole ledger as Markdown, computed afresh."""
     computed = [(claim, compute(claim)) for claim in claims()]
     parts = [_HEAD, _equations(), _claims(computed), _tried(computed), _loads()]
     parts += [_flown(), _deviations()]
     return "\n".join(parts)
-
-
-def write(path: Path) -> Path:
-    """Write the ledger, whole or not at all.
-
-    Parameters
-    ----------
-    path : Path
-        The file; one that is there is replaced.
-
-    Returns
-    -------
-    Path
-        The same path.
-
-    Raises
-    ------
-    InputError
-        When it cannot be written.
-    """
-    write_text(path, ledger())
-    return path
-
-
-def write_into(output: Path) -> list[Path]:
-    """Write the ledger into a directory that is there, and return its path in a list."""
-    return [write(output / NAME)]
 
 
 def _equations() -> str:
@@ -307,4 +277,4 @@ def _code(text: str) -> str:
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1]))
+    Path(sys.argv[1]).write_text(page(), encoding="utf-8")

@@ -1,0 +1,85 @@
+"""A sizing as tables: a number has the same digits in a terminal, in a notebook and on a page."""
+
+from dataclasses import replace
+
+import pytest
+from typer.testing import CliRunner
+
+from tvclin.answers.findings import find
+from tvclin.answers.sizing import tables
+from tvclin.answers.sizing.total import total_table
+from tvclin.answers.study_file.read import load_study
+from tvclin.base.lines import Number, Table
+from tvclin.cli.app import app
+from tvclin.show.report import flight
+
+TEXT = """
+[study]
+vehicle = "configuration-i"
+[[wind]]
+peak_deg = 5
+duration_s = 7.5
+[nozzle]
+limit_deg = 0.5
+[size]
+start_s = 60
+stop_s = 80
+every_s = 10
+varying = true
+reserve_percent = 10
+thrust_offset_deg = 0.1
+"""
+
+
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory):
+    """Return the terminal's words, the section of the page, the sizing and its total."""
+    path = tmp_path_factory.mktemp("study") / "s.toml"
+    path.write_text(TEXT)
+    plan = replace(load_study(path), laws=None)
+    found = find(plan)
+    printed = CliRunner().invoke(app, ["size", str(path)], env={"COLUMNS": "200"}).output
+    return printed, flight.over_flight(found), *found.flight
+
+
+def texts(parts):
+    return [one.text for line in parts for one in line if isinstance(one, Number)]
+
+
+def test_every_number_of_the_page_stands_in_the_terminal_with_the_same_digits(answers):
+    printed, section, _, _ = answers
+    rows = [row for one in section.blocks if isinstance(one, Table) for row in one.rows]
+    shown = [
+        one.text
+        for row in rows
+        for line in row
+        for one in line
+        if isinstance(one, Number) and not one.name.endswith("change_percent")
+    ]
+    assert len(shown) > 30
+    assert set(shown) <= set(printed.split())
+
+
+def test_the_verdict_is_one_sentence_in_terminal_and_page(answers):
+    printed, section, _, total = answers
+    (line,) = total.verdict
+    assert "".join(getattr(one, "text", one) for one in line) in printed
+    assert line in [block.line for block in section.blocks if block.kind == "paragraph"]
+
+
+def test_the_card_of_a_notebook_has_the_digits_of_the_tables(answers):
+    _, _, sizing, total = answers
+    tallest = tables.by_wind(sizing, "K = 1").rows[0]
+    for number in texts(tallest):
+        assert f"<td>{number}</td>" in sizing._repr_html_()
+    for number in texts(line for row in total_table(total).rows for line in row):
+        assert number in total._repr_html_()
+
+
+def test_of_one_wind_the_worst_is_that_wind(answers):
+    _, _, sizing, _ = answers
+    worst, only = (tables.over_time(sizing, "K = 1", wind) for wind in (None, 0))
+    width = len([name for name in sizing.required if "varying" not in name])
+    for both in zip(worst, only, strict=True):
+        first, second = ([texts(row)[:width] for row in one.rows] for one in both)
+        assert first == second

@@ -1,1 +1,0 @@
-"""The report again: its figures, sketches and numbers, each with one call."""
