@@ -48,16 +48,16 @@ def flown_of(case: "Case", sample_rate: float | None) -> "FlownMargins":
     )
 
 
-def print_flown(found: "FlownMargins", case: "Case", sample_rate: float | None) -> None:
-    """Print the flown margins of a case as a table, with what is to be known about them."""
+def print_flown(found: "FlownMargins", case: "Case", name: str, sample_rate: float | None) -> None:
+    """Print the flown margins of a case in a wind with a name, and what is odd about them."""
     import numpy as np
 
     from tvclin.cli.output import print_table
+    from tvclin.cli.wind import wind_words
     from tvclin.flights.closed_loop.flown_record import CHANGES
 
-    wind = case.history
     title = (
-        f"In this {case.shape} wind of {wind.end - wind.onset:g} s, with a stop at"
+        f"In this {wind_words(name, case.history)}, with a stop at"
         f" {np.degrees(case.limit or 0.0):g} deg, {sample_rate or _RATE:g} Hz"
     )
     rows = [_row(name, getattr(found, name)) for name in CHANGES]

@@ -20,7 +20,7 @@ from tvclin.cli.options import (
     Rigid,
     grouped,
 )
-from tvclin.cli.pulse import PulseOptions
+from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -45,7 +45,7 @@ def margins(
     ] = "nichols",
     flown: Flown = False,
     limit_deg: FlownLimitDeg = None,
-    blows: PulseOptions = PulseOptions(),
+    blows: WindOptions = WindOptions(),
     sample_rate: SampleRate = None,
     as_json: AsJson = False,
     plot: Plot = None,
@@ -73,7 +73,7 @@ def margins(
     one_of("--chart", chart, _CHARTS)
     loaded = vehicle_of(vehicle, rigid)
     asked = criteria.wanted(loaded)
-    case = blows.case(loaded, model, plane, gains.asked(loop), limit_deg)
+    case = blows.case(vehicle, loaded, model, plane, gains.asked(loop), limit_deg)
     plant = case.plant
     only_with(MODES, detuned=detuned and loaded.structure is None)
     only_with("--flown", limit_deg=None if flown else limit_deg)
@@ -102,7 +102,7 @@ def margins(
         if moved is not None:
             print_detuned(moved)
         if in_wind is not None:
-            print_flown(in_wind, case, sample_rate)
+            print_flown(in_wind, case, blows.name, sample_rate)
         if in_box is not None:
             print_worst(in_box, in_all)
     if not (found.met and (in_box is None or met_in_box(in_box, in_all))):
