@@ -171,7 +171,7 @@ def doors(folder: Path) -> dict[str, Door]:
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
-    asked = tv.SizingAsked(schedule=schedule, pulses=(shaped,), every=30.0)
+    asked = tv.SizingAsked(schedule=schedule, every=30.0)
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
     two = tv.GainSchedule([40.0, 90.0], autopilot)
     estimator = tv.WindEstimator(bandwidth=10.0)
@@ -326,28 +326,25 @@ def doors(folder: Path) -> dict[str, Door]:
                 "soundings": archive,
                 "azimuth": 1.5,
                 "plane": "pitch",
-                "stop": "square",
-                "model": "drift",
                 "persistence": 0.001,
-                "gust": gust,
                 "known_to": 20e3,
                 "confidence": 0.9,
                 "least_part": 0.9,
             },
         ),
         "AvailabilityAsked.availability": Door(
-            days_asked.availability, {"limit": 0.01, "progress": None}
+            days_asked.availability, {"case": study.case, "progress": None}
         ),
         "BangBang": Door(tv.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
         "Campaign": Door(
             tv.Campaign,
             {
                 **{f.name: getattr(campaign, f.name) for f in dataclasses.fields(campaign)},
-                "limit": 0.01,
                 "until": 0.1,
                 "outputs": ("required", "flight"),
-                "flight": tv.Flight(deflection_limit=0.01),
-                "gains": tv.GainsAsked(natural_frequency=1.0),
+                "law": "trim",
+                "nozzle": tv.Nozzle(limit=0.01),
+                "design": tv.AutopilotDesign(natural_frequency=1.0),
             },
         ),
         "Campaign.span": Door(campaign.span, {"chunk": 1}),
@@ -468,22 +465,6 @@ def doors(folder: Path) -> dict[str, Door]:
         "Filter.notch": Door(
             tv.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
         ),
-        "Flight": Door(
-            tv.Flight,
-            {
-                "law": "autopilot",
-                "deflection_limit": 0.01,
-                "rate_limit": 1.0,
-                "sample_rate": 50.0,
-                "attitude_gain": 0.2,
-                "rate_gain": 0.2,
-                "alpha_gain": 0.0,
-                "integral_gain": 0.0,
-                "natural_frequency": 20.0,
-                "damping": 0.7,
-            },
-        ),
-        "Flight.gains": Door(tv.Flight(deflection_limit=0.01).gains, {"plant": plant}),
         "FlightBeside.peaks": Door(beside.peaks, {"name": "attitude"}),
         "FlightSchedule": Door(
             tv.FlightSchedule,
@@ -520,10 +501,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "GainSchedule.margins": Door(two.margins, {"plants": plant}),
-        "GainsAsked": Door(
-            tv.GainsAsked,
+        "AutopilotDesign": Door(
+            tv.AutopilotDesign,
             {
-                "model": "drift",
                 "design": "canonical",
                 "natural_frequency": 1.0,
                 "damping": 0.7,
@@ -531,19 +511,21 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_gain": 0.2,
                 "alpha_gain": 0.1,
                 "integral_gain": 0.0,
-                "actuator_frequency": 25.1,
-                "actuator_damping": 0.7,
                 "delay": 0.0,
                 "crossover": 5.0,
                 "filters": (notch,),
                 "attitude_filters": (notch,),
                 "rate_filters": (notch,),
+                "sample_rate": 50.0,
             },
         ),
-        "GainsAsked.from_table": Door(
-            tv.GainsAsked.from_table, {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}}
+        "AutopilotDesign.from_table": Door(
+            tv.AutopilotDesign.from_table, {"table": {"attitude_gain": 0.2, "rate_gain_s": 0.2}}
         ),
-        "GainsAsked.autopilot": Door(tv.GainsAsked(design="canonical").autopilot, {"plant": plant}),
+        "AutopilotDesign.autopilot": Door(
+            tv.AutopilotDesign(design="canonical").autopilot,
+            {"plant": plant, "actuator": tv.Actuator()},
+        ),
         "HeldDeflection": Door(tv.HeldDeflection, {"limit": 0.01, "start": 0.0}),
         "History.__call__": Door(wind, {"t": [0.0, 1.0]}),
         "History.before": Door(wind.before, {"time": 5.0}),
@@ -560,7 +542,6 @@ def doors(folder: Path) -> dict[str, Door]:
                 "names": ("trim",),
                 "winds": ("triangle",),
                 "sample_rate": 50.0,
-                "model": "drift-exact",
             },
         ),
         "least_deflection_gains": Door(
@@ -619,6 +600,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "MeasuredWind.to_both_sides": Door(
             tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
+        "Nozzle": Door(
+            tv.Nozzle,
+            {"limit": 0.01, "stop": "square", "rate_limit": 0.2, "actuator": tv.Actuator()},
+        ),
+        "Nozzle.from_table": Door(tv.Nozzle.from_table, {"table": {"limit_deg": 1.0}}),
         "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
         "plant_of": Door(tv.plant_of, {"vehicle": booster, "model": "fixed-path", "plane": "yaw"}),
         "Plant": Door(tv.Plant, {"coefficients": coefficients, "model": "drift-exact"}),
@@ -666,19 +652,21 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.SizingAsked,
             {
                 **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
+                "others": (shaped,),
                 "soundings": {"west": tv.SoundingAsked(west, 1.5)},
-                "gust": gust,
                 "window": 20.0,
                 "start": 60.0,
                 "stop": 70.0,
                 "peak_speed": 40.0,
-                "limit": 0.01,
                 "count": "K = 1",
             },
         ),
-        "SizingAsked.peak_at": Door(asked.peak_at, {"vehicle": booster, "pulse": shaped}),
-        "SizingAsked.sizing": Door(asked.sizing, {"progress": None}),
-        "SizingAsked.total": Door(asked.total, {"found": sizing}),
+        "SizingAsked.at": Door(asked.at, {"case": study.case, "time": 66.0, "pulse": shaped}),
+        "SizingAsked.pulses": Door(asked.pulses, {"case": study.case}),
+        "SizingAsked.sizing": Door(asked.sizing, {"case": study.case, "progress": None}),
+        "SizingAsked.times": Door(asked.times, {"case": study.case}),
+        "SizingAsked.total": Door(asked.total, {"case": study.case, "found": sizing}),
+        "SizingAsked.winds": Door(asked.winds, {"case": study.case}),
         "Soundings": Door(
             tv.Soundings,
             {f.name: getattr(archive, f.name) for f in dataclasses.fields(archive)},
@@ -707,6 +695,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "stop": ellipse,
             },
         ),
+        "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
         "StudyPlan": Door(
             tv.StudyPlan,
             {
@@ -714,12 +703,11 @@ def doors(folder: Path) -> dict[str, Door]:
                 "model": "drift",
                 "plane": "yaw",
                 "wind": slanting,
-                "limit": 0.01,
                 "dead_band": 0.5,
                 "switch": "report",
-                "nozzle_stop": "square",
+                "nozzle": tv.Nozzle(limit=0.01, stop="square"),
                 "laws": tv.LawsAsked(),
-                "gains": tv.GainsAsked(design="canonical"),
+                "design": tv.AutopilotDesign(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],
                 "dispersions": dispersions,
                 "cases": 100,

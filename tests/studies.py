@@ -18,7 +18,7 @@ time = "2024-02-15 12"
 peak_deg = 1.0
 duration_s = 2.0
 
-[question]
+[nozzle]
 limit_deg = 0.6
 
 [schedule]

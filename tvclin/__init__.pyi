@@ -15,7 +15,6 @@ from .answers.campaign.engine import open_campaign as open_campaign
 from .answers.campaign.engine import resume_campaign as resume_campaign
 from .answers.campaign.engine import run_campaign as run_campaign
 from .answers.campaign.file import load_campaign as load_campaign
-from .answers.campaign.flights import Flight as Flight
 from .answers.campaign.plan import Campaign as Campaign
 from .answers.campaign.quick import DispersedStudy as DispersedStudy
 from .answers.campaign.quick import disperse_study as disperse_study
@@ -27,6 +26,7 @@ from .answers.least_gains.least import least_deflection_gains as least_deflectio
 from .answers.least_gains.record import LeastGains as LeastGains
 from .answers.least_gains.schedule import LeastSchedule as LeastSchedule
 from .answers.least_gains.schedule import least_gain_schedule as least_gain_schedule
+from .answers.nozzle import Nozzle as Nozzle
 from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection
@@ -93,7 +93,7 @@ from .control.autopilot.gains import half_relief_gains as half_relief_gains
 from .control.autopilot.gains import load_minimum_gains as load_minimum_gains
 from .control.autopilot.gains import relief_gains as relief_gains
 from .control.autopilot.optimal import lqr_gains as lqr_gains
-from .control.autopilot.rules import GainsAsked as GainsAsked
+from .control.autopilot.rules import AutopilotDesign as AutopilotDesign
 from .control.autopilot.schedule import GainSchedule as GainSchedule
 from .control.comparison.duration import WorstDuration as WorstDuration
 from .control.comparison.duration import worst_duration as worst_duration

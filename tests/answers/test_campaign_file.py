@@ -28,7 +28,7 @@ def test_the_template_is_a_campaign(tmp_path):
     plan = tv.load_campaign(file)
     assert plan.vehicle == tv.load_vehicle("configuration-i")
     assert plan.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
-    assert plan.limit == pytest.approx(np.radians(0.42), rel=1e-15)
+    assert plan.nozzle.limit == pytest.approx(np.radians(0.42), rel=1e-15)
     assert plan.dispersions.each[0] == tv.Dispersion("thrust", "truncated", 0.01)
     arm = tv.Dispersion("aerodynamic_arm", "truncated", 0.47, relative=False)
     assert plan.dispersions.each[3] == arm
@@ -47,7 +47,7 @@ def test_the_page_shows_a_campaign():
 
 
 def test_a_document_makes_the_same_campaign():
-    plan = replace(parse_campaign(tomllib.loads(template())), until=0.07, limit=None)
+    plan = replace(parse_campaign(tomllib.loads(template())), until=0.07, nozzle=tv.Nozzle())
     kept = json.loads(json.dumps(document_of(plan)))
     assert parse_campaign(kept) == plan
     assert document_of(parse_campaign(kept)) == kept
@@ -185,7 +185,7 @@ def test_every_output_is_that_of_the_single_case(model, shape):
         ({"outputs": {"dead_bands": [1.5]}}, "dead_bands must be between 0 and 1"),
         ({"outputs": {"dead_bands": 1.0}}, "dead_bands in .outputs. must be a list"),
         ({"question": {"probability": 1.0}}, "probability must be above 0 and below 1"),
-        ({"question": {"limit_deg": -1.0}}, "limit must be positive"),
+        ({"nozzle": {"limit_deg": -1.0}}, "limit must be positive"),
         ({"dispersion": {"parameter": "thrust"}}, r"must be given as \[\[dispersion\]\]"),
         ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
         ({"dispersion": [{"parameter": "thrust"}]}, "spread of thrust must be given once"),

@@ -14,8 +14,8 @@ from tvclin.answers.campaign.replay import replay_case
 VEHICLE = tv.load_vehicle("configuration-i")
 STRUCTURE = tv.Structure(bending=(MODE,), slosh=(TANK,))
 NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)
-GAINS = tv.GainsAsked(natural_frequency=1.5, delay=0.01, filters=(NOTCH,))
-LAW = {"attitude_gain": 0.97, "rate_gain": 0.80}
+DESIGN = tv.AutopilotDesign(natural_frequency=1.5, delay=0.01, filters=(NOTCH,))
+NOZZLE = tv.Nozzle(limit=np.radians(0.41))
 FACTORS = ("bending_frequency", "bending_1_damping", "slosh_frequency", "slosh_1_damping")
 
 
@@ -23,18 +23,13 @@ def campaign(**changes):
     spreads = [tv.Dispersion(name, "uniform", 0.25) for name in FACTORS]
     given = {
         "vehicle": VEHICLE.replace(structure=STRUCTURE),
-        "gains": GAINS,
+        "design": DESIGN,
         "wind": tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5),
         "dispersions": tv.Dispersions((*spreads, tv.Dispersion("thrust", "truncated", 0.01))),
         "cases": 40,
         "model": "drift-exact",
         "outputs": ("margins", "flight"),
-        "flight": tv.Flight(
-            deflection_limit=np.radians(0.5),
-            sample_rate=100.0,
-            natural_frequency=25.1,
-            **LAW,
-        ),
+        "nozzle": NOZZLE,
     }
     return tv.Campaign(**(given | changes))
 
@@ -61,9 +56,9 @@ def plant_of(values, structure=STRUCTURE):
 def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
     asked = campaign()
     found = evaluate(asked, 0, 12)
-    autopilot = GAINS.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"))
+    autopilot = DESIGN.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"), NOZZLE.actuator)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
-    flying = tv.SaturatedLaw(tv.Autopilot(**LAW, filters=(NOTCH,)))
+    flying = tv.SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
     for k in range(0, 12, 3):
         plant = plant_of(draw_case(asked, k).values)
         bands = autopilot.band_margins(plant)
@@ -81,9 +76,10 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
             plant,
             flying,
             wind,
-            deflection_limit=np.radians(0.5),
+            deflection_limit=NOZZLE.limit,
             actuator=tv.Actuator(natural_frequency=25.1, damping=0.7),
             sample_rate=100.0,
+            delay=0.01,
         )
         assert found["flight_survived"][k] == (flown.status == "survived")
 
@@ -98,7 +94,7 @@ def test_a_case_has_the_same_bits_alone_and_among_others():
 
 def test_a_flight_that_rings_has_not_survived():
     """Without a notch the mode grows near rest in every case."""
-    found = evaluate(campaign(gains=replace(GAINS, filters=())), 0, 6)
+    found = evaluate(campaign(design=replace(DESIGN, filters=())), 0, 6)
     assert found["flight_survived"].tolist() == [0.0] * 6
     assert found["margin_stable"].tolist() == [0.0] * 6
     assert np.all(np.isinf(found["flight_peak_attitude"]))
@@ -116,7 +112,7 @@ def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
     one, other = evaluate(asked, 0, 3), evaluate(again, 0, 3)
     for name in one:
         np.testing.assert_array_equal(one[name], other[name])
-    rigid = campaign(vehicle=VEHICLE, gains=None, dispersions=tv.Dispersions(()))
+    rigid = campaign(vehicle=VEHICLE, design=None, dispersions=tv.Dispersions(()))
     kept = document_of(rigid)
     assert {"structure", "autopilot"}.isdisjoint({*kept["campaign"]["vehicle"], *kept})
 
@@ -162,9 +158,9 @@ def test_modes_that_are_not_there_cannot_be_dispersed():
 
 def test_margins_of_a_rigid_vehicle_are_an_output_as_well():
     spread = tv.Dispersions((tv.Dispersion("thrust", "uniform", 0.1),))
-    asked = campaign(vehicle=VEHICLE, dispersions=spread, outputs=("margins",), flight=None)
+    asked = campaign(vehicle=VEHICLE, dispersions=spread, outputs=("margins",))
     found = evaluate(asked, 0, 2)
-    autopilot = GAINS.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"))
+    autopilot = DESIGN.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"), NOZZLE.actuator)
     thrust = float(draw_case(asked, 1).values["thrust"][0])
     plant = tv.Plant.from_vehicle(VEHICLE.replace(thrust=thrust), "drift-exact")
     expected = autopilot.margins(plant).gain_increase_dB

@@ -18,8 +18,9 @@ HEAD = {"vehicle": "configuration-i", "cases": 12, "seed": 3, "model": "fixed-pa
 TABLES = {
     "campaign": HEAD,
     "wind": {"peak_deg": 5.0, "duration_s": 7.5},
-    "outputs": {"names": ["required", "flight"]},
-    "flight": {"law": "trim", "deflection_limit_deg": 0.36, "sample_rate_Hz": 25},
+    "outputs": {"names": ["required", "flight"], "law": "trim"},
+    "nozzle": {"limit_deg": 0.36, "actuator_frequency_rad_per_s": 0},
+    "autopilot": {"sample_rate_Hz": 25},
     "dispersion": [{"parameter": "wind_duration", "shape": "uniform", "percent": 60}],
 }
 
@@ -46,9 +47,8 @@ def test_a_lost_flight_is_worse_than_any_number(trimmed):
 
 
 def test_a_case_flies_with_its_own_gains_and_plant():
-    flight = tv.Flight(
-        deflection_limit=np.radians(0.8), rate_limit=0.5, natural_frequency=20.0, sample_rate=50.0
-    )
+    servo = tv.Actuator(natural_frequency=20.0, damping=0.7)
+    nozzle = tv.Nozzle(limit=np.radians(0.8), rate_limit=0.5, actuator=servo)
     spread = (
         tv.Dispersion("attitude_gain", "normal", 0.1),
         tv.Dispersion("rate_gain", "uniform", 0.2),
@@ -57,7 +57,9 @@ def test_a_case_flies_with_its_own_gains_and_plant():
     plan = replace(
         parse_campaign(TABLES),
         outputs=("flight",),
-        flight=flight,
+        law="autopilot",
+        nozzle=nozzle,
+        design=tv.AutopilotDesign(sample_rate=50.0),
         dispersions=tv.Dispersions(spread),
         model="drift",
         cases=3,
@@ -76,9 +78,9 @@ def test_a_case_flies_with_its_own_gains_and_plant():
             tv.SaturatedLaw(tv.Autopilot(**gains)),
             plan.wind.history({}),
             np.arange(0.0, 45.0, 0.02),
-            deflection_limit=flight.deflection_limit,
+            deflection_limit=nozzle.limit,
             rate_limit=0.5,
-            actuator=tv.Actuator(natural_frequency=20.0, damping=0.7),
+            actuator=servo,
             sample_rate=50.0,
         )
         assert found["flight_survived"][i] == 1.0
@@ -89,7 +91,7 @@ def test_a_case_flies_with_its_own_gains_and_plant():
 
 @pytest.mark.parametrize("law", ["dead-band", "recoverable-attitude", "half-relief"])
 def test_laws_that_lean_survive_where_trim_does_not(trimmed, law):
-    plan = parse_campaign(TABLES | {"flight": TABLES["flight"] | {"law": law}})
+    plan = parse_campaign(TABLES | {"outputs": TABLES["outputs"] | {"law": law}})
     found = evaluate(plan, 0, 12)
     survived = found["flight_survived"] == 1.0
     assert np.all(survived | (trimmed["flight_survived"] == 0.0))
@@ -116,16 +118,17 @@ def test_boundaries_flown_in_six_degrees_go_through_the_same_chunks():
 
 def test_a_document_keeps_the_flight():
     rows = [{"parameter": "rate_gain", "percent": 5}]
-    flight = {
-        "law": "autopilot",
-        "deflection_limit_rad": 0.01,
-        "rate_limit_deg_per_s": 5.0,
-        "attitude_gain": 0.2,
-        "rate_gain_s": 0.3,
-        "natural_frequency_rad_per_s": 20.0,
+    flown = {
+        "outputs": {"names": ["flight"]},
+        "nozzle": {
+            "limit_rad": 0.01,
+            "rate_limit_deg_per_s": 5.0,
+            "actuator_frequency_rad_per_s": 20.0,
+        },
+        "autopilot": {"attitude_gain": 0.2, "rate_gain_s": 0.3},
     }
-    plan = parse_campaign(TABLES | {"flight": flight, "dispersion": rows})
-    assert plan.flight.rate_limit == np.radians(5.0)
+    plan = parse_campaign(TABLES | flown | {"dispersion": rows})
+    assert plan.nozzle.rate_limit == np.radians(5.0)
     assert plan.nominal["rate_gain"] == 0.3
     assert parse_campaign(json.loads(json.dumps(document_of(plan)))) == plan
 
@@ -159,8 +162,7 @@ def flown_only(tmp_path_factory):
     ]
     tables = TABLES | {
         "campaign": HEAD | {"cases": 60},
-        "outputs": {"names": ["flight"]},
-        "question": {"limit_deg": 0.4},
+        "outputs": {"names": ["flight"], "law": "trim"},
         "dispersion": rows,
     }
     return tv.run_campaign(parse_campaign(tables), tmp_path_factory.mktemp("flown") / "results")
@@ -232,16 +234,17 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
-        ({"flight": {"law": "trimm", "deflection_limit_deg": 1}}, "did you mean 'trim'"),
-        ({"flight": {"law": "trim"}}, "a key is missing .*: deflection_limit_rad or"),
-        ({"flight": {"deflection_limit_deg": 1, "rate": 2}}, "unknown key in .flight.: 'rate'"),
-        ({"flight": {"deflection_limit_deg": -1}}, "deflection_limit must be positive"),
-        ({"flight": {"deflection_limit_deg": 1, "attitude_gain": 1}}, "or neither of them"),
+        ({"outputs": {"names": ["flight"], "law": "trimm"}}, "did you mean 'trim'"),
+        ({"nozzle": {}}, "needs the limit of the nozzle: limit_deg"),
+        ({"nozzle": {"limit_deg": 1, "rate": 2}}, "unknown key in .nozzle.: 'rate'"),
+        ({"nozzle": {"limit_deg": -1}}, "limit must be positive"),
         (
-            {"flight": {"law": "trim", "deflection_limit_deg": 1, "alpha_gain": 1}},
-            'gains belong to the law "autopilot"',
+            {
+                "outputs": {"names": ["flight"], "law": "autopilot"},
+                "autopilot": {"attitude_gain": 1},
+            },
+            "need attitude_gain and rate_gain, both",
         ),
-        ({"outputs": {"names": ["required"]}}, "belong together"),
         (
             {"dispersion": [{"parameter": "rate_gain", "percent": 5}]},
             "rate_gain is dispersed, but has no nominal value",

@@ -55,7 +55,7 @@ def plan():
         cases=700,
         chunk=128,
         seed=11,
-        limit=np.radians(0.42),
+        nozzle=tv.Nozzle(limit=np.radians(0.42)),
         probability=0.9,
     )
 
@@ -80,11 +80,11 @@ def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
 def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
     time = np.linspace(0.0, 20.0, 12)
     winds = 0.08 * np.sin(np.pi * time / 20.0) * np.linspace(0.2, 1.0, 9)[:, np.newaxis]
-    flight = tv.Flight(deflection_limit=0.01, rate_limit=0.5, natural_frequency=20.0)
+    nozzle = tv.Nozzle(limit=0.01, rate_limit=0.5, actuator=tv.Actuator(natural_frequency=20.0))
     outputs = ("required", "forecast-free", "minimum", "flight")
     for wind in (plan.wind, tv.WindEnsemble(time, winds)):
         spread = SPREAD if wind is plan.wind else tv.Dispersions(SPREAD.each[:2], FEW)
-        given = {"wind": wind, "dispersions": spread, "flight": flight, "cases": 48}
+        given = {"wind": wind, "dispersions": spread, "nozzle": nozzle, "cases": 48}
         asked = replace(plan, model=model, outputs=outputs, **given)
         whole = evaluate(asked, 0, 48)
         for first, count in ((0, 1), (42, 1), (47, 1), (3, 7), (20, 20)):
@@ -94,13 +94,13 @@ def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
 
 def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_study(plan):
     vehicle = plan.vehicle.replace(pitch_damping=0.05 * plan.vehicle.moment_of_inertia)
-    flight = tv.Flight(deflection_limit=0.01, rate_limit=0.5, natural_frequency=20.0)
+    nozzle = tv.Nozzle(limit=0.01, rate_limit=0.5, actuator=tv.Actuator(natural_frequency=20.0))
     asked = replace(
         plan,
         vehicle=vehicle,
         dispersions=tv.Dispersions((tv.Dispersion("pitch_damping", "normal", 0.6),)),
         outputs=("required", "forecast-free", "minimum", "flight"),
-        flight=flight,
+        nozzle=nozzle,
         cases=60,
     )
     found = evaluate(asked, 0, 60)

@@ -264,7 +264,7 @@ def test_every_room_says_no_where_the_pair_needs_more(configuration_i, tmp_path)
     assert np.all(sized.required["K = 1"] > 0.0)
     campaign = tv.Campaign(
         vehicle=slow(configuration_i, 128.0), wind=tv.ShapedWind("triangular", PEAK, 15.0),
-        cases=200, model="drift-exact", limit=1e-4, chunk=200,
+        cases=200, model="drift-exact", nozzle=tv.Nozzle(limit=1e-4), chunk=200,
     )  # fmt: skip
     found = tv.run_campaign(campaign, tmp_path / "c")
     assert found.success().estimate == 0.0

@@ -20,7 +20,6 @@ from tvclin.answers.study_file.parse import parse_study
 from tvclin.answers.study_file.read import example
 from tvclin.base.units import UNITS
 from tvclin.cli.app import app
-from tvclin.cli.inputs import changed_plan
 
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -42,16 +41,15 @@ def test_the_example_says_what_its_keys_say() -> None:
 
     assert found.vehicle == tv.load_vehicle("configuration-i")
     assert found.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
-    assert found.limit == pytest.approx(np.radians(0.4), rel=1e-15)
+    assert found.nozzle.limit == pytest.approx(np.radians(0.4), rel=1e-15)
     assert found.criteria is tv.CRITERIA["classic"]
-    assert (found.laws.sample_rate, found.laws.model) == (50.0, None)
-    assert (found.gains.design, found.gains.model) == ("canonical", None)
+    assert (found.laws.sample_rate, found.design.design) == (50.0, "canonical")
     assert len(found.dispersions.each) == 5
     sizing = found.sizing
     assert sizing.schedule.at(66.0) == tv.load_schedule("configuration-i").at(66.0)
-    assert (sizing.pulses, sizing.every, sizing.dead_bands) == ((found.wind,), 10.0, (1.0, 0.5))
+    assert (sizing.pulses(found), sizing.every) == ((found.wind,), 10.0)
+    assert sizing.dead_bands == (1.0, 0.5)
     assert (sizing.dispersion, sizing.gravity_offset, sizing.reserve) == (0.2, 0.02, 0.1)
-    assert (sizing.limit, sizing.model) == (found.limit, found.model)
 
 
 def test_the_page_shows_a_study() -> None:
@@ -59,7 +57,7 @@ def test_the_page_shows_a_study() -> None:
     text, _ = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)
     found = parse_study(tomllib.loads(text))
 
-    assert (found.model, found.dead_band, found.gains.delay) == ("drift", 0.5, 0.02)
+    assert (found.model, found.dead_band, found.design.delay) == ("drift", 0.5, 0.02)
     assert found.laws.winds == ("triangle", "1 - cosine")
 
 
@@ -68,11 +66,12 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
     text = re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[1]
     (tmp_path / "balloon.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
     tables = tomllib.loads(text.replace("flight.csv", "configuration-i"))
-    asked = parse_study({"study": HEAD} | tables, tmp_path).sizing
+    found = parse_study({"study": HEAD} | tables, tmp_path)
+    asked, gust = found.sizing, found.wind.gust
 
-    assert list(asked.winds) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
-    assert (asked.gust.onset, asked.gust.end, asked.window) == (2.75, 4.75, 30.0)
-    assert asked.times.tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
+    assert list(asked.winds(found)) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
+    assert (gust.onset, gust.end, asked.window) == (2.75, 4.75, 30.0)
+    assert asked.times(found).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
 
 
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
@@ -80,7 +79,7 @@ def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
     assert run("init", "--study", file).exit_code == 0
     study, campaign = tv.load_study(file), tv.load_campaign(file)
 
-    for name in ("vehicle", "model", "plane", "wind", "limit", "dispersions", "cases", "seed"):
+    for name in ("vehicle", "model", "plane", "wind", "nozzle", "dispersions", "cases", "seed"):
         assert getattr(study, name) == getattr(campaign, name), name
 
 
@@ -180,7 +179,7 @@ def test_the_study_of_a_file_is_that_of_its_options(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(
         '[study]\nvehicle = "configuration-ii"\nmodel = "drift"\nplane = "yaw"\ndead_band = 0.6\n'
-        '[wind]\nshape = "rectangular"\npeak_deg = 3\nduration_s = 6\n[question]\nlimit_deg = 0.3\n'
+        '[wind]\nshape = "rectangular"\npeak_deg = 3\nduration_s = 6\n[nozzle]\nlimit_deg = 0.3\n'
     )
     options = ["--model", "drift", "--plane", "yaw", "--dead-band", "0.6", "--peak-deg", "3"]
     options += ["--wind", "rectangular", "--duration", "6", "--limit-deg", "0.3"]
@@ -205,18 +204,18 @@ def test_an_option_counts_more_than_the_file(tmp_path: Path) -> None:
 
 
 def test_gains_and_criteria_of_ones_own() -> None:
-    own = {"attitude_gain": 0.3, "rate_gain_s": 0.4, "delay_ms": 20, "model": "fixed-path"}
+    own = {"attitude_gain": 0.3, "rate_gain_s": 0.4, "delay_ms": 20}
     wanted = {"name": "aircraft", "delay_margin_ms": 50.0}
     found = plan(autopilot=own, criteria=wanted)
     plant = tv.Plant.from_vehicle(found.vehicle, "fixed-path")
-    autopilot = found.gains.autopilot(plant)
+    autopilot = found.design.autopilot(plant)
 
     assert (autopilot.attitude_gain, autopilot.rate_gain, autopilot.delay) == (0.3, 0.4, 0.02)
     limits = {one.margin: one.limit for one in found.criteria.requirements}
     assert (limits["phase_margin_deg"], limits["delay_margin"]) == (45.0, 0.05)
     by_rule = plan(autopilot={"design": "poles", "natural_frequency_rad_per_s": 2.0})
     expected = tv.design_gains(plant.coefficients, natural_frequency=2.0, damping=0.7)
-    assert by_rule.gains.autopilot(plant).attitude_gain == expected.attitude_gain
+    assert by_rule.design.autopilot(plant).attitude_gain == expected.attitude_gain
 
 
 @pytest.mark.parametrize(
@@ -240,10 +239,15 @@ def test_gains_and_criteria_of_ones_own() -> None:
             {"wind": {"time_s": [0, 1], "angle_rad": [[0.1, 0]]}},
             "a study needs a wind of one shape",
         ),
-        ({"question": {"limt_deg": 0.4}}, r"'limt_deg'; did you mean limit_deg or limit_rad\?"),
-        ({"question": {"limit": 0.4}}, "limit has no known unit .* write limit_rad or limit_deg"),
+        ({"question": {"limit_deg": 0.4}}, r"limit_deg stands in \[nozzle\], not in \[question\]"),
+        (
+            {"size": {"model": "drift"}},
+            r"model stands in \[study\] or \[campaign\], not in \[size\]",
+        ),
+        ({"nozzle": {"limt_deg": 0.4}}, r"'limt_deg'; did you mean limit_deg or limit_rad\?"),
+        ({"nozzle": {"limit": 0.4}}, "limit has no known unit .* write limit_rad or limit_deg"),
         ({"study": {"vehicle": {"weight": 1.0}}}, "weight has no known unit .*; write weight_N or"),
-        ({"question": {"limit_deg": -0.4}}, "limit must be positive"),
+        ({"nozzle": {"limit_deg": -0.4}}, "limit must be positive"),
         ({"laws": {"names": ["trimm"]}}, "names of the laws must be one of .*'trim'"),
         ({"laws": {"names": "trim"}}, r"names in \[laws\] must be a list"),
         (
@@ -363,32 +367,28 @@ def test_whose_the_flight_is(tmp_path: Path) -> None:
 
 
 def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
-    schedule, pulse = tv.load_schedule("configuration-i"), tv.ShapedWind("triangular", 0.08, 7.5)
+    schedule = tv.load_schedule("configuration-i")
     low = tv.WindProfile(height=[0.0, 100.0], east=[5.0, 5.0], north=[0.0, 0.0])
     for given, said in (
-        ({}, "a sizing needs a wind: a pulse or a sounding"),
-        ({"pulses": (pulse,), "dead_bands": ()}, "dead_bands must hold one number or more"),
+        ({"pulse": False}, "a sizing needs a wind: a pulse or a sounding"),
+        ({"dead_bands": ()}, "dead_bands must hold one number or more"),
         (
             {"soundings": {"low": SoundingAsked(low, 0.0)}},
             "low: the flight does not reach the wind",
         ),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.SizingAsked(schedule=schedule, **given).sizing()
+            tv.SizingAsked(schedule=schedule, **given).sizing(plan())
 
 
 def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
-    vehicle, pulse = tv.load_vehicle("configuration-i"), tv.ShapedWind("triangular", 0.08, 7.5)
-    schedule = tv.load_schedule("configuration-i")
-    pitch, yaw = (
-        tv.SizingAsked(schedule=schedule, pulses=(pulse,), peak_speed=60.0, plane=plane)
-        for plane in ("pitch", "yaw")
-    )
-    across = np.sin(yaw.peak_at(vehicle, pulse)) * vehicle.velocity
-    assert across == pytest.approx(60.0, rel=1e-14)
-    assert np.sin(pitch.peak_at(vehicle, pulse)) * vehicle.velocity == pytest.approx(
-        60.0 * np.sin(vehicle.attitude), rel=1e-14
-    )
+    asked = tv.SizingAsked(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
+    for plane in ("pitch", "yaw"):
+        case = replace(plan(), plane=plane)
+        met = asked.at(case, 66.0, case.wind)
+        meets = 60.0 * (np.sin(met.vehicle.attitude) if plane == "pitch" else 1.0)
+        across = np.sin(met.history.peak) * met.vehicle.velocity
+        assert across == pytest.approx(meets, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -438,11 +438,19 @@ def test_the_command_line_refuses_a_bad_study_file(tmp_path: Path) -> None:
     assert run("init", "--study", file).exit_code == 2
 
 
-def test_the_limit_of_an_option_counts_for_the_whole_flight_too() -> None:
-    given = plan(schedule={"source": "configuration-i"}, question={"limit_deg": 0.4})
-    wider = changed_plan(given, None, None, (None, None), 3.0, {})
-    assert given.sizing.limit == given.limit
-    assert wider.sizing.limit == wider.limit == np.radians(3.0)
+def test_the_limit_of_an_option_counts_for_the_whole_flight_too(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(
+        '[study]\nvehicle = "configuration-i"\nmodel = "fixed-path"\n'
+        "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+        '[schedule]\nsource = "configuration-i"\n[size]\nevery_s = 60\n[nozzle]\nlimit_deg = 0.01\n'
+    )
+    for options, answer in (((), False), (("--limit-deg", 3), True)):
+        asked = json.loads(run("study", path, *options, "--json").stdout)["questions"]
+        assert {one["name"]: one["yes"] for one in asked} == {
+            "wind": answer,
+            "whole flight": answer,
+        }
 
 
 def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -> None:

@@ -100,13 +100,14 @@ def test_a_study_keeps_its_direction(booster) -> None:
 
 def test_a_file_gives_the_direction_in_its_wind() -> None:
     wind = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 45.0}
-    document = {"study": {"vehicle": "configuration-i", "nozzle_stop": "round"}, "wind": wind}
+    study = {"vehicle": "configuration-i"}
+    document = {"study": study, "nozzle": {"stop": "round"}, "wind": wind}
     plan = parse_study(document)
     assert plan.wind.heading == pytest.approx(np.radians(225))
     assert plan.study().planes is not None
     flight = parse_study(document | {"schedule": {"source": "configuration-i"}})
     assert flight.sizing is not None
-    assert (flight.sizing.plane, flight.sizing.nozzle_stop) == ("both", "round")
+    assert (flight.planes, flight.nozzle.stop) == ("both", "round")
 
 
 def test_what_has_no_direction_is_told_so(booster) -> None:
@@ -120,7 +121,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
         found = run("study", *options)
         assert found.exit_code == 2
         assert words in " ".join(found.output.split())
-    with pytest.raises(tv.InputError, match="stop needs a heading"):
+    with pytest.raises(tv.InputError, match="a stop of both planes needs a wind with a direction"):
         tv.Study.from_vehicle(booster, duration=7.5, peak=0.08, stop="round", model="fixed-path")
     wind = tv.ShapedWind("triangular", 0.08, 7.5, heading=1.0)
     with pytest.raises(tv.InputError, match="a campaign is in one plane"):
@@ -128,13 +129,14 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
 
 
 SLANTING = {
-    "study": {"vehicle": "configuration-i", "model": "fixed-path", "nozzle_stop": "round"},
+    "study": {"vehicle": "configuration-i", "model": "fixed-path"},
+    "nozzle": {"stop": "round", "limit_deg": 0.45},
     "wind": {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 340.0},
 }
 
 
 def asked(**more) -> Findings:
-    return find(replace(parse_study(SLANTING | more), limit=np.radians(0.45)))
+    return find(parse_study(SLANTING | more))
 
 
 def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(booster) -> None:

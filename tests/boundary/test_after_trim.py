@@ -52,11 +52,9 @@ class Judge:
         self.poles, self.left = poles[grow], left.T[grow]
 
     def least(self, height, cells=CELLS):
-        """Return the least peak [rad] from where trim first is at a height; 0 where it never is."""
+        """Return the least peak [rad] from where trim first is at a height, or the wind's end."""
         hit = np.flatnonzero(self.trim >= height)
-        if not hit.size:
-            return 0.0
-        k = int(hit[0])
+        k = int(hit[0]) if hit.size else len(self.trim) - 1
         t, f = self.t[k:] - self.t[k], self.f[k:]
         rows, asked = [], []
         last = 40.0 / self.poles.real.min()
@@ -129,6 +127,21 @@ def test_a_slow_vehicle_needs_half_as_much_again():
     wind = tv.TriangularWind(peak=PEAK, duration=240.0)
     found = held_to(plant, wind, 0.5)
     assert found.governs == AFTER_TRIM
+
+
+def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
+    # With this limit over K trim is never limited, and yet leaves a slow mode that needs more.
+    path = {"C1": 0.093146, "C2": 0.0470317, "b1": -0.01482715, "b2": 0.0191822, "q": 0.000488467}
+    c = tv.Coefficients(mu_alpha=2.435238, mu_delta=-1.182242, **path)
+    plant = tv.Plant.from_coefficients(c, "drift-exact")
+    time = [0.0, 1.78016, 5.40902, 5.80530, 7.85176, 11.70395, 14.57010]
+    wind = tv.SampledWind(time=time, angle=[0, 0.06518, 0.04169, 0.02614, 0.08609, 0.05809, 0])
+    found = required_deflection(plant, wind, 0.75)
+    judge, limit = Judge(plant, wind), abs(float(found.deflection))
+    assert found.governs == AFTER_TRIM
+    assert judge.least(0.75 * 0.9955 * limit) > 0.9955 * limit
+    assert judge.least(0.75 * 1.3 * limit) > judge.trim.max() < 0.75 * 1.3 * limit
+    held_to(plant, wind, 0.75)
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift"])

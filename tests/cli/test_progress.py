@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -86,9 +87,10 @@ def test_an_interrupted_campaign_says_how_it_goes_on(
 
 
 def test_the_flight_of_the_template_can_be_taken_in() -> None:
-    begin, end = template().index("# [flight]"), template().index("[question]")
-    flight = template()[begin:end].replace("# ", "", 1).replace("\n# ", "\n")
+    begin, end = template().index("[outputs]"), template().index("[question]")
+    flight = template()[begin:end].replace("\n# ", "\n")
     text = template()[:begin] + flight + template()[end:]
     with_flight = text.replace('names = ["required", "minimum"]', 'names = ["required", "flight"]')
 
-    assert parse_campaign(tables_of(with_flight, "mine")).flight is not None
+    plan = parse_campaign(tables_of(with_flight, "mine"))
+    assert (plan.nozzle.rate_limit, plan.asked.sample_rate) == (np.radians(10.0), 50.0)

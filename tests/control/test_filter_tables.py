@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.answers.study_file.parse import parse_study
 from tvclin.cli.app import app
-from tvclin.control.autopilot.rules import GainsAsked
+from tvclin.control.autopilot.rules import AutopilotDesign
 
 TABLES = """
 [autopilot]
@@ -56,7 +56,7 @@ def table(text=TABLES):
 
 
 def test_a_file_names_the_filters_of_each_place():
-    asked = GainsAsked.from_table(table())
+    asked = AutopilotDesign.from_table(table())
     s = 1j * np.array([0.3, 5.0, 75.0])
     w = 24.0 * np.pi
     notch = (s**2 + 0.1 * w * s + w**2) / (s**2 + 1.0 * w * s + w**2)
@@ -75,12 +75,12 @@ def test_a_file_names_the_filters_of_each_place():
 
 def test_a_study_file_takes_them_and_a_rule_keeps_them():
     plan = parse_study(tomllib.loads(STUDY + TABLES))
-    assert len(plan.gains.filters) == 2
+    assert len(plan.design.filters) == 2
     rule = STUDY + TABLES.replace(
         "attitude_gain = 0.36\nrate_gain_s = 0.56", 'design = "canonical"'
     )
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
-    assert len(parse_study(tomllib.loads(rule)).gains.autopilot(plant).rate_filters) == 1
+    assert len(parse_study(tomllib.loads(rule)).design.autopilot(plant).rate_filters) == 1
 
 
 @pytest.mark.parametrize(
@@ -98,14 +98,14 @@ def test_a_study_file_takes_them_and_a_rule_keeps_them():
 )
 def test_a_wrong_filter_is_named_in_one_sentence(old, new, message):
     with pytest.raises(tv.InputError, match=message):
-        GainsAsked.from_table(table(TABLES.replace(old, new, 1)))
+        AutopilotDesign.from_table(table(TABLES.replace(old, new, 1)))
 
 
 def test_what_is_no_table_of_filters_is_refused():
     with pytest.raises(tv.InputError, match="filter in .autopilot. must be a list"):
-        GainsAsked.from_table({"filter": "notch"})
+        AutopilotDesign.from_table({"filter": "notch"})
     with pytest.raises(tv.InputError, match=r"must be given as \[\[autopilot.filter\]\]"):
-        GainsAsked.from_table({"filter": [1]})
+        AutopilotDesign.from_table({"filter": [1]})
 
 
 def margins(*more):

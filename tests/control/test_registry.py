@@ -5,7 +5,9 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.campaign.cases import batch, draw_case
 from tvclin.answers.campaign.file import template
+from tvclin.answers.campaign.outputs import law_of
 from tvclin.answers.study_file.read import example
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import LAWS
@@ -16,10 +18,17 @@ PEAK = 0.08
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_is_the_same_in_trials_and_in_campaigns(name):
-    flight = tv.Flight(law=name, deflection_limit=0.01)
+    plan = tv.Campaign(
+        vehicle=tv.load_vehicle("configuration-i"),
+        wind=tv.ShapedWind("triangular", PEAK, 7.5),
+        nozzle=tv.Nozzle(limit=0.01),
+        outputs=("flight",),
+        law=name,
+        cases=2,
+    )
     law = tv.design_law(name, PLANT, PEAK)
     assert law.numbers is not None  # the compiled flights know it
-    flown = flight.designed(PLANT, PEAK, flight.gains(PLANT))
+    flown = law_of(plan, batch(plan, draw_case(plan, 0)))
     assert law.numbers == flown.numbers == tv.standard_laws(PLANT, PEAK)[name].numbers
 
 

@@ -137,7 +137,7 @@ def test_a_list_where_a_name_belongs_is_one_sentence(tmp_path, command, text) ->
         ("study", f"{STUDY}[{'z' * 5000}]\n"),
         ("study", VEHICLE.replace('name = "', 'name = "\\n' + "n" * 5000)),
         ("study", f"{STUDY}[laws]\nnames = {['name' * 9] * 500}\n"),
-        ("study", f"{STUDY}[question]\nlimit_deg = {[1] * 5000}\n"),
+        ("study", f"{STUDY}[nozzle]\nlimit_deg = {[1] * 5000}\n"),
         ("size", "[schedule]\ntime_s = [1, 2]\n" + "k" * 5000 + " = 1\n"),
         ("size", f"schedule = {[1] * 3000}\n"),
     ],

@@ -40,7 +40,7 @@ def test_the_study_of_a_panel_has_its_numbers(
     there = json.loads(told.stdout)["verdict"]
     plan = tv.load_study(path)
     plant = tv.Plant.from_vehicle(plan.vehicle, plan.loop_model, plan.plane)
-    margins = plan.gains.autopilot(plant).margins(plant)
+    margins = plan.autopilot.margins(plant)
 
     assert path == tmp_path / "study-one.toml"
     assert plan.vehicle == CHOSEN.vehicle
@@ -58,6 +58,6 @@ def test_a_study_has_the_gains_of_the_law_if_it_has_some(law: str, tmp_path: Pat
     path.write_text(study_text(replace(CHOSEN, law=law)), encoding="utf-8")
     plan = tv.load_study(path)
 
-    assert (plan.gains is not None) is (law in (AUTOPILOT, HALF_RELIEF))
+    assert (plan.design is not None) is (law in (AUTOPILOT, HALF_RELIEF))
     assert (plan.wind.shape, plan.wind.peak) == (CHOSEN.shape, CHOSEN.peak)
-    assert (plan.limit, plan.dead_band, plan.plane) == (CHOSEN.limit, 0.85, "yaw")
+    assert (plan.nozzle.limit, plan.dead_band, plan.plane) == (CHOSEN.limit, 0.85, "yaw")

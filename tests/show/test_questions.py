@@ -15,12 +15,14 @@ from tvclin.show.report import verdict
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.Criteria.own("loose", aero_margin_dB=3.0)
-GAINS = tv.GainsAsked(design="poles", natural_frequency=2.0, damping=0.8)
+DESIGN = tv.AutopilotDesign(design="poles", natural_frequency=2.0, damping=0.8)
 
 
 def found_for(limit_deg: float | None, **changes: object) -> Findings:
     limit = None if limit_deg is None else float(np.radians(limit_deg))
-    plan = tv.StudyPlan(vehicle=tv.load_vehicle("configuration-i"), limit=limit, cases=400)
+    plan = tv.StudyPlan(
+        vehicle=tv.load_vehicle("configuration-i"), nozzle=tv.Nozzle(limit=limit), cases=400
+    )
     return find(replace(plan, **changes))
 
 
@@ -54,7 +56,7 @@ def test_too_few_cases_are_no_yes() -> None:
 
 def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> None:
     """A linear peak above the limit is no loss where the flight survives, and is told."""
-    found = found_for(0.5, gains=GAINS, criteria=LOOSE)
+    found = found_for(0.5, design=DESIGN, criteria=LOOSE)
     loop, wind = found.comparison, found.study.wind
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
     nozzle = {"actuator": loop.autopilot.actuator, "sample_rate": 100.0}
@@ -65,31 +67,49 @@ def test_an_autopilot_is_judged_by_its_flight_with_the_limit_as_its_stop() -> No
         limit = float(np.radians(part * needs))
         flown = tv.fly_many(loop.plant, law, wind, deflection_limit=limit, **nozzle)
         assert (str(flown.status) == "survived") is survives
-        found = found_for(part * needs, gains=GAINS, criteria=LOOSE)
+        found = found_for(part * needs, design=DESIGN, criteria=LOOSE)
         assert answers(found)["autopilot"] is survives
     basis = "".join(str(getattr(one, "text", one)) for one in verdict.basis(found))
     assert f"would turn the nozzle by {asks:.3f} deg, more than the limit" in basis
     assert f"more than the {needs:.3f} deg that this autopilot needs" in headline(found)
-    wide = found_for(1.01 * asks, gains=GAINS, criteria=LOOSE)
+    wide = found_for(1.01 * asks, design=DESIGN, criteria=LOOSE)
     assert "more than the limit" not in str(verdict.basis(wide))
     (said,) = (one.text for one in questions(wide) if one.name == "autopilot")
     assert f"needs {needs:.3f} deg as a stop, flown" in said
     assert f"without a stop it would turn the nozzle by {asks:.3f} deg" in said
 
 
+def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights() -> None:
+    plain = found_for(0.5, design=DESIGN, criteria=LOOSE)
+    design = replace(DESIGN, sample_rate=20.0)
+    nozzle = tv.Nozzle(limit=np.radians(0.5), rate_limit=np.radians(0.4))
+    found = found_for(0.5, design=design, nozzle=nozzle, criteria=LOOSE)
+    loop, before = found.comparison, plain.comparison
+    expected = loop.autopilot.margins(loop.plant)
+    assert loop.margins.phase_margin_deg == expected.phase_margin_deg
+    assert loop.margins.phase_margin_deg < before.margins.phase_margin_deg - 1.0
+    assert loop.peak_deflection == before.peak_deflection  # of the continuous autopilot, as told
+    assert "all peaks of the continuous one" in " ".join(loop.notes)
+    law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
+    flown = {"actuator": tv.Actuator(), "sample_rate": 20.0, "rate_limit": nozzle.rate_limit}
+    boundary = tv.closed_loop_boundary(loop.plant, law, found.study.wind, **flown)
+    assert found.stop.deflection == boundary.deflection
+    assert abs(boundary.deflection) > 1.05 * abs(plain.stop.deflection)
+
+
 def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
     strict = tv.Criteria.own("strict", aero_margin_dB=60.0)
     for limit in (3.0, None):
-        found = found_for(limit, gains=GAINS, criteria=strict)
+        found = found_for(limit, design=DESIGN, criteria=strict)
         assert answers(found)["margins"] is False
         assert sufficient(found) is False
         assert "does not meet the criteria strict" in headline(found)
-    assert sufficient(found_for(None, gains=GAINS, criteria=LOOSE)) is None
+    assert sufficient(found_for(None, design=DESIGN, criteria=LOOSE)) is None
 
 
 def test_what_has_no_answer_is_no_yes() -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=-2.0)
-    found = found_for(0.4, vehicle=stable, gains=tv.GainsAsked(), criteria=LOOSE)
+    found = found_for(0.4, vehicle=stable, design=tv.AutopilotDesign(), criteria=LOOSE)
     assert answers(found) == {"wind": True, "autopilot": None, "margins": None}
     assert headline(found).startswith("Not shown to be enough: ")
 
@@ -101,8 +121,8 @@ def test_study_and_report_exit_alike(tmp_path, limit: float, code: int) -> None:
     file.write_text(
         "[study]\nvehicle = 'configuration-i'\nmodel = 'fixed-path'\n"
         "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
-        f"[question]\nlimit_deg = {limit}\n"
-        "probability = 0.99\n[campaign]\ncases = 400\n[[dispersion]]\n"
+        f"[nozzle]\nlimit_deg = {limit}\n"
+        "[question]\nprobability = 0.99\n[campaign]\ncases = 400\n[[dispersion]]\n"
         "parameter = 'normal_force_slope'\nshape = 'truncated'\npercent = 10\n"
     )
     page = ["report", str(file), "-o", str(tmp_path / "r.html")]

@@ -93,8 +93,8 @@ def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
 def plan() -> tv.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.LawsAsked(names=("trim", "autopilot"), model="drift-exact", sample_rate=20.0)
-    flight = replace(whole.sizing, start=60.0, stop=90.0, model="fixed-path")
+    laws = tv.LawsAsked(names=("trim", "autopilot"), sample_rate=20.0)
+    flight = replace(whole.sizing, start=60.0, stop=90.0)
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
 
@@ -172,7 +172,7 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
 
 
 def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
-    plant = tv.Plant.from_vehicle(plan.vehicle, "drift-exact")
+    plant = tv.Plant.from_vehicle(plan.vehicle, plan.model)
     laws = tv.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
     parts = {"trim": 1.0, "no_forecast": tv.forecast_free_limit(plant, study.wind).limit}
@@ -352,7 +352,7 @@ def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
 
 
 def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.StudyPlan) -> None:
-    lost = replace(plan, limit=0.001, wind=replace(plan.wind, duration=20.0))
+    lost = replace(plan, nozzle=tv.Nozzle(limit=0.001), wind=replace(plan.wind, duration=20.0))
     found = find(lost)
     shown = numbers(sections.response(found))
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
@@ -435,8 +435,8 @@ def test_the_same_inputs_give_the_same_bytes(plan: tv.StudyPlan, html: str) -> N
 
 
 def test_the_seal_is_that_of_the_inputs(plan: tv.StudyPlan, html: str) -> None:
-    short = replace(plan, laws=None, gains=None, criteria=None, dispersions=None)
-    nearly = replace(short, limit=plan.limit * (1 + 1e-15))
+    short = replace(plan, laws=None, design=None, criteria=None, dispersions=None)
+    nearly = replace(short, nozzle=tv.Nozzle(limit=plan.nozzle.limit * (1 + 1e-15)))
 
     assert len(set(re.findall(r"[0-9a-f]{64}", html))) == 1
     assert find(short).seal == find(short).seal != find(nearly).seal
@@ -493,7 +493,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     )
     text = (
         '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 5\nduration_s = 35\n'
-        '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[question]\nlimit_deg = 0.4\n'
+        '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[nozzle]\nlimit_deg = 0.4\n'
         "[gust]\npeak_deg = 1\nduration_s = 2\n"
         "[size]\nstart_s = 66\nstop_s = 66\nvarying = true\nwindow_s = 20\n"
     )
@@ -535,7 +535,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     (tmp_path / "w.csv").write_text("height_m,east_m_per_s,north_m_per_s\n0,0,0\n12000,20,0\n")
     text = (
         '[study]\nvehicle = "configuration-i"\n[[wind]]\npeak_deg = 2\nduration_s = 7.5\n'
-        '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[question]\nlimit_deg = 0.6\n'
+        '[[wind]]\nsounding = "w.csv"\nazimuth_deg = 90\n[nozzle]\nlimit_deg = 0.6\n'
         "[size]\nstart_s = 60\nstop_s = 80\nevery_s = 20\n"
     )
     (tmp_path / "s.toml").write_text(text)
@@ -562,7 +562,7 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyP
     deflection = tv.trim_then_hold(plant, both, -np.radians(0.4), 1.0)
     times = np.linspace(0.0, shown["response.at_end_s"], 8001)
     attitude = np.degrees(tv.attitude_responses(plant, deflection, both, times)["attitude"])
-    flown = tv.compare_with_trim(plant, plan.gains.autopilot(plant), both)
+    flown = tv.compare_with_trim(plant, plan.autopilot, both)
 
     assert shown["response.with_wind_deg"] == pytest.approx(attitude.min(), rel=1e-4)
     assert found.comparison.peak_deflection == flown.peak_deflection
@@ -573,10 +573,10 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     plan: tv.StudyPlan,
 ) -> None:
     once = replace(plan.sizing, start=60.0, stop=60.0)
-    fixed = tv.StudyPlan(vehicle=plan.vehicle, model="fixed-path", limit=plan.limit, sizing=once)
+    fixed = tv.StudyPlan(vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once)
     short = find(fixed)
     wide = np.radians(0.9)
-    enough = find(replace(fixed, limit=wide, sizing=replace(once, limit=wide)))
+    enough = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=once))
     heading = [one for one in verdict.sentence(short) if isinstance(one, Number)]
     headline = {one.name: one.text for one in heading}
     section = {
@@ -601,14 +601,14 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
 @pytest.mark.usefixtures("few_durations")
 def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "my.toml"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
-    text += "[question]\nlimit_deg = 0.4\n[size]\nstart_s = 60\nstop_s = 60\n"
+    text += "[nozzle]\nlimit_deg = 0.4\n[size]\nstart_s = 60\nstop_s = 60\n"
     (tmp_path / "my.toml").write_text(template())
     study, output = tmp_path / "s.toml", tmp_path / "r.html"
     study.write_text(f'{text}[schedule]\nsource = "configuration-i"\n')
     said = (
         "the flight is that of configuration-i, not of the study's vehicle, my.toml; give its own"
     )
-    asked = tv.load_sizing(study)
+    asked = tv.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["size", str(study)])
 
@@ -646,7 +646,7 @@ def test_what_no_page_can_hold_is_replaced() -> None:
 def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
     vehicle = tv.load_vehicle("configuration-i")
     limit = None if limit is None else np.radians(limit)
-    heading = verdict.sentence(find(tv.StudyPlan(vehicle=vehicle, limit=limit)))
+    heading = verdict.sentence(find(tv.StudyPlan(vehicle=vehicle, nozzle=tv.Nozzle(limit=limit))))
     words = "".join(one if isinstance(one, str) else one.text for one in heading)
 
     assert words.startswith(said)
@@ -677,7 +677,7 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
         wind=replace(plan.wind, duration=duration),
         model="drift-exact",
         dead_band=dead_band,
-        limit=np.radians(0.5),
+        nozzle=tv.Nozzle(limit=np.radians(0.5)),
     )
     found = find(asked)
 
@@ -688,14 +688,18 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
 def test_a_page_says_where_no_limit_is_enough(plan: tv.StudyPlan) -> None:
     slow = plan.vehicle.replace(velocity=45.0, attitude=1.5)
     asked = tv.StudyPlan(
-        vehicle=slow, wind=plan.wind, model="drift-exact", dead_band=0.0, limit=0.1
+        vehicle=slow,
+        wind=plan.wind,
+        model="drift-exact",
+        dead_band=0.0,
+        nozzle=tv.Nozzle(limit=0.1),
     )
     found = find(asked)
 
     assert dict(verdict.facts(found))["this wind needs"] == ("none is enough",)
     assert words(sections.boundaries(found)).count("none is enough") == 2
     assert [one.text for one in questions(found)] == ["with this dead band no limit is enough"]
-    endless = find(replace(asked, limit=None))
+    endless = find(replace(asked, nozzle=tv.Nozzle()))
     assert verdict.sentence(endless)[0].startswith("Not enough: no limit is, with this dead band")
     assert sections.response(endless) is None
 
@@ -706,7 +710,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
         wind=replace(plan.wind, duration=60.0),
         model="drift-exact",
         dead_band=0.5,
-        limit=np.radians(0.2),
+        nozzle=tv.Nozzle(limit=np.radians(0.2)),
     )
     found = find(long)
     told = words(basis.assumptions(found))
@@ -736,7 +740,7 @@ def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
     assert "that the whole flight of configuration-i needs" in html
     assert html.count("There is no answer:") == 2
     assert "No deflection is needed" in tv.report_html(
-        tv.StudyPlan(vehicle=stable, model="fixed-path", limit=0.01)
+        tv.StudyPlan(vehicle=stable, model="fixed-path", nozzle=tv.Nozzle(limit=0.01))
     )
 
 
@@ -744,7 +748,7 @@ def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
 def test_the_command_writes_the_page_and_exits_by_the_verdict(tmp_path: Path) -> None:
     text = '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
     study, output = tmp_path / "study.toml", tmp_path / "report.html"
-    study.write_text(text + "[question]\nlimit_deg = 0.3\n")
+    study.write_text(text + "[nozzle]\nlimit_deg = 0.3\n")
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
 
     assert result.exit_code == 1
@@ -781,7 +785,7 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
-    enough, found = page_of(replace(short, limit=np.radians(0.9)))
+    enough, found = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
     loop = found.comparison
     assert loop is not None
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))

@@ -37,7 +37,7 @@ def folder(tmp_path_factory):
 
 
 def document(limit_deg: float | None = LIMIT, **changes: object) -> dict[str, dict]:
-    question = {} if limit_deg is None else {"question": {"limit_deg": limit_deg}}
+    question = {} if limit_deg is None else {"nozzle": {"limit_deg": limit_deg}}
     wind = {"peak_deg": 5.0, "duration_s": 7.5}
     head = {"vehicle": "configuration-i"}
     return {"study": head, "wind": wind, "availability": ASKED | changes} | question
@@ -134,7 +134,7 @@ def run(*arguments: object) -> Result:
 def written(folder, name: str, least: str, limit: str = f"limit_deg = {LIMIT}") -> str:
     file = folder / name
     file.write_text(
-        f"""[study]\nvehicle = "configuration-i"\n[question]\n{limit}\n[wind]
+        f"""[study]\nvehicle = "configuration-i"\n[nozzle]\n{limit}\n[wind]
 peak_deg = 5\nduration_s = 7.5\n[availability]
 archive = ["s-data.txt"]\nazimuth_deg = 90\nplane = "pitch"\npersistence_deg = 0.02\n{least}"""
     )
@@ -193,7 +193,7 @@ LISTS = {
         ({"months": [7]}, "soundings must hold one or more"),
         ({"years": [2023]}, "years must be the first and the last"),
         ({"plane": "roll"}, "plane of availability must be"),
-        ({"stop": "oval"}, "stop of availability must be"),
+        ({"stop": "round"}, r"unknown key in \[availability\]: 'stop'"),
         ({"least_part": 95}, "least_part must be"),
         ({"persistence_deg": -1}, "persistence must be"),
         ({"known_to_m": -1}, "known_to must be"),
@@ -214,17 +214,22 @@ def test_an_archive_must_be_named() -> None:
         parse_study(asked)
 
 
-def test_model_stop_and_gust_are_those_of_the_study_unless_the_table_says_so(folder) -> None:
-    head = {"vehicle": "configuration-i", "model": "drift", "nozzle_stop": "square"}
+def test_model_limit_stop_and_gust_are_those_of_the_study(folder) -> None:
     wind = {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270, "azimuth_deg": 90}
-    gust = {"peak_deg": 0.5, "duration_s": 2.0}
-    given = document(model="drift-exact") | {"study": head, "wind": wind, "gust": gust}
-    asked = parse_study(given, folder).availability
-    assert (asked.model, asked.stop, asked.plane) == ("drift-exact", "square", "pitch")
-    assert asked.gust.peak == np.radians(0.5)
-    del given["availability"]["model"], given["availability"]["plane"]
-    asked = parse_study(given, folder).availability
-    assert (asked.model, asked.plane) == ("drift", "both")
+    plan = parse_study(
+        document(plane="both")
+        | {
+            "study": {"vehicle": "configuration-i", "model": "drift"},
+            "wind": wind,
+            "gust": {"peak_deg": 0.5, "duration_s": 2.0},
+            "nozzle": {"limit_deg": 0.3, "stop": "square"},
+        },
+        folder,
+    )
+    assert plan.availability is not None
+    found = plan.availability.availability(plan)
+    assert (found.model, found.plane, found.judge.stop) == ("drift", "both", "square")
+    assert (found.limit, found.judge.gust.peak) == (np.radians(0.3), np.radians(0.5))
 
 
 def test_the_table_of_the_page_is_read(folder) -> None:

@@ -29,7 +29,7 @@ vehicle = "my.toml"
 shape = "triangular"
 peak_deg = 5
 duration_s = 7.5
-[question]
+[nozzle]
 limit_deg = 0.45
 [autopilot]
 natural_frequency_rad_per_s = 1.5
@@ -96,7 +96,7 @@ def test_a_study_file_knows_the_structure_of_its_vehicle(plan, folder):
 
 def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
-    autopilot = plan.gains.autopilot(plant.rigid)
+    autopilot = plan.autopilot
     bands = autopilot.band_margins(plant)
     assert shown["flexible.rigid.gain"] == pytest.approx(bands.rigid.gain_increase_dB, rel=1e-12)
     mode = bands.mode("bending 1")
@@ -116,14 +116,14 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
 
 def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(found, shown, plan):
     plant = tv.FlexiblePlant.from_vehicle(plan.vehicle, plan.vehicle.structure, "drift-exact")
-    gains = replace(plan.gains.autopilot(plant.rigid), actuator=None, delay=0.0)
+    gains = replace(plan.autopilot, actuator=None, delay=0.0)
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     nozzle = {"actuator": tv.Actuator(), "sample_rate": 100.0, "delay": 0.01}
     law = tv.SaturatedLaw(gains)
     for k, one in enumerate((plant, plant.rigid)):
         least = tv.closed_loop_boundary(one, law, wind, **nozzle).deflection
         assert shown[f"flexible.boundary.{k}_deg"] == pytest.approx(abs(np.degrees(least)))
-        many = tv.fly_many(one, law, wind, deflection_limit=plan.limit, **nozzle)
+        many = tv.fly_many(one, law, wind, deflection_limit=plan.nozzle.limit, **nozzle)
         rate = np.degrees(many.peak_deflection_rate)
         assert shown[f"flexible.flown.rate.{k}_deg"] == pytest.approx(float(rate))
     answers = {one.name: one for one in questions(found)}
@@ -147,13 +147,13 @@ def test_the_whole_page_holds_the_section_and_what_went_in(page):
 def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
     sought, seek = [], asked.autopilot_asked
     monkeypatch.setattr(asked, "autopilot_asked", lambda *a: sought.append(a) or seek(*a))
-    found = find(replace(plan, limit=None))
+    found = find(replace(plan, nozzle=tv.Nozzle()))
     assert len(sought) == 1
     assert found.flexible.autopilot is found.comparison.autopilot
 
 
 def test_a_mode_that_is_not_held_is_a_verdict_of_no(plan):
-    found = find(replace(plan, gains=replace(plan.gains, filters=())))
+    found = find(replace(plan, design=replace(plan.design, filters=())))
     answers = {one.name: one for one in questions(found)}
     assert sufficient(found) is False
     for name in ("autopilot", "margins", "flexible flight"):
@@ -181,7 +181,7 @@ def test_what_is_asked_of_modes_needs_modes():
 
 def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_lost():
     heavy = tv.load_study("made-up-booster")
-    plan = replace(heavy, gains=tv.GainsAsked(actuator_frequency=0.0), limit=0.1)
+    plan = replace(heavy, design=tv.AutopilotDesign(), nozzle=tv.Nozzle(limit=0.1, actuator=None))
     found = find(plan)
     assert "second order" in found.reasons["flexible"]
     answers = {one.name: one for one in questions(found)}
@@ -194,5 +194,5 @@ def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     """With an actuator of 25.1 rad/s, of any number of samples in its time."""
     for rate in (20.0, 50.0, 60.0):
         laws = tv.LawsAsked(names=("trim",), sample_rate=rate)
-        found = find(replace(plan, laws=laws, gains=None, criteria=None, limit=None))
+        found = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
         assert f"sampled at {rate:g} Hz" in str(control.laws(found))

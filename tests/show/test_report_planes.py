@@ -24,8 +24,9 @@ def values(html: str) -> dict[str, float]:
 
 @pytest.mark.parametrize("stop", [None, "square"])
 def test_both_planes_have_a_section_where_the_wind_has_a_direction(stop) -> None:
-    head = {"vehicle": "configuration-i"} | ({} if stop is None else {"nozzle_stop": stop})
-    plan = parse_study({"study": head, "wind": WIND})
+    head = {"vehicle": "configuration-i"}
+    nozzle = {} if stop is None else {"stop": stop}
+    plan = parse_study({"study": head, "wind": WIND, "nozzle": nozzle})
     html, found = page_of(plan)
     study = found.study
     assert study.planes is not None

@@ -1,17 +1,17 @@
-"""One case: a vehicle in a wind, its limit and autopilot, on a model and in a plane."""
+"""One case: a vehicle in a wind, its nozzle and autopilot, on a model and in a plane."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, instance, number, one_of, positive, shown, small_angle
-from tvclin.boundary.stops import Stop, stop_of
+from tvclin.answers.nozzle import Nozzle
+from tvclin.base.errors import InputError, instance, one_of, shown
 from tvclin.linear.models import MODELS, usual_model
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -19,15 +19,19 @@ from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
-    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.control.autopilot.rules import AutopilotDesign
     from tvclin.linear.flexible import AnyPlant
 
 DEFAULT_WIND = ShapedWind("triangular", float(np.radians(5.0)), 7.5)
+ANY_NOZZLE = Nozzle()
+"""Without limits, and with the usual actuator."""
+_RATE = 100.0
+"""Samples in flights [Hz] of an autopilot that is continuous."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A vehicle in a wind, with the limit of its nozzle and its autopilot.
+    """A vehicle in a wind, with its nozzle and its autopilot.
 
     Attributes
     ----------
@@ -38,13 +42,10 @@ class Case:
     wind : ShapedWind, WindEnsemble or History
         The wind with its gust and its direction; 5 degrees for 7.5 seconds, a triangle, unless
         given. An ensemble is for campaigns, and any other history for flights.
-    limit : float, optional
-        The deflection capability [rad] in question.
-    nozzle_stop : Stop or str, optional
-        What the nozzle can do in both planes, as of `size`: then the verdict is on both. It needs a
-        wind with a direction.
-    gains : GainsAsked, optional
-        The autopilot.
+    nozzle : Nozzle
+        What the nozzle can do; with a stop of both planes both are judged.
+    design : AutopilotDesign, optional
+        The autopilot; questions that need one take the canonical gains where nothing is said.
 
     Raises
     ------
@@ -56,9 +57,8 @@ class Case:
     model: str = ""
     plane: str = "pitch"
     wind: ShapedWind | WindEnsemble | History = DEFAULT_WIND
-    limit: float | None = None
-    nozzle_stop: Stop | str | None = None
-    gains: GainsAsked | None = None
+    nozzle: Nozzle = ANY_NOZZLE
+    design: AutopilotDesign | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.vehicle, LinearVehicle):
@@ -71,21 +71,11 @@ class Case:
             raise InputError(
                 f"wind must be a ShapedWind, a WindEnsemble or a History; got {shown(self.wind)}"
             )
-        if self.limit is not None:
-            object.__setattr__(
-                self, "limit", number("limit", self.limit, small_angle("a deflection", positive))
-            )
-        if self.nozzle_stop is not None:
-            stop_of(self.nozzle_stop)
-            if getattr(self.wind, "heading", None) is None:
-                raise InputError(
-                    "a stop of both planes needs a wind with a direction: give where it blows from,"
-                    " and the azimuth of the flight"
-                )
-        if self.gains is not None:
-            from tvclin.control.autopilot.rules import GainsAsked
+        instance("nozzle", self.nozzle, Nozzle, "of a limit, a stop, a rate limit, an actuator")
+        if self.design is not None:
+            from tvclin.control.autopilot.rules import AutopilotDesign
 
-            instance("gains", self.gains, GainsAsked, "or a rule for them")
+            instance("design", self.design, AutopilotDesign, "of gains, or a rule for them")
 
     @property
     def shape(self) -> str:
@@ -93,9 +83,14 @@ class Case:
         return str(getattr(self.wind, "shape", "sampled"))
 
     @property
+    def planes(self) -> str:
+        """The plane that is judged, or both, where the nozzle has a stop of both."""
+        return self.plane if self.nozzle.stop is None else BOTH
+
+    @property
     def loop_model(self) -> str:
         """The model that the autopilot controls."""
-        return (self.gains and self.gains.model) or self.model
+        return self.model
 
     @cached_property
     def plant(self) -> AnyPlant:
@@ -117,13 +112,24 @@ class Case:
         return self.wind.in_plane(self.plane, float(np.asarray(whole.attitude))).history({})
 
     @property
-    def asked(self) -> GainsAsked:
-        """The autopilot that is asked for; the canonical one where nothing is said."""
-        from tvclin.control.autopilot.rules import GainsAsked
+    def hardware(self) -> dict[str, Any]:
+        """What flights of a sampled law are told beside its limit, as of `fly_many`."""
+        asked, rate = self.asked, self.nozzle.rate_limit
+        return {
+            "actuator": self.nozzle.actuator,
+            "rate_limit": np.inf if rate is None else rate,
+            "delay": asked.delay,
+            "sample_rate": asked.sample_rate or _RATE,
+        }
 
-        return self.gains or GainsAsked()
+    @property
+    def asked(self) -> AutopilotDesign:
+        """The design of the autopilot; the canonical gains where nothing is said."""
+        from tvclin.control.autopilot.rules import AutopilotDesign
+
+        return self.design or AutopilotDesign()
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on the rigid plant; `InputError` as `GainsAsked.autopilot`."""
-        return self.asked.autopilot(self.plant.rigid)
+        """The autopilot, designed on the rigid plant; `InputError` as its design."""
+        return self.asked.autopilot(self.plant.rigid, self.nozzle.actuator)

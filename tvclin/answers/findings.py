@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from tvclin.answers.trials import LawTrial
     from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.control.comparison.trim import TrimComparison
-    from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.control.margins.bands import BandMargins
     from tvclin.control.margins.criteria import Criteria
     from tvclin.control.margins.record import Margins
@@ -141,10 +140,10 @@ def find(plan: StudyPlan, progress: Callable[[float, float], None] | None = None
 
         wanted = {
             "trials": plan.laws,
-            "comparison": plan.gains or plan.criteria,
-            "flexible": plan.vehicle.structure and (plan.gains or plan.criteria),
-            "stop": plan.limit and (plan.gains or plan.criteria),
-            "flown": plan.limit and (plan.gains or plan.criteria),
+            "comparison": plan.design or plan.criteria,
+            "flexible": plan.vehicle.structure and (plan.design or plan.criteria),
+            "stop": plan.nozzle.limit and (plan.design or plan.criteria),
+            "flown": plan.nozzle.limit and (plan.design or plan.criteria),
             "dispersed": plan.dispersions,
             "flight": plan.sizing,
             "availability": plan.availability,
@@ -195,15 +194,15 @@ def _trials(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> tuple[LawT
     asked, peak = plan.laws, study.wind.peak
     assert asked is not None
     plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
-    laws = standard_laws(plant.rigid, peak, None if plan.gains is None else loop()[1])
+    laws = standard_laws(plant.rigid, peak, None if plan.design is None else loop()[1])
     winds = standard_winds(peak, study.wind.duration)
-    nozzle: dict[str, Any] = {"sample_rate": asked.sample_rate}
-    if plan.vehicle.structure is not None:
-        from tvclin.answers.flexible import nozzle_of, with_filters
+    nozzle = plan.hardware | {"sample_rate": asked.sample_rate}
+    if plan.vehicle.structure is None:  # beside boundaries, which have none
+        nozzle |= {"actuator": None, "delay": 0.0}
+    else:
+        from tvclin.answers.flexible import with_filters
 
-        gains = plan.asked
-        laws = {name: with_filters(law, gains) for name, law in laws.items()}
-        nozzle = nozzle_of(gains, asked.sample_rate)
+        laws = {name: with_filters(law, plan.asked) for name, law in laws.items()}
     return law_trials(
         plant,
         {name: laws[name] for name in asked.names},
@@ -225,20 +224,20 @@ def _flexible(loop: Loop, plan: StudyPlan, study: Study, told: Told) -> Flexible
 
     (plant, autopilot), criteria = loop(), plan.held_to
     # along a straight wind the stop leaves this plane its part
-    limit = None if plan.limit is None else plan.limit / study.of_both
-    return flexible_answer(plant, autopilot, criteria, study.history, limit)
+    limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.of_both
+    return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
 
 
 def _flown(
     loop: FlexibleAnswer | TrimComparison, plan: StudyPlan, study: Study, told: Told
 ) -> FlownMargins:
     """The margins that the limit leaves in the wind, of an autopilot and its plant."""
+    from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    assert plan.limit is not None
-    law, nozzle = _with_stop(loop)
-    limit = plan.limit / study.of_both
-    return flown_margins(loop.plant, law, study.history, limit=limit, **nozzle)
+    assert plan.nozzle.limit is not None
+    law, limit = SaturatedLaw.of(loop.autopilot), plan.nozzle.limit / study.of_both
+    return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
 
 
 def _stop(
@@ -246,42 +245,33 @@ def _stop(
 ) -> ClosedLoopBoundary:
     """The least limit that an autopilot survives with; that of a flexible vehicle is known."""
     from tvclin.answers.flexible import FlexibleAnswer
+    from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 
     if isinstance(loop, FlexibleAnswer):
         return loop.boundaries[0]
-    law, nozzle = _with_stop(loop)
-    return closed_loop_boundary(loop.plant, law, study.history, **nozzle)
-
-
-def _with_stop(loop: FlexibleAnswer | TrimComparison) -> tuple[SaturatedLaw, dict[str, Any]]:
-    """The law of an autopilot as it is flown with a stop, and its nozzle."""
-    from tvclin.answers.flexible import nozzle_of
-    from tvclin.control.laws.attitude import SaturatedLaw
-
-    return SaturatedLaw.of(loop.autopilot), nozzle_of(loop.autopilot)
+    law = SaturatedLaw.of(loop.autopilot)
+    return closed_loop_boundary(loop.plant, law, study.history, **plan.hardware)
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     """The plant and the autopilot that is asked for; gains that are sought meet the criteria."""
     from tvclin.answers.least_gains.asked import autopilot_asked
 
-    return plan.plant, autopilot_asked(plan.asked, plan.plant, study.history, plan.held_to)
+    return plan.plant, autopilot_asked(plan, study.history, plan.held_to)
 
 
 def _flight(plan: StudyPlan, study: Study, told: Told) -> tuple[Sizing, DeflectionTotal]:
     del study
     assert plan.sizing is not None
-    found = plan.sizing.sizing(told)
-    return found, plan.sizing.total(found)
+    found = plan.sizing.sizing(plan, told)
+    return found, plan.sizing.total(plan, found)
 
 
 def _availability(plan: StudyPlan, study: Study, told: Told) -> Availability:
     del study
     assert plan.availability is not None
-    if plan.limit is None:
-        raise InputError("availability is judged for a limit: give limit_deg")
-    return plan.availability.availability(plan.limit, told)
+    return plan.availability.availability(plan, told)
 
 
 def _dispersed(plan: StudyPlan, study: Study, told: Told) -> DispersedStudy:

@@ -23,11 +23,9 @@ from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
-    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.control.autopilot.rules import AutopilotDesign
     from tvclin.control.margins.criteria import Criteria
 
-_RATE = 100.0
-"""Samples of the flights of an autopilot that is continuous [Hz]."""
 _LONG, _POINTS = 2.0, 401
 """A flight is looked at for so many durations of its wind, at so many points."""
 
@@ -68,6 +66,7 @@ def flexible_answer(
     criteria: Criteria,
     wind: History,
     limit: float | None,
+    **hardware: Any,
 ) -> FlexibleAnswer:
     """Return what an autopilot does with a flexible vehicle.
 
@@ -85,6 +84,8 @@ def flexible_answer(
         One wind that ends.
     limit : float or None
         The deflection limit in question [rad].
+    **hardware
+        As of `Case.hardware`.
 
     Raises
     ------
@@ -93,8 +94,9 @@ def flexible_answer(
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
-    nozzle = nozzle_of(autopilot)
-    bends, rigid = (closed_loop_boundary(one, law, wind, **nozzle) for one in (plant, plant.rigid))
+    bends, rigid = (
+        closed_loop_boundary(one, law, wind, **hardware) for one in (plant, plant.rigid)
+    )
     start, end = float(wind.onset), float(wind.end)
     times = np.linspace(start, start + _LONG * (end - start), _POINTS)
     return FlexibleAnswer(
@@ -102,20 +104,15 @@ def flexible_answer(
         autopilot=autopilot,
         bands=bands,
         detuned=detuned(autopilot, plant, criteria=criteria) if bands.modes else None,
-        sample_rate=nozzle["sample_rate"],
+        sample_rate=hardware["sample_rate"],
         boundaries=(bends, rigid),
         flight=None
         if limit is None
-        else fly_sampled(plant, law, wind, times, deflection_limit=limit, **nozzle),
+        else fly_sampled(plant, law, wind, times, deflection_limit=limit, **hardware),
     )
 
 
-def nozzle_of(asked: GainsAsked | Autopilot, rate: float = _RATE) -> dict[str, Any]:
-    """Return actuator and delay of an autopilot, and so many samples [Hz], for flights."""
-    return {"actuator": asked.actuator, "delay": float(asked.delay), "sample_rate": rate}
-
-
-def with_filters(law: Law, asked: GainsAsked) -> Law:
+def with_filters(law: Law, asked: AutopilotDesign) -> Law:
     """Return a law with the filters of an autopilot."""
     chains = {name: getattr(asked, name) for name in CHAINS}
     return FilteredLaw(law, **chains) if any(chains.values()) else law

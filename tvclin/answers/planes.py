@@ -26,8 +26,6 @@ from tvclin.winds.shaped import ShapedWind, part_in
 
 FloatArray = NDArray[np.float64]
 
-BOTH = "both"
-"""The word for both planes, where a plane is asked for."""
 PARTS, VECTOR = (
     "each plane by itself in its part of the stop",
     "the boundary of both planes together",
@@ -185,7 +183,7 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[
         yield (
             f"this wind blows in both planes: with a round stop they need"
             f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone finds"
-            f" {missing:.0f} % too little (to judge both: --stop, nozzle_stop)"
+            f" {missing:.0f} % too little (to judge both: --stop, or stop in [nozzle])"
         )
         return
     yield (

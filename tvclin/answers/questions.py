@@ -96,7 +96,7 @@ def _asked(found: Findings) -> Iterator[Question]:
             yield _availability(found, asked.least_part)
         if found.plan.dispersions is not None:
             yield _probability(found, limit)
-    if found.plan.gains is not None or found.plan.criteria is not None:
+    if found.plan.design is not None or found.plan.criteria is not None:
         if limit is not None:
             yield _autopilot(found, limit)
         yield _margins(found)

@@ -10,6 +10,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.case import Case
+from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.planes import PlanesNeeded, of_heading, words_of
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.answers.study_notes import (
@@ -25,11 +27,10 @@ from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
     between,
+    instance,
     number,
     one_of,
-    positive,
     single,
-    small_angle,
 )
 from tvclin.base.tables import Table
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
@@ -38,7 +39,7 @@ from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.models import MODELS, USUAL_MODEL, models_of, usual_model
+from tvclin.linear.models import USUAL_MODEL, models_of
 from tvclin.linear.modes import Modes, unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -48,9 +49,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-STUDY_TABLE = Table(
-    "[study]", words=("vehicle", "model", "plane", "dead_band", "switch", "nozzle_stop")
-)
+STUDY_TABLE = Table("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,16 +58,12 @@ class Study:
 
     Attributes
     ----------
-    vehicle : Vehicle or LinearVehicle
-        The vehicle, one.
-    plane, model : str
-        The plane, and the model on which the verdict rests.
+    case : Case
+        The vehicle, one, in its wind, with its nozzle; the verdict rests on its model.
     coefficients : Coefficients
         Its linear coefficients in that plane.
-    shape : str
-        Shape of the wind, a key of `winds.shaped.PULSES`.
     wind : RectangularWind or TriangularWind
-        The wind.
+        The wind in the plane, without its gust.
     switch : str
         What leaves the dead band of the boundaries shown, as in `trim_then_hold`. The verdict is
         always that of a flight, whose trim itself leaves it.
@@ -84,8 +79,6 @@ class Study:
         K of the verdict.
     requirement : RequiredDeflection
         What a limit must be at `model` and `dead_band`, and what governs it.
-    limit : float or None
-        The capability [rad] in question.
     sufficient : bool or None
         Whether the limit is at or above what is required.
     survivable_peak : float or None
@@ -99,19 +92,12 @@ class Study:
         What the reader should know before believing the numbers; often nothing.
     blows : ShapedWind
         The wind in the plane, with its gust.
-    slanting : ShapedWind or None
-        The wind with its direction, where that is known; `wind` is its part in the plane.
     planes : PlanesNeeded or None
-        What such a wind asks of both planes at the dead band and model of the verdict.
-    in_both : bool
-        Whether the verdict is on both planes.
+        What a wind with a direction asks of both planes at the dead band and model of the verdict.
     """
 
-    vehicle: AnyVehicle
-    plane: str
-    model: str
+    case: Case
     coefficients: Coefficients
-    shape: str
     wind: Any
     switch: str
     modes: dict[str, Modes]
@@ -120,16 +106,13 @@ class Study:
     dead_bands: NDArray[np.float64]
     dead_band: float
     requirement: RequiredDeflection
-    limit: float | None
     sufficient: bool | None
     survivable_peak: float | None
     forecast_free: dict[str, ForecastFreeLimit]
     minima: dict[str, float]
     blows: ShapedWind
     notes: tuple[str, ...] = ()
-    slanting: ShapedWind | None = None
     planes: PlanesNeeded | None = None
-    in_both: bool = False
 
     @classmethod
     def from_vehicle(
@@ -148,45 +131,25 @@ class Study:
         heading: float | None = None,
         stop: Stop | str | None = None,
     ) -> Self:
-        """Return the boundaries of one vehicle in one wind, and the verdict on a limit.
+        """Return the study of a vehicle in a wind, and the verdict on a limit.
 
         Parameters
         ----------
-        vehicle : Vehicle or LinearVehicle
-            One vehicle.
+        vehicle, model, plane
+            As of `Case`.
         wind : {"triangular", "rectangular"}
             Shape of the wind.
-        duration : float
-            Duration tau [s].
-        peak : float
-            Wind angle of attack alpha_w,max [rad]; with a heading the size of the vector.
-        limit : float, optional
-            Deflection capability delta_max [rad], positive, to be judged.
-        dead_band : float
-            K of the verdict, in [0, 1].
-        model : str
-            Model of the verdict: "fixed-path", "drift", "drift-exact" or "drift-and-speed";
-            `usual_model` of the vehicle without it.
-        plane : {"pitch", "yaw"}
-            Plane of the motion.
-        switch : {"literal", "report"}
-            What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
-        gust : History, optional
-            A gust that is added to the wind, in its time, such as `OneMinusCosineGust`; see
-            `History.shift`. With a heading it is along the wind.
-        heading : float, optional
-            Direction [rad] from which a horizontal wind blows, clockwise from that of the flight:
-            pi is a tail wind, pi/2 one from the right. The study is of its part in the plane.
-        stop : Stop or str, optional
-            What the nozzle can do in both planes, as of `size`: then the verdict is on both. It
-            needs a heading.
+        duration, peak, heading, gust
+            Of the wind [s, rad], as of `ShapedWind`.
+        limit, stop
+            As of `Nozzle`.
+        dead_band, switch
+            As of `of`.
 
         Raises
         ------
         InputError
-            For a stop without a heading, a wind that does nothing in the plane, and
-            for a batch of vehicles or gusts, a wind and gust whose sum changes its sign, an unknown
-            shape, model or plane, and numbers out of range.
+            As `Case`, `Nozzle` and `of`, and for an unknown shape and numbers out of range.
 
         Examples
         --------
@@ -197,29 +160,62 @@ class Study:
         0.351
         """
         one_of("wind", wind, PULSES)
-        model = one_of("model", usual_model(vehicle) if model is None else model, MODELS)
-        one_of("switch", switch, SWITCHES)
-        peak, duration = number("peak", peak, unit="rad"), number("duration", duration, unit="s")
-        dead_band = number("dead_band", dead_band, between(0.0, 1.0))
-        limit = None if limit is None else _capability(limit)
-        coefficients = coefficients_of(vehicle, plane)
-        single("vehicle", coefficients.batch)
-        shape = None if stop is None else stop_of(stop)
         blows = ShapedWind(wind, peak, duration, heading, gust)
-        planes = slanting = None
-        if heading is not None:
-            vehicle = whole_vehicle(vehicle, "a wind with a direction")
-            slanting = blows
-            planes = of_heading(vehicle, model, slanting, shape, dead_band)
-            blows = slanting.in_plane(plane, float(np.asarray(vehicle.attitude)))
-        elif shape is not None:
-            raise InputError("stop needs a heading: a wind without a direction has one plane")
-        plants = {name: Plant(coefficients, name) for name in models_of(vehicle)}
+        nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
+        case = Case(vehicle=vehicle, model=model, plane=plane, wind=blows, nozzle=nozzle)
+        return cls.of(case, dead_band, switch)
+
+    @classmethod
+    def of(cls, case: Case, dead_band: float = 1.0, switch: str = "literal") -> Self:
+        """Return the boundaries of a case, and the verdict on the limit of its nozzle.
+
+        With a stop of both planes the verdict is on both. Of a wind with a direction the boundaries
+        are those of its part in the plane.
+
+        Parameters
+        ----------
+        case : Case
+            One vehicle in a wind of straight lines.
+        dead_band : float
+            K of the verdict, in [0, 1].
+        switch : {"literal", "report"}
+            What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
+
+        Raises
+        ------
+        InputError
+            For a stop without a heading, a wind that does nothing in the plane, and
+            for a batch of vehicles or gusts, a wind and gust whose sum changes its sign, a wind of
+            another shape, and a dead band out of range.
+        """
+        instance("case", case, Case, "of a vehicle, a wind and a nozzle")
+        if not isinstance(case.wind, ShapedWind):
+            raise InputError(
+                "a study needs a wind of one shape: give shape, peak and duration in [wind]"
+            )
+        one_of("shape of the wind of a study", case.wind.shape, PULSES)
+        one_of("switch", switch, SWITCHES)
+        dead_band = number("dead_band", dead_band, between(0.0, 1.0))
+        model, plane, blows = case.model, case.plane, case.wind
+        coefficients = coefficients_of(case.vehicle, plane)
+        single("vehicle", coefficients.batch)
+        stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
+        planes = None
+        if blows.heading is not None:
+            whole = whole_vehicle(case.vehicle, "a wind with a direction")
+            planes = of_heading(whole, model, blows, stop, dead_band)
+            blows = blows.in_plane(plane, float(np.asarray(whole.attitude)))
+        elif stop is not None:
+            raise InputError(
+                "a stop of both planes needs a wind with a direction: give where it blows from,"
+                " and the azimuth of the flight"
+            )
+        plants = {name: Plant(coefficients, name) for name in models_of(case.vehicle)}
         alone, history = replace(blows, gust=None).history({}), blows.history({})
         dead_bands = np.array(sorted({*DEAD_BANDS, dead_band}, reverse=True))
         with_drift = model if model != "fixed-path" else USUAL_MODEL
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
-        plant = plants.get(model) or Plant.from_vehicle(vehicle, model, plane)
+        plant = plants.get(model) or Plant.from_vehicle(case.vehicle, model, plane)
         required = required_deflection(plant, history, dead_band)
         modes = {name: unstable_modes(each) for name, each in plants.items()}
         needed = _needed(shown, history, dead_bands, switch)
@@ -229,20 +225,18 @@ class Study:
             *left_out(plant, modes),
             *forecast_trusted(required, dead_band, free),
             *undamped(plant, history, required, dead_band),
-            *doubts(vehicle),
-            *head_wind(plane, alone, wind),
-            *words_of(planes, plane, shape is not None),
+            *doubts(case.vehicle),
+            *head_wind(plane, alone, blows.shape),
+            *words_of(planes, plane, stop is not None),
         )
-        if planes is not None and shape is not None:
+        limit = case.nozzle.limit
+        if planes is not None and stop is not None:
             judged = _judged(planes.deflection, planes.peak, limit)
         else:
             judged = _judged(abs(float(required.deflection)), float(history.peak), limit)
         return cls(
-            vehicle=vehicle,
-            plane=plane,
-            model=model,
+            case=case,
             coefficients=coefficients,
-            shape=wind,
             wind=alone,
             switch=switch,
             modes=modes,
@@ -250,15 +244,48 @@ class Study:
             dead_bands=dead_bands,
             dead_band=dead_band,
             requirement=required,
-            limit=limit,
             notes=notes,
             blows=blows,
-            slanting=slanting,
             planes=planes,
-            in_both=shape is not None,
             **needed,
             **judged,
         )
+
+    @property
+    def vehicle(self) -> AnyVehicle:
+        """The vehicle."""
+        return self.case.vehicle
+
+    @property
+    def plane(self) -> str:
+        """The plane of the boundaries, and of the verdict where that is not on both."""
+        return self.case.plane
+
+    @property
+    def model(self) -> str:
+        """The model on which the verdict rests."""
+        return self.case.model
+
+    @property
+    def limit(self) -> float | None:
+        """The capability [rad] in question."""
+        return self.case.nozzle.limit
+
+    @property
+    def shape(self) -> str:
+        """Shape of the wind, a key of `winds.shaped.PULSES`."""
+        return self.blows.shape
+
+    @property
+    def slanting(self) -> ShapedWind | None:
+        """The wind with its direction, where that is known; `wind` is its part in the plane."""
+        wind = self.case.wind
+        return wind if isinstance(wind, ShapedWind) and wind.heading is not None else None
+
+    @property
+    def in_both(self) -> bool:
+        """Whether the verdict is on both planes."""
+        return self.case.nozzle.stop is not None
 
     @property
     def required_deflection(self) -> float:
@@ -362,10 +389,6 @@ class Study:
             word = "sufficient" if self.sufficient else "NOT sufficient"
             rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
         return card(self.vehicle.name or "Study", rows)
-
-
-def _capability(limit: float) -> float:
-    return number("limit", limit, small_angle("a deflection", positive), "rad")
 
 
 def _needed(

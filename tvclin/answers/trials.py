@@ -30,7 +30,6 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
 from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.linear.flexible import AnyPlant
-from tvclin.linear.models import MODELS
 from tvclin.linear.plant import Plant
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
@@ -39,9 +38,7 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-LAWS_TABLE = Table(
-    "[laws]", {"sample_rate": "sample rate"}, words=("model",), lists=("names", "winds")
-)
+LAWS_TABLE = Table("[laws]", {"sample_rate": "sample rate"}, lists=("names", "winds"))
 _SPARE = 1.2
 """Loads are those at so many times the boundary, where every law is at its ease."""
 _POINTS = 801
@@ -59,14 +56,11 @@ class LawsAsked:
         Of `standard_laws` and `standard_winds`.
     sample_rate : float
         Samples of the laws in a second [Hz].
-    model : str
-        The model that they fly; without it that of the study.
     """
 
     names: tuple[str, ...] = tuple(LAWS)
     winds: tuple[str, ...] = ("triangle",)
     sample_rate: float = 50.0
-    model: str | None = None
 
     def __post_init__(self) -> None:
         for what, given, known in (
@@ -77,8 +71,6 @@ class LawsAsked:
                 one_of(f"{what} of the laws", name, known)
         rate = number("sample rate of the laws", self.sample_rate, positive, "Hz")
         object.__setattr__(self, "sample_rate", rate)
-        if self.model is not None:
-            one_of("model of the laws", self.model, MODELS)
 
 
 @dataclass(frozen=True)

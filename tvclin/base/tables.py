@@ -52,6 +52,11 @@ class Table:
             for unit, factor in UNITS[kind].items()
         }
 
+    @property
+    def every_key(self) -> tuple[str, ...]:
+        """Keys of numbers, words and lists."""
+        return (*self.keys, *self.words, *self.lists)
+
     def spelled(self, name: str) -> str:
         """Return the keys by which a name is given, the SI unit first."""
         return " or ".join(key for key, (of, _) in self.keys.items() if of == name) or name

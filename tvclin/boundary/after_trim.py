@@ -7,6 +7,8 @@ of the wind, needs more than L from the state that trim has left:
     m(L) = the least peak over all unstable modes from the time on at which trim first is K L,
     lost where m(L) > L;    required is the largest L that is lost.
 
+Where trim stays below K L while the wind blows, m counts from the end of the wind on.
+
 Trim is one of the controls that m compares. So for every L' from K L up to L, whose dead band is
 left no later than that of L,
 

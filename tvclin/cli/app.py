@@ -118,7 +118,7 @@ def _in_one_sentence() -> Iterator[None]:
     """Say what is wrong with an input, and leave with exit code 2."""
     try:
         yield
-    except (ValueError, ArithmeticError, MemoryError, OSError) as error:
+    except Exception as error:
         sentence = _sentence(error)
         if sentence is None:
             raise
@@ -135,6 +135,10 @@ def _sentence(error: Exception) -> str | None:
 
     if isinstance(error, InputError):
         return str(error)
+    if hasattr(error, "option_name") and hasattr(error, "ctx"):  # an option that there is not
+        from tvclin.answers.parts import refusal
+
+        return refusal(str(error.ctx.info_name), str(error.option_name))
     if isinstance(error, OSError) and error.errno != EPIPE:
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):

@@ -66,7 +66,7 @@ def autopilot(
 
     loaded = vehicle_of(vehicle, rigid)
     note_structure(loaded, plane, "boundaries and minimum")
-    case = blows.case(vehicle, loaded, model, plane, gains.asked(loop))
+    case = blows.case(vehicle, loaded, model, plane, loop.nozzle(), gains.asked(loop))
     plant, wind = case.plant, case.history
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = criteria.wanted(loaded)

@@ -32,13 +32,16 @@ def worst_in_box(given: list[str], case: "Case") -> "WorstCase | None":
     """Return the worst case in the box of the options; None without one."""
     if not given:
         return None
+    from dataclasses import replace
+
     from tvclin.answers.worst_case import BOX_TABLE, worst_case
     from tvclin.base.errors import InputError
     from tvclin.base.tables import known
     from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.shaped import ShapedWind
 
-    vehicle, wind, autopilot = whole_vehicle(case.vehicle, "--box"), case.wind, case.autopilot
+    vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.wind
+    autopilot = replace(case.autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
         raise InputError(
             "--box moves peak and duration of a pulse: give no --winds with it; --flown goes"

@@ -25,7 +25,7 @@ def summary(
     required = found.quantile(output, probability, confidence)
     success = found.success(limit, output, confidence)
     counts, loss = found.flights, found.loss(confidence)
-    name, asked = output or found.angles[0], plan.limit if limit is None else limit
+    name, asked = output or found.angles[0], plan.nozzle.limit if limit is None else limit
     worst = found.worst(5, output)
     answers = np.sort(found.answers(output))[::-1][: worst.size]
     return {

@@ -52,7 +52,7 @@ class Flying:
         if self.law == REPORT:
             return ReportControl(**own)
         if self.law == AUTOPILOT:
-            own = {AUTOPILOT: self.case.asked.autopilot(plant)}
+            own = {AUTOPILOT: self.case.autopilot}
         return design_law(self.law, plant, float(self.wind.peak), **own)
 
 
@@ -115,7 +115,7 @@ def flight_case(
     _check_flight(plant, wind, length)
     control = asked.designed(plant)
     least = linear_boundary(plant, control, wind)
-    limit = _SPARE * least if asked.case.limit is None else asked.case.limit
+    limit = asked.case.nozzle.limit or _SPARE * least
     if np.isinf(limit):
         raise InputError("no limit is enough with this dead band; give --limit-deg")
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)

@@ -26,29 +26,26 @@ SampleRate = Annotated[
         " autopilot, and --flown samples it at 100."
     ),
 ]
-_RATE = 100.0
 
 
-def flown_of(case: "Case", sample_rate: float | None) -> "FlownMargins":
+def flown_of(case: "Case") -> "FlownMargins":
     """Return the flown margins of a case, in place of its delay a computing delay."""
     from tvclin.base.errors import InputError
     from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    if case.limit is None:
+    if case.nozzle.limit is None:
         raise InputError("--flown needs --limit-deg, the deflection limit in deg")
     return flown_margins(
         case.plant,
         SaturatedLaw.of(case.autopilot),
         case.history,
-        limit=case.limit,
-        actuator=case.autopilot.actuator,
-        sample_rate=sample_rate or _RATE,
-        delay=float(case.autopilot.delay),
+        limit=case.nozzle.limit,
+        **case.hardware,
     )
 
 
-def print_flown(found: "FlownMargins", case: "Case", name: str, sample_rate: float | None) -> None:
+def print_flown(found: "FlownMargins", case: "Case", name: str) -> None:
     """Print the flown margins of a case in a wind with a name, and what is odd about them."""
     import numpy as np
 
@@ -58,7 +55,7 @@ def print_flown(found: "FlownMargins", case: "Case", name: str, sample_rate: flo
 
     title = (
         f"In this {wind_words(name, case.history)}, with a stop at"
-        f" {np.degrees(case.limit or 0.0):g} deg, {sample_rate or _RATE:g} Hz"
+        f" {np.degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
     )
     rows = [_row(name, getattr(found, name)) for name in CHANGES]
     print_table(title, ["may change", "by", "then it", "near rest"], rows)

@@ -24,8 +24,6 @@ from tvclin.cli.progress import waiting
 from tvclin.cli.wind import WindOptions
 
 _LONGEST = 20.0
-_RATE = 100.0
-"""Samples of a law [Hz] where nothing is asked."""
 
 
 @grouped
@@ -114,18 +112,17 @@ def fly(
     )
     chosen = law or (AUTOPILOT if linear else REPORT)
     only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
-    asked = gains.asked(loop)
-    in_flight = along_trajectory
-    case = blows.case(vehicle, loaded, None, plane, asked, limit_deg, in_flight=in_flight)
+    nozzle = loop.nozzle(limit_deg, rate_limit_deg)
+    design, in_flight = gains.asked(loop, sample_rate), along_trajectory
+    case = blows.case(vehicle, loaded, None, plane, nozzle, design, in_flight=in_flight)
     wind = case.history
     span, shown = (until * float(wind.end - wind.onset), points), Shown(csv, plot, as_json)
     flying = blows.name, chosen, dead_band
     if linear:
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
-        steps = _RATE if sample_rate is None else sample_rate, rate_limit_deg
         with waiting("flying"):
             times = float(wind.onset) + np.linspace(0.0, *span)
-            found = fly_linear(LinearCase(case, *flying, *steps), boundary, times)
+            found = fly_linear(LinearCase(case, *flying), boundary, times)
     else:
         only_with(
             "--engine linear",

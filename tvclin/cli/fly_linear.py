@@ -19,10 +19,7 @@ _SPARE, _HIGHEST = 1.1, 4.0
 
 @dataclass(frozen=True, eq=False)
 class LinearCase(Flying):
-    """What is flown in steps: samples of the law [Hz], and the nozzle's rate limit [deg/s]."""
-
-    sample_rate: float
-    rate_limit_deg: float | None
+    """What is flown in steps."""
 
     engine = "linear"
 
@@ -52,28 +49,12 @@ class LinearCase(Flying):
         assert isinstance(chosen, Law)
         return with_filters(chosen, self.case.asked)
 
-    @cached_property
-    def nozzle(self) -> dict[str, Any]:
-        """Actuator, delay, samples and rate limit."""
-        import numpy as np
-
-        from tvclin.base.errors import number, positive
-
-        most = self.rate_limit_deg
-        return {
-            "actuator": self.case.asked.actuator,
-            "delay": float(self.case.asked.delay),
-            "sample_rate": number("--sample-rate", self.sample_rate, positive, "Hz"),
-            "rate_limit": np.inf
-            if most is None
-            else float(np.radians(number("--rate-limit-deg", most, positive, "deg/s"))),
-        }
-
     def boundary(self, plant: "AnyPlant") -> "ClosedLoopBoundary":
         """Return the boundary of the law on a plant."""
         from tvclin.flights.closed_loop.boundary import closed_loop_boundary
 
-        return closed_loop_boundary(plant, self.control, self.wind, highest=_HIGHEST, **self.nozzle)
+        hardware = self.case.hardware
+        return closed_loop_boundary(plant, self.control, self.wind, highest=_HIGHEST, **hardware)
 
     @property
     def title(self) -> str:
@@ -82,13 +63,14 @@ class LinearCase(Flying):
         from tvclin.cli.fly_shown import wind_line
 
         structure = self.case.vehicle.structure
-        servo, delay = self.nozzle["actuator"], 1000.0 * self.nozzle["delay"]
+        servo, delay = self.case.nozzle.actuator, 1000.0 * self.case.asked.delay
+        rate = self.case.hardware["sample_rate"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
             wind_line(self),
             *([parts_line(structure)] if structure else []),
-            f"linear equations, {self.plant.model}; law at {self.sample_rate:g} Hz, delay"
-            f" {delay:g} ms, actuator {with_servo}",
+            f"linear equations, {self.plant.model}; law at {rate:g} Hz, delay {delay:g} ms,"
+            f" actuator {with_servo}",
         ]
         return "\n".join(said)
 
@@ -101,7 +83,7 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> "Compared":
     from tvclin.flights.flexible import fly_sampled
 
     least = None
-    limit = case.case.limit
+    limit = case.case.nozzle.limit
     if limit is None or boundary:
         plants = (case.plant, case.plant.rigid) if case.bends else (case.plant,)
         least = tuple(case.boundary(plant) for plant in plants)
@@ -111,7 +93,7 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> "Compared":
         if not np.isfinite(limit):
             raise InputError(f"{least[0].status}: give --limit-deg, or another law")
     flight = fly_sampled(
-        case.plant, case.control, case.wind, times, deflection_limit=limit, **case.nozzle
+        case.plant, case.control, case.wind, times, deflection_limit=limit, **case.case.hardware
     )
     return _compared(case, limit, flight, least)
 
@@ -150,8 +132,8 @@ def _compared(
         facts={
             "flexible": bends,
             "linear_model": case.plant.model,
-            "sample_rate_Hz": case.sample_rate,
-            "delay_s": case.nozzle["delay"],
+            "sample_rate_Hz": case.case.hardware["sample_rate"],
+            "delay_s": case.case.asked.delay,
             "status": dict(zip(("flown", "rigid"), flight.status, strict=True)),
             "peak_deflection_rate_deg_s": dict(zip(("flown", "rigid"), rates, strict=True)),
         },

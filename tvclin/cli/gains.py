@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.answers.nozzle import Nozzle
+    from tvclin.control.autopilot.rules import AutopilotDesign
     from tvclin.vehicle.filters import Filter
 
 
@@ -49,18 +50,43 @@ class LoopOptions:
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 
-    @property
-    def fields(self) -> dict[str, Any]:
-        """The fields of `GainsAsked` that they give."""
+    def design(self, **gains: Any) -> "AutopilotDesign":
+        """Return the design of an autopilot with these gains, and filters and delay about it."""
         from tvclin.base.errors import nonnegative, number
+        from tvclin.control.autopilot.rules import AutopilotDesign
 
-        delay = number("--delay-ms", self.delay_ms, nonnegative, "ms")
-        return {
-            "filters": _filters(self.notch_hz or (), self.low_pass_hz or ()),
-            "delay": delay / 1000.0,
-            "actuator_damping": self.actuator_damping,
-            **_actuator(self.actuator_frequency, self.actuator_hz),
-        }
+        delay = number("--delay-ms", self.delay_ms, nonnegative, "ms") / 1000.0
+        filters = _filters(self.notch_hz or (), self.low_pass_hz or ())
+        return AutopilotDesign(filters=filters, delay=delay, **gains)
+
+    def nozzle(
+        self,
+        limit_deg: float | None = None,
+        rate_limit_deg: float | None = None,
+        actuator: float = 25.1,
+    ) -> "Nozzle":
+        """Return the nozzle, with an actuator of that frequency [rad/s] where none is given."""
+        from math import pi, radians
+
+        from tvclin.answers.nozzle import Nozzle, actuator_of
+        from tvclin.base.errors import InputError, nonnegative, number, positive
+        from tvclin.cli.inputs import limit_of
+
+        if self.actuator_frequency is not None and self.actuator_hz is not None:
+            raise InputError("give --actuator-frequency or --actuator-hz, not both")
+        if self.actuator_hz is not None:
+            actuator = 2.0 * pi * number("--actuator-hz", self.actuator_hz, nonnegative, "Hz")
+        if self.actuator_frequency is not None:
+            name = "--actuator-frequency"
+            actuator = number(name, self.actuator_frequency, nonnegative, "rad/s")
+        rate = rate_limit_deg
+        if rate is not None:
+            rate = radians(number("--rate-limit-deg", rate, positive, "deg/s"))
+        return Nozzle(
+            limit=limit_of(limit_deg),
+            rate_limit=rate,
+            actuator=actuator_of(actuator, self.actuator_damping),
+        )
 
 
 @dataclass(frozen=True)
@@ -94,32 +120,15 @@ class GainOptions:
         float, typer.Option(help="Gain aI on the integrated attitude, in 1/s.")
     ] = 0.0
 
-    def asked(self, loop: LoopOptions, **others: Any) -> "GainsAsked":
-        """Return what the options ask for, with other fields of `GainsAsked` beside them."""
-        from tvclin.control.autopilot.rules import GainsAsked
-
-        return GainsAsked(**(vars(self) | loop.fields | others))
+    def asked(self, loop: LoopOptions, sample_rate: float | None = None) -> "AutopilotDesign":
+        """Return the design of the autopilot that the options ask for."""
+        return loop.design(**vars(self), sample_rate=sample_rate)
 
 
 def given(options: Any) -> dict[str, Any]:
     """Return which of a group of options are not as they stand without being given."""
     usual = type(options)()
     return {name: v for name, v in vars(options).items() if v != getattr(usual, name)}
-
-
-def _actuator(frequency: float | None, hertz: float | None) -> dict[str, float]:
-    """The frequency [rad/s] of the actuator, as it was given; nothing if it was not."""
-    from math import pi
-
-    from tvclin.base.errors import InputError, nonnegative, number
-
-    if frequency is not None and hertz is not None:
-        raise InputError("give --actuator-frequency or --actuator-hz, not both")
-    if hertz is not None:
-        frequency = 2.0 * pi * number("--actuator-hz", hertz, nonnegative, "Hz")
-    if frequency is None:
-        return {}
-    return {"actuator_frequency": number("--actuator-frequency", frequency, nonnegative, "rad/s")}
 
 
 def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":

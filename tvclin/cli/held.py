@@ -49,7 +49,7 @@ def held(case: "Case", name: str, dead_band: float, capability: float | None, un
     from tvclin.base.errors import InputError, within
     from tvclin.linear.deflections import trim_then_hold
 
-    if capability is not None and case.limit is not None:
+    if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
     wind, plant = case.history, case.plant.rigid
     history = wind.shift(-float(wind.onset)) if wind.onset else wind
@@ -57,8 +57,8 @@ def held(case: "Case", name: str, dead_band: float, capability: float | None, un
     _check_length(plant, max(until, 1.0) * float(history.end))
     needed = required_deflection(plant, history, K)
     required = abs(float(needed.deflection))
-    if case.limit is not None:
-        limit = case.limit
+    if case.nozzle.limit is not None:
+        limit = case.nozzle.limit
     else:
         limit = required * float(
             within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)

@@ -1,13 +1,15 @@
 """What several commands make of their options."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
-    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.histories import History
+    from tvclin.winds.shaped import ShapedWind
+
+T = TypeVar("T")
 
 
 def only_with(needed: str, **options: Any) -> None:
@@ -141,6 +143,34 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
 
 
+def wind_with(
+    wind: "ShapedWind",
+    shape: str | None,
+    duration: float | None,
+    peak: float | None,
+    heading: float | None,
+    gust: tuple[float, float] | None,
+    gust_at: float | None = None,
+) -> "ShapedWind":
+    """Return a wind with what options say in its place; a gust peaks in its middle without a time.
+
+    Peak and heading are in rad.
+    """
+    from dataclasses import replace
+
+    if gust is None:
+        only_with("--gust", gust_at=gust_at)
+    lasts = chosen(duration, wind.duration)
+    return replace(
+        wind,
+        shape=chosen(shape, wind.shape),
+        duration=lasts,
+        peak=chosen(peak, wind.peak),
+        heading=chosen(heading, wind.heading),
+        gust=chosen(gust_of(gust, chosen(gust_at, 0.5 * lasts)), wind.gust),
+    )
+
+
 def limit_of(limit_deg: float | None) -> float | None:
     """Return the deflection limit [rad] of --limit-deg; None without it."""
     import numpy as np
@@ -152,27 +182,6 @@ def limit_of(limit_deg: float | None) -> float | None:
     return float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
 
 
-def changed_plan(
-    plan: "StudyPlan",
-    wind: str | None,
-    duration: float | None,
-    peak: tuple[float | None, float | None],
-    limit_deg: float | None,
-    given: dict[str, Any],
-    heading: float | None = None,
-) -> "StudyPlan":
-    """Return the plan with what the options say in place of the file."""
-    from dataclasses import replace
-
-    changes = {name: value for name, value in given.items() if value is not None}
-    if limit_deg is not None:
-        changes["limit"] = limit_of(limit_deg)
-        if plan.sizing is not None:
-            changes["sizing"] = replace(plan.sizing, limit=changes["limit"])
-    asked: dict[str, Any] = {"shape": wind, "duration": duration, "heading": heading}
-    blows = plan.wind.heading if heading is None else heading
-    if peak != (None, None):
-        plane = changes.get("plane", plan.plane)
-        asked["peak"] = peak_angle(plan.vehicle, plane, *peak, heading=blows)
-    asked = {name: value for name, value in asked.items() if value is not None}
-    return replace(plan, wind=replace(plan.wind, **asked), **changes)
+def chosen(option: "T | None", otherwise: "T") -> "T":
+    """Return an option, or what holds where it is not given."""
+    return otherwise if option is None else option

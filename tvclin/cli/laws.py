@@ -71,37 +71,40 @@ def laws(
     """
     import numpy as np
 
-    from tvclin.answers.flexible import nozzle_of, with_filters
+    from tvclin.answers.case import Case
+    from tvclin.answers.flexible import with_filters
     from tvclin.answers.trials import law_trials, standard_laws
-    from tvclin.base.errors import number, one_of, positive, within
+    from tvclin.base.errors import one_of, within
     from tvclin.cli.output import print_json
-    from tvclin.control.autopilot.rules import GainsAsked
-    from tvclin.linear.flexible import plant_of
 
     loaded = vehicle_of(vehicle, rigid)
-    flying = plant_of(loaded, model, plane)
-    plant, flexible = flying.rigid, loaded.structure is not None
+    flexible, rate = loaded.structure is not None, rate_limit_deg
     if plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
-    asked = GainsAsked(**(({} if flexible else {"actuator_frequency": 0.0}) | loop.fields))
-    nozzle = nozzle_of(asked, 0.0) | {"sample_rate": sample_rate}
-    if rate_limit_deg is not None:
-        rate = number("--rate-limit-deg", rate_limit_deg, positive, "deg/s")
-        nozzle["rate_limit"] = float(np.radians(rate))
+    case = Case(
+        vehicle=loaded,
+        model=model or "",
+        plane=plane,
+        nozzle=loop.nozzle(None, rate) if flexible else loop.nozzle(None, rate, actuator=0.0),
+        design=loop.design(sample_rate=sample_rate),
+    )
+    flying, plant = case.plant, case.plant.rigid
     peak, duration, every = _winds(blows, wind, vehicle, loaded, plane)
     within("--cuts", cuts, 0, 1000)
     chosen = standard_laws(plant, peak)
-    chosen = {name: with_filters(law, asked) for name, law in chosen.items()}
+    chosen = {name: with_filters(law, case.asked) for name, law in chosen.items()}
     winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
     found: list[LawTrial] = []
     with bar("flights") as progress:
         for k, (name, law) in enumerate(chosen.items()):
             told = share(progress, k, len(chosen))
-            found += law_trials(flying, {name: law}, winds, cuts=cuts, progress=told, **nozzle)
+            found += law_trials(
+                flying, {name: law}, winds, cuts=cuts, progress=told, **case.hardware
+            )
     if plot is not None:
         from tvclin.plots import laws_chart, save_figure
 
-        save_figure(laws_chart(flying, chosen, peak, **nozzle), plot)
+        save_figure(laws_chart(flying, chosen, peak, **case.hardware), plot)
     limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
     trims = {
         name: abs(float(np.degrees(plant.coefficients.B * history.peak)))
@@ -126,8 +129,8 @@ def laws(
             say(parts_line(flying.structure))
             say(f"law at {sample_rate:g} Hz, delay {loop.delay_ms:g} ms")
         wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
-        servo = asked.actuator_frequency
-        engine = f"actuator {servo:g} rad/s" if servo else "no actuator"
+        servo = case.nozzle.actuator
+        engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
         say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
         _print(found, limits, list(chosen), trims)
 

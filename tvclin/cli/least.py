@@ -72,8 +72,7 @@ class LeastOptions:
             )
         winds = [wind.history({"wind_duration": part * wind.duration}) for part in _DURATIONS]
         return least_asked(
-            replace(asked, design=LEAST_NOZZLE, crossover=self.crossover),
-            case.plant,
+            replace(case, design=replace(asked, design=LEAST_NOZZLE, crossover=self.crossover)),
             winds,
             criteria,
             gains=("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate"),

@@ -64,8 +64,6 @@ def margins(
 
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
     """
-    from dataclasses import replace
-
     from tvclin.base.errors import one_of
     from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
     from tvclin.cli.output import print_json, say
@@ -73,15 +71,15 @@ def margins(
     one_of("--chart", chart, _CHARTS)
     loaded = vehicle_of(vehicle, rigid)
     asked = criteria.wanted(loaded)
-    case = blows.case(vehicle, loaded, model, plane, gains.asked(loop), limit_deg)
-    plant = case.plant
+    design = gains.asked(loop, sample_rate)
+    case = blows.case(vehicle, loaded, model, plane, loop.nozzle(limit_deg), design)
+    autopilot, plant = case.autopilot, case.plant
     only_with(MODES, detuned=detuned and loaded.structure is None)
     only_with("--flown", limit_deg=None if flown else limit_deg)
     only_with("--flown or --box", **({} if flown or box else given(blows)))
-    autopilot = replace(case.autopilot, sample_rate=sample_rate)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None
-    in_wind = flown_of(case, sample_rate) if flown and found.whole.stable else None
+    in_wind = flown_of(case) if flown and found.whole.stable else None
     in_box = worst_in_box(box or [], case)
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
     if in_box is not None:
@@ -102,7 +100,7 @@ def margins(
         if moved is not None:
             print_detuned(moved)
         if in_wind is not None:
-            print_flown(in_wind, case, blows.name, sample_rate)
+            print_flown(in_wind, case, blows.name)
         if in_box is not None:
             print_worst(in_box, in_all)
     if not (found.met and (in_box is None or met_in_box(in_box, in_all))):

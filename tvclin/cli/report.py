@@ -49,7 +49,7 @@ def report(
     with bar("parts of the page") as progress:
         write_whole(output, write)
     said = {True: "sufficient", False: "NOT sufficient", None: "no limit was given"}
-    if plan.limit is not None:
+    if plan.nozzle.limit is not None:
         said[None] = "NOT known to be sufficient"
     say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import rigid_vehicle_of
+from tvclin.cli.inputs import limit_of, rigid_vehicle_of
 from tvclin.cli.options import (
     AsJson,
     Csv,
@@ -59,6 +59,7 @@ def respond(
 
     Exit code 0: answered; 2: bad input.
     """
+    from tvclin.answers.nozzle import Nozzle
     from tvclin.base.errors import within
     from tvclin.cli.output import print_json
     from tvclin.linear.extremes import extremes, shown_until
@@ -68,7 +69,7 @@ def respond(
     loaded = rigid_vehicle_of(vehicle, plane)
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    asked = blows.case(vehicle, loaded, model, plane, limit_deg=limit_deg)
+    asked = blows.case(vehicle, loaded, model, plane, Nozzle(limit=limit_of(limit_deg)))
     case = held(asked, blows.name, dead_band, capability, until)
     length = until * float(case.wind.end)
     verdict = judge(case.plant, case.deflection, case.wind)

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import gust_of, heading_given, note_source, only_with
+from tvclin.cli.inputs import chosen, heading_given, note_source, only_with, wind_with
 from tvclin.cli.options import (
     STOPS_HELP,
     TIME_HELP,
@@ -26,6 +26,8 @@ from tvclin.cli.progress import bar
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
     from tvclin.answers.sizing.record import Sizing
+    from tvclin.answers.study_file.plan import StudyPlan
+    from tvclin.boundary.stops import Stop
 
 _SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
@@ -167,12 +169,12 @@ def size(
     """
     from dataclasses import replace
 
-    from tvclin.answers.planes import BOTH
     from tvclin.answers.study_file.read import load_sizing
     from tvclin.base.documents import picked
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
     from tvclin.cli.size_tables import print_sizing
+    from tvclin.vehicle.coefficients import BOTH
 
     if azimuth_deg is not None and not winds and wind_direction_deg is None:
         raise InputError(
@@ -181,54 +183,67 @@ def size(
         )
     soundings = _soundings(winds or [], winds_time or [], azimuth_deg)
     note_source(source)
-    asked = load_sizing(source, soundings)
+    case = load_sizing(source, soundings)
+    asked = case.sizing
+    assert asked is not None
     heading = None
     if wind_direction_deg is not None:
         heading = heading_given(wind_direction_deg, azimuth_deg)
-    asked = _with_pulse(asked, wind, duration, peak_deg, peak_speed, heading)
-    given = {
-        "gust": _gust(asked, gust),
-        "window": window,
-        "start": begin,
-        "stop": end,
-        "every": every,
-        "dead_bands": tuple(dead_band) if dead_band else None,
-        "model": model,
-        "plane": plane,
-        "nozzle_stop": stop,
-        "law": law,
-        "varying": varying or None,
-        "limit": _radians("--limit-deg", limit_deg),
-        "count": count,
-        "dispersion": dispersion,
-        "thrust_offset": _radians("--thrust-offset-deg", thrust_offset_deg, -90.0),
-        "gravity_offset": gravity_offset_m,
-        "reserve": reserve,
-    }
-    asked = replace(asked, **{name: value for name, value in given.items() if value is not None})
-    if asked.plane != BOTH:
-        only_with("--plane both", stop=stop)
+    if peak_deg is not None and peak_speed is not None:
+        raise InputError("give --peak-deg or --peak-speed, not both")
+    named = any(one is not None for one in (wind, duration, peak_deg, peak_speed, heading))
+    peak = _radians("--peak-deg", peak_deg, -90.0)
+    case = replace(
+        case,
+        model=chosen(model, case.model),
+        plane=case.plane if plane in (None, BOTH) else plane,
+        wind=wind_with(case.wind, wind, duration, peak, heading, gust),
+        nozzle=replace(
+            case.nozzle,
+            limit=chosen(_radians("--limit-deg", limit_deg), case.nozzle.limit),
+            stop=_stop(plane, stop, case.nozzle.stop),
+        ),
+    )
+    asked = replace(
+        asked,
+        pulse=asked.pulse or named,
+        peak_speed=None if peak_deg is not None else chosen(peak_speed, asked.peak_speed),
+        window=chosen(window, asked.window),
+        start=chosen(begin, asked.start),
+        stop=chosen(end, asked.stop),
+        every=chosen(every, asked.every),
+        dead_bands=tuple(dead_band) if dead_band else asked.dead_bands,
+        law=chosen(law, asked.law),
+        varying=varying or asked.varying,
+        count=chosen(count, asked.count),
+        dispersion=chosen(dispersion, asked.dispersion),
+        thrust_offset=chosen(
+            _radians("--thrust-offset-deg", thrust_offset_deg, -90.0), asked.thrust_offset
+        ),
+        gravity_offset=chosen(gravity_offset_m, asked.gravity_offset),
+        reserve=chosen(reserve, asked.reserve),
+    )
     if not asked.soundings:
         only_with("a sounding, --winds or [[wind]] with one", window=window)
     with bar("flight times and winds") as progress:
-        found = asked.sizing(progress)
+        found = asked.sizing(case, progress)
     if disperse:
-        asked = replace(asked, dispersion=_dispersed(asked, found))
-    total = asked.total(found)
+        asked = replace(asked, dispersion=_dispersed(case, asked, found))
+    total = asked.total(case, found)
     said = [*asked.warnings, *asked.notes, *_hints(asked, found)]
     if csv is not None:
         found.to_csv(csv)
     if plot is not None:
         from tvclin.plots import save_figure, sizing_chart
 
-        save_figure(sizing_chart(found, asked.limit), plot)
+        save_figure(sizing_chart(found, total.limit), plot)
     if as_json:
         verdict = picked(total, "limit_deg sufficient left_deg not_sized")
         beside = {"total": total, "notes": [*found.notes, *said], "verdict": verdict}
         print_json(found.as_dict() | beside)
     else:
         print_sizing(found, total, source, asked.counted, said)
-    if asked.limit is not None and not total.sufficient:
+    if total.limit is not None and not total.sufficient:
         raise typer.Exit(1)
 
 
@@ -253,32 +268,14 @@ def _hints(asked: "SizingAsked", found: "Sizing") -> Iterator[str]:
         yield f'--count "{varying}" lets the varying parameters enter the total'
 
 
-def _with_pulse(
-    asked: "SizingAsked",
-    shape: str | None,
-    duration: float | None,
-    peak_deg: float | None,
-    peak_speed: float | None,
-    heading: float | None,
-) -> "SizingAsked":
-    """What was asked, with the first pulse as the options have it; none where none is named."""
-    from dataclasses import replace
+def _stop(plane: str | None, given: str | None, stop: "Stop | str | None") -> "Stop | str | None":
+    """The stop of both planes, round where they are asked for without one; None of one plane."""
+    from tvclin.vehicle.coefficients import BOTH
 
-    from tvclin.answers.case import DEFAULT_WIND
-    from tvclin.base.errors import InputError
-
-    if peak_deg is not None and peak_speed is not None:
-        raise InputError("give --peak-deg or --peak-speed, not both")
-    given: dict[str, Any] = {"shape": shape, "duration": duration, "heading": heading}
-    given["peak"] = _radians("--peak-deg", peak_deg, -90.0)
-    given = {name: value for name, value in given.items() if value is not None}
-    if not given and peak_speed is None:
-        return asked
-    first, *others = asked.pulses or (DEFAULT_WIND,)
-    asked = replace(asked, pulses=(replace(first, **given), *others))
-    if peak_deg is not None:
-        return replace(asked, peak_speed=None)
-    return asked if peak_speed is None else replace(asked, peak_speed=peak_speed)
+    if plane not in (None, BOTH) or (stop is None and plane is None):
+        only_with(f"--plane {BOTH}", stop=given)
+        return None
+    return chosen(given, stop or "round")
 
 
 def _soundings(
@@ -311,11 +308,6 @@ def _soundings(
     return found
 
 
-def _gust(asked: "SizingAsked", given: tuple[float, float] | None) -> Any:
-    """The gust in the middle of the first pulse; in a sounding it is moved to each flight time."""
-    return gust_of(given, 0.5 * asked.pulses[0].duration if asked.pulses else 0.0)
-
-
 def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
     import numpy as np
 
@@ -324,35 +316,22 @@ def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | 
     return None if degrees is None else float(np.radians(within(name, degrees, lowest, 90.0)))
 
 
-def _dispersed(asked: "SizingAsked", found: "Sizing") -> float:
+def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> float:
     """What dispersions add at the worst flight time, as a part of what is counted there."""
     from tvclin.answers.campaign.quick import disperse_study
-    from tvclin.answers.planes import BOTH
     from tvclin.answers.study import Study
     from tvclin.base.errors import InputError
-    from tvclin.vehicle.coefficients import PLANES
 
     bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
     counted = asked.counted
     if counted not in bands or counted not in found.worst:
         raise InputError(f"--disperse needs a dead band to count, such as K = 1; got {counted}")
-    worst = found.worst[counted]
+    worst, pulses = found.worst[counted], asked.pulses(case)
     at = found.winds.index(worst.wind)
-    if at >= len(asked.pulses):
+    if at >= len(pulses):
         raise InputError(
             f"--disperse knows pulses, and the worst wind is {worst.wind}; give --dispersion in its"
             " place"
         )
-    vehicle, pulse = found.schedule.at(worst.time), asked.pulses[at]
-    both = {"plane": PLANES[0], "heading": pulse.heading, "stop": asked.nozzle_stop}
-    nominal = Study.from_vehicle(
-        vehicle,
-        wind=pulse.shape,
-        duration=pulse.duration,
-        peak=asked.peak_at(vehicle, pulse),
-        gust=asked.gust,
-        dead_band=bands[counted],
-        model=found.model,
-        **(both if found.plane == BOTH else {"plane": found.plane}),
-    )
+    nominal = Study.of(asked.at(case, worst.time, pulses[at]), bands[counted])
     return disperse_study(nominal).part

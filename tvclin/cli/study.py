@@ -4,7 +4,15 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import changed_plan, gust_of, heading_given, note_structure, only_with
+from tvclin.cli.inputs import (
+    chosen,
+    heading_given,
+    limit_of,
+    note_structure,
+    only_with,
+    peak_angle,
+    wind_with,
+)
 from tvclin.cli.options import (
     LINEAR_HELP,
     STOPS_HELP,
@@ -107,25 +115,26 @@ def study(
     from tvclin.cli.output import print_json
     from tvclin.cli.study_tables import print_dispersed, print_questions, print_study
 
-    given = {
-        "dead_band": dead_band,
-        "model": model,
-        "plane": plane,
-        "switch": switch,
-        "cases": cases,
-        "seed": seed,
-        "nozzle_stop": stop,
-    }
-    heading = heading_given(wind_direction_deg, azimuth_deg)
-    asked = load_study(source)
-    plan = changed_plan(asked, wind, duration, (peak_deg, peak_speed), limit_deg, given, heading)
+    plan = load_study(source)
+    plan = replace(plan, model=chosen(model, plan.model), plane=chosen(plane, plan.plane))
+    heading = chosen(heading_given(wind_direction_deg, azimuth_deg), plan.wind.heading)
+    peak = None
+    if (peak_deg, peak_speed) != (None, None):
+        peak = peak_angle(plan.vehicle, plan.plane, peak_deg, peak_speed, heading)
+    plan = replace(
+        plan,
+        wind=wind_with(plan.wind, wind, duration, peak, heading, gust, gust_at),
+        nozzle=replace(
+            plan.nozzle,
+            limit=chosen(limit_of(limit_deg), plan.nozzle.limit),
+            stop=chosen(stop, plan.nozzle.stop),
+        ),
+        dead_band=chosen(dead_band, plan.dead_band),
+        switch=chosen(switch, plan.switch),
+        cases=chosen(cases, plan.cases),
+        seed=chosen(seed, plan.seed),
+    )
     note_structure(plan.vehicle, plan.plane, "the boundaries")
-    if gust is None:
-        only_with("--gust", gust_at=gust_at)
-    else:
-        middle = 0.5 * plan.wind.duration
-        top = gust_of(gust, middle if gust_at is None else gust_at)
-        plan = replace(plan, wind=replace(plan.wind, gust=top))
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 

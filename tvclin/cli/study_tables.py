@@ -117,7 +117,7 @@ def print_questions(found: "Findings") -> None:
     said = {
         True: "SUFFICIENT in all",
         False: f"NOT SUFFICIENT: {others}",
-        None: "no limit was given",
+        None: "no limit was given" if found.study.limit is None else f"NOT KNOWN: {others}",
     }
     say(f"Verdict: {said[sufficient(found)]}")
     for note in () if found.availability is None else found.availability.notes:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import gust_of, heading_given, limit_of, only_with, peak_angle
+from tvclin.cli.inputs import gust_of, heading_given, only_with, peak_angle
 from tvclin.cli.options import (
     TIME_HELP,
     AzimuthDeg,
@@ -20,7 +20,8 @@ from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
-    from tvclin.control.autopilot.rules import GainsAsked
+    from tvclin.answers.nozzle import Nozzle
+    from tvclin.control.autopilot.rules import AutopilotDesign
     from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.histories import History
     from tvclin.winds.shaped import ShapedWind
@@ -179,21 +180,22 @@ class WindOptions(BlowingOptions):
         vehicle: "AnyVehicle",
         model: str | None,
         plane: str,
-        gains: "GainsAsked | None" = None,
-        limit_deg: float | None = None,
+        nozzle: "Nozzle | None" = None,
+        design: "AutopilotDesign | None" = None,
         *,
         in_flight: bool = False,
     ) -> "Case":
-        """Return the case of a vehicle in the wind, with a limit and an autopilot if given."""
+        """Return the case of a vehicle in the wind, with a nozzle and an autopilot if given."""
         from tvclin.answers.case import Case
+        from tvclin.answers.nozzle import Nozzle
 
         return Case(
             vehicle=vehicle,
             model=model or "",
             plane=plane,
             wind=self.blowing(source, vehicle, plane, in_flight),
-            limit=limit_of(limit_deg),
-            gains=gains,
+            nozzle=nozzle or Nozzle(),
+            design=design,
         )
 
 

@@ -5,7 +5,8 @@ high as K L. From the state of that time every growing mode p_i asks for the mea
 
     z_i = p_i integral from t on of e^(-p_i (r - t)) g(r) dr
 
-of the trim g still to come, the demand of `excess` for each mode by itself.
+of the trim g still to come, the demand of `excess` for each mode by itself. Where trim stays below
+that height while the wind blows, the control is free from the end of the wind on.
 """
 
 from typing import Any
@@ -52,8 +53,8 @@ def at_heights(
     heights
         Over B times the wind's peak, positive, ``(n,)``.
     out
-        Demands, and last how far trim has swung to the other side before, ``(n, m + 1)``; zeros
-        for the demands where trim stays below the height while the wind blows.
+        Demands, and last how far trim has swung to the other side before, ``(n, m + 1)``; where
+        trim stays below the height while the wind blows, the demands at its end.
     """
     knots, coefficients, rates = winds
     kept = np.empty((3, knots.shape[1]))
@@ -65,7 +66,7 @@ def at_heights(
         law = (1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
         drift(wind, law)
         i, u, swing = _reached(wind, law, heights[case])
-        x, y = state(wind, law, i, u) if i < knots.shape[1] - 1 else (0.0, 0.0)
+        x, y = state(wind, law, i, u)
         for k in range(poles.shape[1]):
             p = poles[case, k]
             ahead = _ahead(wind, i, u, p)
@@ -77,7 +78,7 @@ def at_heights(
 def _reached(wind: Any, law: Any, height: float) -> tuple[int, float, float]:
     """Return the piece and the local time at which the driver first is at a height or above it.
 
-    And its largest size to the other side before that.
+    The end of the wind where it never is; and its largest size to the other side before.
     """
     knots, swing = wind[0], 0.0
     for i in range(knots.size - 1):
@@ -98,7 +99,8 @@ def _reached(wind: Any, law: Any, height: float) -> tuple[int, float, float]:
                     return i, u, max(swing, -start)
                 swing = max(swing, -start, -stop)
                 a = b
-    return knots.size - 1, 0.0, swing
+    i = knots.size - 2
+    return i, knots[i + 1] - knots[i], swing
 
 
 @bare
@@ -109,7 +111,5 @@ def _ahead(wind: Any, i: int, u: float, p: Any) -> Any:
     for j in range(knots.size - 2, i, -1):
         width = knots[j + 1] - knots[j]
         total = future(c[j], rates, 0.0, width, p) + np.exp(-p * width) * total
-    if i < knots.size - 1:
-        left = knots[i + 1] - knots[i] - u
-        total = future(c[i], rates, u, left, p) + np.exp(-p * left) * total
-    return total
+    left = knots[i + 1] - knots[i] - u
+    return future(c[i], rates, u, left, p) + np.exp(-p * left) * total

@@ -33,7 +33,7 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 FloatArray = NDArray[np.float64]
 
-PLANES = ("pitch", "yaw")
+PLANES, BOTH = ("pitch", "yaw"), "both"
 _LARGEST = 1e18
 """Of every coefficient, and of one over mu_delta: products of several must not overflow."""
 

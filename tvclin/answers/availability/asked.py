@@ -1,21 +1,18 @@
-"""What a study file asks of an archive of soundings."""
+"""What is asked of an archive of soundings, beside a case: its model, limit, stop and gust."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tvclin.answers.availability.growth import PairGrowth, WindGrowth, growth_of
 from tvclin.answers.availability.judge import STOPS
-from tvclin.answers.planes import BOTH
+from tvclin.answers.case import Case
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
 from tvclin.base.tables import Table
-from tvclin.linear.models import MODELS, USUAL_MODEL
-from tvclin.vehicle.coefficients import PLANES
-from tvclin.winds.gusts import checked_gust
-from tvclin.winds.histories import History
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.soundings.archive import Soundings
 
 if TYPE_CHECKING:
@@ -31,14 +28,14 @@ AVAILABILITY_TABLE = Table(
             ("persistence_hours", "utc_offset_hours", "confidence", "least_part"), "number"
         ),
     },
-    words=("archive", "station", "plane", "stop", "model"),
+    words=("archive", "station", "plane"),
     lists=("months", "years"),
 )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AvailabilityAsked:
-    """Everything on which the availability of a study depends.
+    """What the availability of a case depends on beside the case.
 
     Attributes
     ----------
@@ -46,7 +43,7 @@ class AvailabilityAsked:
         The flight.
     soundings : Soundings
         The archive.
-    azimuth, plane, stop, model, persistence, gust, known_to, confidence
+    azimuth, plane, persistence, known_to, confidence
         As of `availability`.
     least_part : float, optional
         So many of the days it must fly; without it nothing is asked.
@@ -61,10 +58,7 @@ class AvailabilityAsked:
     soundings: Soundings
     azimuth: float
     plane: str = BOTH
-    stop: str = "round"
-    model: str = USUAL_MODEL
     persistence: float | WindGrowth | PairGrowth | str | None = None
-    gust: History | None = None
     known_to: float | None = None
     confidence: float = 0.95
     least_part: float | None = None
@@ -76,11 +70,9 @@ class AvailabilityAsked:
             raise InputError(
                 "soundings must hold one or more; got none (check month, years and station)"
             )
-        for name, names in {"plane": (BOTH, *PLANES), "stop": STOPS, "model": MODELS}.items():
-            one_of(f"{name} of availability", getattr(self, name), names)
+        one_of("plane of availability", self.plane, (BOTH, *PLANES))
         bearing("azimuth", self.azimuth)
         growth_of(self.persistence)
-        checked_gust(self.gust)
         if self.known_to is not None:
             number("known_to", self.known_to, between(0.0, 1e5), "m")
         fraction("confidence", self.confidence)
@@ -88,12 +80,28 @@ class AvailabilityAsked:
             number("least_part", self.least_part, between(0.0, 1.0))
 
     def availability(
-        self, limit: float, progress: Callable[[int, int], None] | None = None
+        self, case: Case, progress: Callable[[int, int], None] | None = None
     ) -> Availability:
-        """Return on how many days a limit [rad] is enough; raise `InputError` as `availability`."""
+        """Return on how many days a case flies; `InputError` without a limit, and as its question.
+
+        In both planes the stop is that of the nozzle, or round.
+        """
         from tvclin.answers.availability.availability import availability
 
-        asked = {one.name: getattr(self, one.name) for one in fields(self)}
-        del asked["least_part"]
-        flight, soundings = asked.pop("flight"), asked.pop("soundings")
-        return availability(flight, soundings, limit=limit, progress=progress, **asked)
+        instance("case", case, Case, "of a wind and a nozzle")
+        if case.nozzle.limit is None:
+            raise InputError("availability is judged for a limit: give limit_deg in [nozzle]")
+        return availability(
+            self.flight,
+            self.soundings,
+            limit=case.nozzle.limit,
+            azimuth=self.azimuth,
+            plane=self.plane,
+            stop=one_of("stop of availability", case.nozzle.stop or "round", STOPS),
+            model=case.model,
+            persistence=self.persistence,
+            gust=getattr(case.wind, "gust", None),
+            known_to=self.known_to,
+            confidence=self.confidence,
+            progress=progress,
+        )

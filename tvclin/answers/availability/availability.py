@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.availability.growth import HALF_DAY, PairGrowth, WindGrowth, grown_by, growth_of
-from tvclin.answers.availability.judge import BOTH, STOPS, TOO_FAST, Judge
+from tvclin.answers.availability.judge import STOPS, TOO_FAST, Judge
 from tvclin.answers.availability.record import Availability, one_row_or_one
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
@@ -24,7 +24,7 @@ from tvclin.base.errors import (
     small_angle,
 )
 from tvclin.linear.models import MODELS, USUAL_MODEL
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings

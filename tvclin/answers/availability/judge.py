@@ -23,14 +23,13 @@ from tvclin.answers.availability.tables import FlightTables, TableRows, flight_t
 from tvclin.answers.sizing.flown import flight_steps, trim_law_needs
 from tvclin.answers.sizing.growing import GrowingMode
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-BOTH = "both"
 STOPS = ("round", "square")
 UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
     "it cannot be used",

@@ -104,7 +104,8 @@ def batch(campaign: Campaign, cases: Cases) -> Batch:
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     wind = campaign.wind.history(cases.values)
-    gains, count = _gains(campaign, cases.values), cases.possible.size
+    gains = {name: cases.values.get(name, value) for name, value in campaign.gains.items()}
+    count = cases.possible.size
     return Batch(plant, wind, gains, count, vehicle, _flexible(campaign, vehicle, cases.values))
 
 
@@ -118,9 +119,8 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     """
     if isinstance(campaign.wind, WindEnsemble):
         return {}
-    wind, gains = campaign.wind.history({}), _gains(campaign, {})
-    flexible = _flexible(campaign, campaign.vehicle, {})
-    batch = Batch(campaign.rigid_plant, wind, gains, 1, campaign.vehicle, flexible)
+    wind, flexible = campaign.wind.history({}), _flexible(campaign, campaign.vehicle, {})
+    batch = Batch(campaign.rigid_plant, wind, campaign.gains, 1, campaign.vehicle, flexible)
     found = compute(campaign, batch, alone=False) | compute(campaign, batch, alone=True)
     return {name: float(values[0]) for name, values in found.items()}
 
@@ -134,11 +134,6 @@ def _flexible(
     plant = plant_of(vehicle, flexible_model(vehicle, campaign.model), campaign.plane)
     assert isinstance(plant, FlexiblePlant)
     return dispersed_modes(plant, values)
-
-
-def _gains(campaign: Campaign, values: dict[str, NDArray[Any]]) -> dict[str, Any]:
-    nominal = campaign.nominal
-    return {name: values.get(name, nominal[name]) for name in GAINS if name in nominal}
 
 
 def _together(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, NDArray[Any]]:

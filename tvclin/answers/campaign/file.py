@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.campaign.dispersions import Dispersions
-from tvclin.answers.campaign.flights import FLIGHT_TABLE, Flight
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, Campaign
 from tvclin.answers.campaign.structures import gust_record, record_of, recorded_gust
 from tvclin.answers.campaign.tables import (
+    design_of,
     dispersions_of,
-    gains_of,
+    nozzle_of,
     question_of,
     read_tables,
     subject_of,
@@ -62,19 +62,17 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     head = CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
     outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     CAMPAIGN_TABLE.need(head, ["cases"])
-    flown = "flight" in document
     wind = winds_of(document, folder)[0]
     gust = recorded_gust(document) or gust_of(document, wind)
     if isinstance(wind, ShapedWind):
         wind = replace(wind, gust=gust)
         vehicle = subject["vehicle"]
         wind = wind.in_plane(subject.get("plane", "pitch"), float(np.mean(vehicle.attitude)))
-    asked = document.get("autopilot")
     return Campaign(
-        gains=None if asked is None else gains_of(asked, document),
+        nozzle=replace(nozzle_of(document), stop=None),
+        design=design_of(document),
         wind=wind,
         dispersions=dispersions_of(document),
-        flight=Flight(**FLIGHT_TABLE.read(FLIGHT_TABLE.one(document))) if flown else None,
         **(head | subject),
         **{_FIELDS.get(key, key): value for key, value in outputs.items()},
         **question_of(document),
@@ -91,18 +89,20 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
         "vehicle": {k: v for k, v in record_of(vehicle).items() if v is not None}
     }
     wind = campaign.wind
-    question = {"probability": campaign.probability, "confidence": campaign.confidence}
-    flown = {} if campaign.flight is None else {"flight": _flight(campaign.flight)}
-    if campaign.gains is not None:
-        flown["autopilot"] = record_of(campaign.gains)
-    return flown | {
+    design = {} if campaign.design is None else {"autopilot": record_of(campaign.design)}
+    return design | {
+        "nozzle": record_of(campaign.nozzle),
         "campaign": head | ({} if until is None else {"until_part": until}),
         "wind": {"time_s": wind.time.tolist(), "angle_rad": wind.angle.tolist()}
         if isinstance(wind, WindEnsemble)
         else {"shape": wind.shape, "peak_rad": wind.peak, "duration_s": wind.duration},
         **gust_record(wind),
-        "outputs": {"names": list(campaign.outputs), "dead_bands": list(campaign.dead_bands)},
-        "question": question | ({} if campaign.limit is None else {"limit_rad": campaign.limit}),
+        "outputs": {
+            "names": list(campaign.outputs),
+            "dead_bands": list(campaign.dead_bands),
+            "law": campaign.law,
+        },
+        "question": {"probability": campaign.probability, "confidence": campaign.confidence},
         "dispersion": [
             {
                 "parameter": one.parameter,
@@ -113,12 +113,6 @@ def document_of(campaign: Campaign) -> dict[str, Any]:
         ],
         "correlation": _pairs(campaign.dispersions),
     }
-
-
-def _flight(flight: Flight) -> dict[str, Any]:
-    given = {name: getattr(flight, name) for name in FLIGHT_TABLE.quantities}
-    finite = {k: v for k, v in given.items() if v is not None and np.isfinite(v)}
-    return {"law": flight.law} | FLIGHT_TABLE.write(finite)
 
 
 def _pairs(dispersions: Dispersions) -> list[dict[str, Any]]:

@@ -1,23 +1,22 @@
 """What is computed for each case: a registry of pure functions from a batch to columns."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, cast
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.campaign.flights import COLUMNS, Flight
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.answers.campaign.structures import first_plant
 from tvclin.answers.flexible import with_filters
 from tvclin.answers.requirement import required_deflection
-from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.least_peaks import least_peaks
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.law import Law
+from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.record import loop_margins
 from tvclin.flights.closed_loop.many import fly_many
 from tvclin.flights.flown_boundary import flown_boundary
@@ -28,6 +27,15 @@ from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
+COLUMNS = {
+    "flight_survived": "",
+    "flight_peak_attitude": "rad",
+    "flight_peak_angle_of_attack": "rad",
+    "flight_peak_deflection": "rad",
+}
+"""Of the output "flight"."""
+MOTIONS = ("flight_peak_attitude", "flight_peak_angle_of_attack")
+"""Angles that are no deflections, with which a deflection limit is not compared."""
 _FLOWN_TO = 5e-4
 """Boundaries are flown to this part of the largest trim deflection."""
 
@@ -151,33 +159,24 @@ def _slow(campaign: Campaign) -> bool:
 
 
 def law_of(campaign: Campaign, batch: Batch) -> Law:
-    """Return the law that flies the first case: the nominal one, or with gains of its own.
-
-    Raises
-    ------
-    InputError
-        For a campaign that flies nothing.
-    """
-    if campaign.flight is None:
-        raise InputError('the campaign flies nothing: it has no output "flight"')
-    gains = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
-    law = campaign.flight.designed(campaign.rigid_plant, campaign.wind.largest, gains)
-    return law if campaign.gains is None else with_filters(law, campaign.gains)
+    """Return the law that flies the first case: the nominal one, or with gains of its own."""
+    gains: dict[str, Any] = {name: float(np.ravel(value)[0]) for name, value in batch.gains.items()}
+    own = {AUTOPILOT: Autopilot(**gains)} if campaign.law == AUTOPILOT else {}
+    law = design_law(campaign.law, campaign.rigid_plant, campaign.wind.largest, **own)
+    return with_filters(law, campaign.asked)
 
 
 def _flight(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    flight = cast(Flight, campaign.flight)
     dispersed = any(np.ndim(value) for value in batch.gains.values())
-    asked = campaign.gains
-    chains = {} if asked is None else {name: getattr(asked, name) for name in CHAINS}
+    chains = {name: getattr(campaign.asked, name) for name in CHAINS}
+    own = dispersed and campaign.law == AUTOPILOT
+    assert campaign.nozzle.limit is not None
     found = fly_many(
         batch.flying,
-        Autopilot(**batch.gains, **chains) if dispersed else law_of(campaign, batch),
+        Autopilot(**batch.gains, **chains) if own else law_of(campaign, batch),
         batch.wind,
-        deflection_limit=flight.deflection_limit,
-        rate_limit=flight.rate_limit,
-        actuator=flight.actuator,
-        sample_rate=flight.sample_rate,
+        deflection_limit=campaign.nozzle.limit,
+        **campaign.hardware,
     )
     lost = (found.status == "lost") | (found.status == "rings")
     fate = np.select([found.status == "survived", lost], [1.0, 0.0], np.nan)
@@ -208,8 +207,8 @@ def _mode_names(campaign: Campaign) -> list[str]:
 
 
 def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """The margins of one autopilot around each vehicle; of a flexible one also peaks by mode."""
-    autopilot, peaks = campaign.autopilot, {}
+    """The margins of the autopilot around each vehicle; of a flexible one also peaks by mode."""
+    autopilot, peaks = replace(campaign.autopilot, **batch.gains), {}
     if batch.flexible is not None and _mode_names(campaign):
         bands = autopilot.band_margins(batch.flexible)
         whole = bands.whole

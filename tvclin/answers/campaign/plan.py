@@ -9,7 +9,6 @@ import numpy as np
 
 from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS, Dispersions
 from tvclin.answers.campaign.draws import METHODS
-from tvclin.answers.campaign.flights import Flight
 from tvclin.answers.campaign.structures import modes_nominal
 from tvclin.answers.case import Case
 from tvclin.base.errors import (
@@ -27,6 +26,8 @@ from tvclin.base.errors import (
 )
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.autopilot import Autopilot
+from tvclin.control.autopilot.feedback import GAINS
+from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -37,8 +38,8 @@ CAMPAIGN_TABLE = Table(
     {"until": "part"},
     words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
 )
-OUTPUTS_TABLE = Table("[outputs]", lists=("names", "dead_bands"))
-QUESTION_TABLE = Table("[question]", {"limit": "angle"}, words=("probability", "confidence"))
+OUTPUTS_TABLE = Table("[outputs]", words=("law",), lists=("names", "dead_bands"))
+QUESTION_TABLE = Table("[question]", words=("probability", "confidence"))
 _MOST_CASES = 10**10
 _MOST_LATIN_CASES = 10**7
 
@@ -48,8 +49,8 @@ class Campaign(Case):
     """Many dispersed cases of one vehicle, to be run chunk by chunk: of a case, the nominal one.
 
     The structure of its vehicle counts for "margins" and "flight", and all else is of the rigid
-    one. The autopilot is that of "margins", designed on the nominal rigid vehicle; its filters
-    stand in the law of "flight" too.
+    one. Autopilot and law are designed on the nominal rigid vehicle; the filters of the autopilot
+    stand in every law, and its gains may be dispersed.
 
     Attributes
     ----------
@@ -68,7 +69,7 @@ class Campaign(Case):
         "forecast-free" (the least of any law without a forecast), "minimum" (appendix C),
         "margins" (whether the loop of the autopilot is stable, its margins, and the peak of each
         mode of a flexible vehicle),
-        "flight" (what comes of flying it, as `flight` says), "flown" (the boundary at each dead
+        "flight" (what comes of flying the law with its nozzle), "flown" (the boundary at each dead
         band by flights with six degrees of freedom, some tenths of a second for each).
     dead_bands : tuple of float
         K of "required" and "flown", each in [0, 1].
@@ -78,8 +79,8 @@ class Campaign(Case):
         Cases in one file.
     probability, confidence : float
         Of the deflection asked for, as of `quantile_bound`.
-    flight : Flight, optional
-        How every case is flown; needed for the output "flight".
+    law : str
+        The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
     until : float, optional
         Stop when both bounds of the first output lie within this part of its quantile.
 
@@ -101,7 +102,7 @@ class Campaign(Case):
     chunk: int = 1024
     probability: float = 0.99865
     confidence: float = 0.9
-    flight: Flight | None = None
+    law: str = AUTOPILOT
     until: float | None = None
 
     def __post_init__(self) -> None:
@@ -110,11 +111,9 @@ class Campaign(Case):
         single("vehicle", self.vehicle.batch)
         if not isinstance(self.wind, ShapedWind | WindEnsemble):
             raise InputError(f"wind must be a ShapedWind or a WindEnsemble; got {shown(self.wind)}")
-        if self.nozzle_stop is not None or getattr(self.wind, "heading", None) is not None:
+        if self.nozzle.stop is not None or getattr(self.wind, "heading", None) is not None:
             raise InputError("a campaign is in one plane; give the part there, wind.in_plane(...)")
         instance("dispersions", self.dispersions, Dispersions, "of Dispersion values")
-        if self.flight is not None:
-            instance("flight", self.flight, Flight, "which says how each case is flown")
         self._check_outputs()
         self._check_numbers()
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.each))))
@@ -123,10 +122,10 @@ class Campaign(Case):
         different("outputs", self.outputs)
         for name in self.outputs:
             one_of("outputs", name, OUTPUTS)
-        if ("flight" in self.outputs) != (self.flight is not None):
-            raise InputError('the output "flight" and a [flight] belong together: give both')
-        if "margins" in self.outputs:
-            _ = self.autopilot  # refuses a rule that cannot be
+        one_of("law", self.law, LAWS)
+        if "flight" in self.outputs and self.nozzle.limit is None:
+            raise InputError('the output "flight" needs the limit of the nozzle: limit_deg')
+        _ = self.gains  # refuses a rule that cannot be
         different("dead_bands", self.dead_bands)
         bands = tuple(number("dead_bands", K, between(0.0, 1.0)) for K in self.dead_bands)
         object.__setattr__(self, "dead_bands", bands)
@@ -149,10 +148,17 @@ class Campaign(Case):
         """Nominal values [SI] of everything that can be dispersed here."""
         held: dict[str, Any] = {name: getattr(self.vehicle, name) for name in NUMBERS}
         held |= {"control_force_slope": self.vehicle.control_force}
-        gains = {} if self.flight is None else self.flight.gains(self.rigid_plant)
         structure = self.vehicle.structure
         modes = {} if structure is None else modes_nominal(structure)
-        return held | self.wind.nominal | gains | modes
+        return held | self.wind.nominal | self.gains | modes
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """The nominal gains of the autopilot; nothing where no output depends on them."""
+        flown = "flight" in self.outputs and self.law == AUTOPILOT
+        if not flown and "margins" not in self.outputs:
+            return {}
+        return {name: float(getattr(self.autopilot, name)) for name in GAINS}
 
     @property
     def rigid_plant(self) -> Plant:
@@ -161,8 +167,8 @@ class Campaign(Case):
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot of the margins, designed on `rigid_plant`."""
-        return self.asked.autopilot(self.rigid_plant)
+        """The autopilot, designed on `rigid_plant`."""
+        return self.asked.autopilot(self.rigid_plant, self.nozzle.actuator)
 
     @property
     def chunks(self) -> int:

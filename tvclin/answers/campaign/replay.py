@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.campaign.cases import batch, draw_case, evaluate
-from tvclin.answers.campaign.flights import Flight, flight_response
 from tvclin.answers.campaign.outputs import law_of
 from tvclin.answers.campaign.plan import Campaign
 from tvclin.base.errors import (
@@ -16,15 +15,20 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.flexible import FlexiblePlant
+from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_response
 from tvclin.winds.histories import History
 
 if TYPE_CHECKING:
     from control import TimeResponseData
+
+_WATCHED = 20.0
+"""A flight ends so long after its wind, over the fastest unstable pole."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +37,8 @@ class Replay:
 
     Attributes
     ----------
+    campaign : Campaign
+        The campaign.
     case : int
         Its number.
     inputs : dict of str to float
@@ -41,26 +47,28 @@ class Replay:
         What was found [SI]; with the versions of the manifest the same bits as in the campaign.
     status : str
         "ok", or in words what is different.
-    dead_band : float
-        K of `response`.
     plant, wind : Plant and History, or None
         Its plant and wind; None where the case cannot be.
-    flight, law : Flight and Law, or None
-        How it was flown, where the campaign flies.
+    law : Law or None
+        What flew it, where the campaign flies.
     flexible : FlexiblePlant or None
         What was flown then, where the vehicle has a structure.
     """
 
+    campaign: Campaign
     case: int
     inputs: dict[str, float]
     outputs: dict[str, float]
     status: str
-    dead_band: float
     plant: Plant | None
     wind: History | None
-    flight: Flight | None = None
     law: Law | None = None
     flexible: FlexiblePlant | None = None
+
+    @property
+    def dead_band(self) -> float:
+        """K of `response`: the first of the campaign."""
+        return self.campaign.dead_bands[0]
 
     @cached_property
     def required(self) -> float:
@@ -98,7 +106,7 @@ class Replay:
         )
 
     def flown(self) -> "TimeResponseData":
-        """Return its flight with limits, at the samples of its law.
+        """Return its flight with limits, at the samples of its law, until some time after its wind.
 
         Raises
         ------
@@ -106,9 +114,20 @@ class Replay:
             When the case cannot be, or the campaign flies nothing.
         """
         plant, wind = self._flown()
-        if self.flight is None or self.law is None:
+        if self.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
-        return flight_response(self.flight, self.law, self.flexible or plant, wind)
+        hardware = self.campaign.hardware
+        poles = np.real(unstable_modes(plant).poles)
+        begin, rate = float(wind.onset), hardware["sample_rate"]
+        end = float(wind.end) + (_WATCHED / float(poles.max()) if poles.size else 0.0)
+        return fly(
+            self.flexible or plant,
+            self.law,
+            wind,
+            begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
+            deflection_limit=self.campaign.nozzle.limit,
+            **hardware,
+        )
 
     def _flown(self) -> tuple[Plant, History]:
         if self.plant is None or self.wind is None:
@@ -149,7 +168,7 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
             made = batch(campaign, drawn)
             plant, wind = made.one()
             flexible = made.one_flexible()
-            law = law_of(campaign, made) if campaign.flight is not None else None
+            law = law_of(campaign, made) if "flight" in campaign.outputs else None
         except InputError:  # its status says why
             pass
     found: dict[str, Any] = {name: values[0] for name, values in row.items()}
@@ -157,14 +176,13 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     del found["case"]
     inputs = {name: float(found.pop(name)) for name in drawn.values}
     return Replay(
+        campaign,
         case,
         inputs,
         {k: float(v) for k, v in found.items()},
         status,
-        campaign.dead_bands[0],
         plant,
         wind,
-        campaign.flight,
         law,
         flexible,
     )

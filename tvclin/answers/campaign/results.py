@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from tvclin.answers.campaign.cases import nominal
 from tvclin.answers.campaign.chunks import chunk_file, read_columns
 from tvclin.answers.campaign.dispersions import UNITS_OF
-from tvclin.answers.campaign.flights import MOTIONS
 from tvclin.answers.campaign.manifest import Manifest, read_manifest
-from tvclin.answers.campaign.outputs import columns
+from tvclin.answers.campaign.outputs import MOTIONS, columns
 from tvclin.answers.campaign.plan import Campaign, checkpoints
 from tvclin.answers.campaign.replay import Replay, replay_case
 from tvclin.answers.campaign.statistics import (
@@ -191,7 +190,7 @@ class CampaignResults:
                 return None
             others = " or ".join(self.deflections)
             raise InputError(f"limit is a deflection, and {name} is none; use the output {others}")
-        asked = self.campaign.limit if limit is None else limit
+        asked = self.campaign.nozzle.limit if limit is None else limit
         if asked is None:
             return None
         most = number("limit", asked, small_angle("a deflection"), "rad")
@@ -229,7 +228,7 @@ class CampaignResults:
     @property
     def flights(self) -> tuple[int, int] | None:
         """How many flights survived and how many are lost; None where nothing was flown."""
-        if self.campaign.flight is None:
+        if "flight" not in self.campaign.outputs:
             return None
         survived = self.column("flight_survived")
         return int(np.sum(survived == 1.0)), int(np.sum(survived == 0.0))
@@ -239,7 +238,7 @@ class CampaignResults:
 
         Nothing where nothing was flown, no flight is lost, or every one is.
         """
-        if self.campaign.flight is None:
+        if "flight" not in self.campaign.outputs:
             return {}
         survived = self.column("flight_survived")
         return loss_drivers(self._inputs(~np.isnan(survived)), survived[~np.isnan(survived)] == 0.0)

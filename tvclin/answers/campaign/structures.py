@@ -9,10 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from tvclin.answers.nozzle import Nozzle
 from tvclin.base.errors import InputError
+from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.detuning import with_modes
 from tvclin.control.autopilot.feedback import CHAINS
-from tvclin.control.autopilot.rules import GainsAsked
+from tvclin.control.autopilot.rules import AutopilotDesign
 from tvclin.kernels.pieces import Pieces
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.vehicle.filters import Filter
@@ -23,12 +25,12 @@ from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 FloatArray = NDArray[np.float64]
 
-Recorded = TypeVar("Recorded", Vehicle, GainsAsked)
+Recorded = TypeVar("Recorded", Vehicle, Nozzle, AutopilotDesign)
 _BODIES = {"bending": BendingMode, "slosh": SloshTank, "engine": Engine}
-_PARTS = {"structure": Structure, **_BODIES} | dict.fromkeys(
+_PARTS = {"structure": Structure, "actuator": Actuator, **_BODIES} | dict.fromkeys(
     ("attitude_sensor", "rate_gyro", *CHAINS), Filter
 )
-"""What the parts of a vehicle and an autopilot are, by name; all else in them are numbers."""
+"""What the parts of a vehicle, a nozzle and an autopilot are, by name; all else are numbers."""
 
 
 def modes_nominal(structure: Structure) -> dict[str, float]:

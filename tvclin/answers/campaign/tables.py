@@ -15,18 +15,18 @@ from tvclin.answers.campaign.dispersions import (
     Dispersions,
     spread_table,
 )
-from tvclin.answers.campaign.flights import FLIGHT_TABLE
 from tvclin.answers.campaign.plan import CAMPAIGN_TABLE, OUTPUTS_TABLE, QUESTION_TABLE
 from tvclin.answers.campaign.structures import of_record
 from tvclin.answers.document import DOCUMENT_TABLE
+from tvclin.answers.nozzle import NOZZLE_TABLE, Nozzle
 from tvclin.answers.sizing.asked import SIZE_TABLE
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE
 from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import Faults, InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
-from tvclin.base.tables import known
-from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, GainsAsked
+from tvclin.base.tables import Table, known
+from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
 from tvclin.vehicle.vehicle import Vehicle
@@ -44,7 +44,7 @@ _SINGLE = (
     SOURCE_TABLE,
     OUTPUTS_TABLE,
     QUESTION_TABLE,
-    FLIGHT_TABLE,
+    NOZZLE_TABLE,
 )
 TABLES = (*_SINGLE, WIND_TABLE, DISPERSION_TABLE, CORRELATION_TABLE)
 """Of a file that drives studies, campaigns and pages; each of these reads those that concern it."""
@@ -95,15 +95,30 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     for table in _SINGLE:
         with faults.kept():
             given = table.one(document)
-            if table in (SOURCE_TABLE, *((AUTOPILOT_TABLE, GUST_TABLE) if recorded else ())):
+            if table in (
+                SOURCE_TABLE,
+                *((AUTOPILOT_TABLE, GUST_TABLE, NOZZLE_TABLE) if recorded else ()),
+            ):
                 continue  # it may hold a whole flight, or numbers without a unit
             if table.name in document or table in _OF_STUDIES:
+                _at_home(table, given)
                 table.read(given)
     with faults.kept():
         if "wind" in document and not recorded:
             winds_of(document, folder)
     with faults.kept():
         dispersions_of(document)
+    faults.tell()
+
+
+def _at_home(table: Table, given: Mapping[str, Any]) -> None:
+    """Raise `InputError` for keys that another table has, and say which."""
+    faults = Faults()
+    for key in given:
+        homes = [one.heading for one in TABLES if key in one.every_key]
+        with faults.kept():
+            if homes and key not in (*table.every_key, *table.quantities):
+                raise InputError(f"{key} stands in {' or '.join(homes)}, not in {table.heading}")
     faults.tell()
 
 
@@ -115,8 +130,14 @@ def _recorded(document: Mapping[str, Any]) -> bool:
 
 
 def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the limit [rad], and probability and confidence where they are given."""
-    return {"limit": None} | QUESTION_TABLE.read(QUESTION_TABLE.one(document))
+    """Return probability and confidence where they are given."""
+    return QUESTION_TABLE.read(QUESTION_TABLE.one(document))
+
+
+def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
+    """Return what the table [nozzle] says."""
+    table = NOZZLE_TABLE.one(document)
+    return of_record(Nozzle, table) if _recorded(document) else Nozzle.from_table(table)
 
 
 def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
@@ -136,9 +157,16 @@ def _beside(source: str, folder: Path) -> str | Path:
     return beside if source not in list_vehicles() and exists(beside) else source
 
 
-def gains_of(table: Mapping[str, Any], document: Mapping[str, Any]) -> GainsAsked:
-    """Return what the table [autopilot] asks for."""
-    return of_record(GainsAsked, table) if _recorded(document) else GainsAsked.from_table(table)
+def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:
+    """Return what the table [autopilot] asks for; None without it."""
+    table = document.get("autopilot")
+    if table is None:
+        return None
+    return (
+        of_record(AutopilotDesign, table)
+        if _recorded(document)
+        else AutopilotDesign.from_table(table)
+    )
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:

@@ -3,53 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tvclin.answers.least_gains.least import least_deflection_gains
 from tvclin.answers.least_gains.record import LeastGains
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.rules import LEAST_NOZZLE, GainsAsked
+from tvclin.control.autopilot.rules import LEAST_NOZZLE
 from tvclin.control.margins.criteria import Criteria
-from tvclin.linear.flexible import AnyPlant
 from tvclin.winds.histories import History
 
+if TYPE_CHECKING:
+    from tvclin.answers.case import Case
 
-def autopilot_asked(
-    asked: GainsAsked, plant: AnyPlant, wind: History, criteria: Criteria
-) -> Autopilot:
-    """Return the autopilot that is asked for; of a wind and criteria where its rule needs them.
+
+def autopilot_asked(case: Case, wind: History, criteria: Criteria) -> Autopilot:
+    """Return the autopilot of a case; for a wind and criteria where its rule needs them.
 
     Raises
     ------
     InputError
-        As `GainsAsked.autopilot` and `least_asked`.
+        As `Case.autopilot` and `least_asked`.
     """
-    if asked.design != LEAST_NOZZLE:
-        return asked.autopilot(plant.rigid)
-    return least_asked(asked, plant, wind, criteria).autopilot
+    if case.asked.design != LEAST_NOZZLE:
+        return case.autopilot
+    return least_asked(case, wind, criteria).autopilot
 
 
 def least_asked(
-    asked: GainsAsked,
-    plant: AnyPlant,
-    winds: History | Sequence[History],
-    criteria: Criteria,
-    **options: Any,
+    case: Case, winds: History | Sequence[History], criteria: Criteria, **options: Any
 ) -> LeastGains:
-    """Return the gains for the least nozzle with the nozzle, delay and filters that are asked for.
+    """Return the gains for the least nozzle with the nozzle, delay and filters of a case.
 
     Raises
     ------
     InputError
         For gains and numbers of other rules beside it, and as `least_deflection_gains`.
     """
-    numbers = ("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain")
-    given = [name for name in numbers if getattr(asked, name) is not None]
-    given += [
+    asked = case.asked
+    given = [
         name
-        for name in ("integral_gain", "attitude_filters", "rate_filters")
-        if getattr(asked, name)
+        for name in (
+            *("natural_frequency", "damping", "attitude_gain", "rate_gain", "alpha_gain"),
+            *("integral_gain", "attitude_filters", "rate_filters", "sample_rate"),
+        )
+        if getattr(asked, name) not in (None, (), 0.0)
     ]
     if given:
         raise InputError(
@@ -57,10 +55,10 @@ def least_asked(
             f" {', '.join(name.replace('_', ' ') for name in given)} with them"
         )
     return least_deflection_gains(
-        plant,
+        case.plant,
         winds,
         criteria=criteria,
-        actuator=asked.actuator,
+        actuator=case.nozzle.actuator,
         delay=asked.delay,
         crossover=asked.crossover,
         filters=asked.filters,

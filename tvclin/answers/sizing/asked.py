@@ -1,4 +1,7 @@
-"""What is asked of a whole flight: its schedule, its winds, and what else the nozzle has to do."""
+"""What is asked of a whole flight: its schedule, its winds, and what else the nozzle has to do.
+
+Model, planes, limit and stop are those of the case, and so is the first of its pulses.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.planes import BOTH
+from tvclin.answers.case import Case
 from tvclin.answers.sizing.measured import fly_through
 from tvclin.answers.sizing.placing import WindOf
 from tvclin.answers.sizing.record import VARYING, Sizing
@@ -32,11 +35,8 @@ from tvclin.base.errors import (
     within,
 )
 from tvclin.base.tables import Table
-from tvclin.boundary.stops import Stop, stop_of
-from tvclin.linear.models import USUAL_MODEL
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
@@ -53,7 +53,7 @@ SIZE_TABLE = Table(
         "gravity_offset": "length",
         "reserve": "percent",
     },
-    words=("model", "plane", "law", "varying", "count", "nozzle_stop"),
+    words=("law", "varying", "count"),
     lists=("dead_bands",),
 )
 _APART = 1e-9
@@ -84,7 +84,7 @@ class SoundingAsked:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SizingAsked:
-    """Everything that the sizing of a flight depends on.
+    """What the sizing of a flight depends on beside its case.
 
     Attributes
     ----------
@@ -94,15 +94,16 @@ class SizingAsked:
         The vehicle or file whose flight it is, as messages call it; empty where it has no name.
     another : str
         The study's vehicle, as messages call it, where the flight is that of another vehicle.
-    pulses : tuple of ShapedWind
-        Winds whose peak meets each flight time.
+    pulse : bool
+        Whether the wind of the case blows on the flight, its peak at each flight time.
+    others : tuple of ShapedWind
+        Other winds that do.
     peak_speed : float, optional
         Wind speed [m/s] at the peak of the pulses, in place of their angle: the vehicle meets it at
         the angle of its flight time, by eq (B1e).
     soundings : dict of str to SoundingAsked
-        Winds over height, by name.
-    gust : History, optional
-        On top of each wind: of a pulse in its time, of a sounding about each flight time.
+        Winds over height, by name. The gust of the case is on top of each wind: of a pulse in its
+        time, of a sounding about each flight time.
     window : float, optional
         As of `MeasuredWind` [s].
     start, stop : float, optional
@@ -111,14 +112,12 @@ class SizingAsked:
         Time between flight times [s]; the last step may be shorter.
     dead_bands : tuple of float
         K of the report's control.
-    model, plane, law, varying
-        As of `size`; for both planes each pulse needs a heading.
-    nozzle_stop : Stop or str
-        What the nozzle can do in both planes, as the `stop` of `size`.
+    law, varying
+        As of `size`.
     count : str, optional
         The requirement that counts as the wind's; where it is not given the largest dead band, with
         varying parameters if these are asked for and all winds are soundings.
-    dispersion, thrust_offset, gravity_offset, reserve, limit
+    dispersion, thrust_offset, gravity_offset, reserve
         As of `worst_total`.
 
     Raises
@@ -130,17 +129,15 @@ class SizingAsked:
     schedule: FlightSchedule
     source: str = ""
     another: str = ""
-    pulses: tuple[ShapedWind, ...] = ()
+    pulse: bool = True
+    others: tuple[ShapedWind, ...] = ()
     peak_speed: float | None = None
     soundings: Mapping[str, SoundingAsked] = field(default_factory=dict)
-    gust: History | None = None
     window: float | None = None
     start: float | None = None
     stop: float | None = None
     every: float = 5.0
     dead_bands: tuple[float, ...] = (1.0, 0.5)
-    model: str = USUAL_MODEL
-    plane: str = "pitch"
     law: str = "bound"
     varying: bool = False
     count: str | None = None
@@ -148,19 +145,16 @@ class SizingAsked:
     thrust_offset: float = 0.0
     gravity_offset: float = 0.0
     reserve: float = 0.0
-    limit: float | None = None
-    nozzle_stop: Stop | str = "round"
 
     def __post_init__(self) -> None:
         instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
-        object.__setattr__(self, "pulses", each("pulses", self.pulses, ShapedWind, "of one shape"))
+        object.__setattr__(self, "others", each("others", self.others, ShapedWind, "of one shape"))
         instance("soundings", self.soundings, Mapping, "of names to SoundingAsked")
         each("soundings", tuple(self.soundings.values()), SoundingAsked, "with their azimuth")
-        checked_gust(self.gust)
         self._check_words()
-        if not self.pulses and not self.soundings:
+        if not flag("pulse", self.pulse) and not self.others and not self.soundings:
             raise InputError("a sizing needs a wind: a pulse or a sounding")
-        for pulse in self.pulses:
+        for pulse in self.others:
             one_of("shape of a pulse", pulse.shape, PULSES)
         if not finite("dead_bands", self.dead_bands).size:
             raise InputError("dead_bands must hold one number or more")
@@ -170,8 +164,8 @@ class SizingAsked:
             number("window", self.window, positive, "s")
         for name in ("dispersion", "reserve"):
             number(name, getattr(self, name), nonnegative)
-        for name in ("peak_speed", "start", "stop", "thrust_offset", "gravity_offset", "limit"):
-            check = small_angle("an angle") if name in ("thrust_offset", "limit") else finite
+        for name in ("peak_speed", "start", "stop", "thrust_offset", "gravity_offset"):
+            check = small_angle("an angle") if name == "thrust_offset" else finite
             if getattr(self, name) is not None:
                 number(name, getattr(self, name), check)
 
@@ -180,10 +174,8 @@ class SizingAsked:
             text(name, getattr(self, name))
         if self.count is not None:
             text("count", self.count)
-        for name, words in WORDS.items():
-            one_of(name, getattr(self, name), words)
+        one_of("law", self.law, WORDS["law"])
         flag("varying", self.varying)
-        stop_of(self.nozzle_stop)
 
     @property
     def counted(self) -> str:
@@ -191,19 +183,26 @@ class SizingAsked:
 
         In soundings alone, with varying parameters, that of the vehicle that met them.
         """
-        met = self.varying and self.soundings and not self.pulses
+        met = self.varying and self.soundings and not (self.pulse or self.others)
         return self.count or f"K = {max(self.dead_bands):g}{VARYING if met else ''}"
 
-    @property
-    def times(self) -> NDArray[Any]:
-        """Flight times [s], the first and the last and even ones between; see `start`.
+    def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
+        """Return the winds whose peak meets each flight time, with the gust of the case."""
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("wind of the case", case.wind, ShapedWind, "of one shape")
+        assert isinstance(case.wind, ShapedWind)
+        first = (case.wind,) if self.pulse else ()
+        return (*first, *(replace(one, gust=case.wind.gust) for one in self.others))
+
+    def times(self, case: Case) -> NDArray[Any]:
+        """Return flight times [s], the first and the last and even ones between; see `start`.
 
         Raises
         ------
         InputError
             For ends not in order, and more than 10000 flight times.
         """
-        half = 0.5 * max((pulse.duration for pulse in self.pulses), default=0.0)
+        half = 0.5 * max((pulse.duration for pulse in self.pulses(case)), default=0.0)
         first, last = self.schedule.span
         if last - first < 2.0 * half:
             half = 0.0
@@ -222,36 +221,56 @@ class SizingAsked:
         apart = np.abs(between - [[low], [high]]).min(axis=0) > _APART * self.every
         return np.concatenate([[low], between[apart], [high][: int(high > low)]])
 
-    @property
-    def winds(self) -> dict[str, WindOf]:
-        """The winds by name, as `size` takes them; soundings are in flight time.
+    def winds(self, case: Case) -> dict[str, WindOf]:
+        """Return the winds by name, as `size` takes them; soundings are in flight time.
 
         Raises
         ------
         InputError
             As `fly_through`, with the name of the sounding.
         """
-        return {self._pulse_name(pulse): self._met(pulse) for pulse in self.pulses} | {
-            name: self._flown(name, sounding) for name, sounding in self.soundings.items()
+        return {self._pulse_name(one): self._met(case, one) for one in self.pulses(case)} | {
+            name: self._flown(case, name, one) for name, one in self.soundings.items()
         }
 
-    def sizing(self, progress: Callable[[int, int], None] | None = None) -> Sizing:
+    def at(self, case: Case, time: float, pulse: ShapedWind) -> Case:
+        """Return the case of a flight time [s], in a pulse whose peak it meets.
+
+        Raises
+        ------
+        InputError
+            For a time outside the schedule, and a wind that has no part in the plane.
+        """
+        instance("case", case, Case, "of a wind and a nozzle")
+        instance("pulse", pulse, ShapedWind, "one of pulses")
+        vehicle = self.schedule.at(number("time", time, unit="s"))
+        return Case(
+            vehicle=vehicle,
+            model=case.model,
+            plane=case.plane,
+            wind=self._meets(case, vehicle, pulse),
+            nozzle=case.nozzle,
+            design=case.design,
+        )
+
+    def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
         """Return the sizing, and tell how it goes on; raise `InputError` as `size`."""
         return size(
             self.schedule,
-            self.winds,
-            times=self.times,
+            self.winds(case),
+            times=self.times(case),
             dead_bands=self.dead_bands,
-            model=self.model,
-            plane=self.plane,
+            model=case.model,
+            plane=case.planes,
             law=self.law,
             varying=self.varying,
-            stop=self.nozzle_stop,
+            stop=case.nozzle.stop or "round",
             progress=progress,
         )
 
-    def total(self, found: Sizing) -> DeflectionTotal:
+    def total(self, case: Case, found: Sizing) -> DeflectionTotal:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
+        instance("case", case, Case, "of a wind and a nozzle")
         instance("found", found, Sizing, "see sizing()")
         return worst_total(
             found,
@@ -260,7 +279,7 @@ class SizingAsked:
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
             reserve=self.reserve,
-            limit=self.limit,
+            limit=case.nozzle.limit,
         )
 
     @property
@@ -285,50 +304,37 @@ class SizingAsked:
             *(f"{k}: {note}" for k, one in self.soundings.items() for note in one.profile.notes),
         ]
 
-    def peak_at(self, vehicle: Vehicle, pulse: ShapedWind) -> float:
-        """Return the peak angle [rad] of a pulse that a vehicle meets."""
-        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-        instance("pulse", pulse, ShapedWind, "one of pulses")
-        if pulse.heading is not None or self.plane == BOTH:
-            peaks = self._peaks(vehicle, pulse)
-            return peaks[self.plane] if self.plane in peaks else math.hypot(*peaks.values())
-        if self.peak_speed is None:
-            return pulse.peak
-        at = vehicle.velocity, vehicle.attitude
-        return float(angle_in_plane(self.peak_speed, *at, self.plane))
+    def _meets(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
+        """A pulse as a vehicle meets it: its part in the plane, or for both planes the vector."""
+        velocity, attitude = (float(np.asarray(x)) for x in (vehicle.velocity, vehicle.attitude))
+        if self.peak_speed is not None:
+            at = self.peak_speed, velocity, attitude
+            if pulse.heading is None:
+                peak = float(angle_in_plane(*at, case.plane))
+            else:
+                peak = math.hypot(*angles_from_speed(*at, pulse.heading))
+            pulse = replace(pulse, peak=peak)
+        return pulse if case.planes == BOTH else pulse.in_plane(case.plane, attitude)
 
-    def _peaks(self, vehicle: Vehicle, pulse: ShapedWind) -> dict[str, float]:
-        """The peak angles [rad] in both planes of a pulse with a heading."""
-        attitude = float(np.asarray(vehicle.attitude))
-        if self.peak_speed is None or pulse.heading is None:
-            return pulse.peaks(attitude)
-        velocity = float(np.asarray(vehicle.velocity))
-        angles = angles_from_speed(self.peak_speed, velocity, attitude, pulse.heading)
-        return dict(zip(PLANES, angles, strict=True))
-
-    def _met(self, pulse: ShapedWind) -> WindOf:
+    def _met(self, case: Case, pulse: ShapedWind) -> WindOf:
         def met(vehicle: Vehicle) -> History | PlaneWind:
-            blows = replace(pulse, gust=self.gust)
-            if pulse.heading is None and self.plane != BOTH:
-                return blows.history({"wind_peak": self.peak_at(vehicle, pulse)})
-            peaks = self._peaks(vehicle, pulse)
-            if self.plane == BOTH:
-                return PlaneWind(**{plane: part_in(blows, peaks, plane) for plane in PLANES})
-            if peaks[self.plane] == 0.0:
-                pulse.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
-            return part_in(blows, peaks, self.plane)
+            blows = self._meets(case, vehicle, pulse)
+            if case.planes != BOTH:
+                return blows.history({})
+            peaks = blows.peaks(float(np.asarray(vehicle.attitude)))
+            return PlaneWind(**{plane: part_in(blows, peaks, plane) for plane in PLANES})
 
         return met
 
-    def _flown(self, name: str, sounding: SoundingAsked) -> WindOf:
+    def _flown(self, case: Case, name: str, sounding: SoundingAsked) -> WindOf:
         with naming(name):
             return fly_through(
                 sounding.profile,
                 self.schedule,
                 azimuth=sounding.azimuth,
-                plane=self.plane,
+                plane=case.planes,
                 window=self.window,
-                gust=self.gust,
+                gust=getattr(case.wind, "gust", None),
             )
 
     def _pulse_name(self, pulse: ShapedWind) -> str:

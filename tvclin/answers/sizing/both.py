@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.planes import BOTH, VectorNeed, rectangle, vector_need
+from tvclin.answers.planes import VectorNeed, rectangle, vector_need
 from tvclin.answers.sizing.placing import PlacedWind
 from tvclin.answers.sizing.record import (
     MINIMUM,
@@ -19,7 +19,7 @@ from tvclin.answers.sizing.record import (
 )
 from tvclin.boundary.stops import Stop
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
@@ -16,7 +15,7 @@ from tvclin.base.errors import (
     positive,
     single,
 )
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History

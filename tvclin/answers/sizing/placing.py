@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.measured import MeasuredPlanes, MeasuredWind
 from tvclin.base.errors import (
     InputError,
@@ -16,6 +15,7 @@ from tvclin.base.errors import (
     one_of,
     positive,
 )
+from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind

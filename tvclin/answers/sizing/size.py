@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.answers.planes import BOTH
 from tvclin.answers.sizing.both import in_both_planes
 from tvclin.answers.sizing.frozen import LAWS, FrozenNeed, frozen_need
 from tvclin.answers.sizing.growing import GrowingMode
@@ -38,7 +37,7 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.plant import Plant
-from tvclin.vehicle.coefficients import PLANES, Coefficients
+from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]

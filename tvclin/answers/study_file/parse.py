@@ -8,20 +8,18 @@ from typing import Any
 from tvclin.answers.campaign.file import parse_campaign
 from tvclin.answers.campaign.tables import (
     dispersions_of,
+    nozzle_of,
     question_of,
     subject_of,
 )
 from tvclin.answers.document import Document
-from tvclin.answers.planes import BOTH
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.answers.study_file.read_sizing import availability_of, sizing_of
 from tvclin.answers.trials import LAWS_TABLE, LawsAsked
 from tvclin.base.errors import one_of
-from tvclin.control.autopilot.rules import GainsAsked
+from tvclin.control.autopilot.rules import AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA, CRITERIA_TABLE, Criteria
 from tvclin.winds.file import gust_of, winds_of
-
-_ALSO_OF_A_FLIGHT = ("model", "plane", "nozzle_stop")
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
@@ -33,23 +31,23 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     if "cases" in document.get("campaign", {}):
         parse_campaign(document, folder)
     head, drawn = document.get("study", {}), document.get("campaign", {})
-    given = {key: head[key] for key in ("dead_band", "switch", "nozzle_stop") if key in head}
+    given = {key: head[key] for key in ("dead_band", "switch") if key in head}
     given |= {key: drawn[key] for key in ("cases", "seed") if key in drawn}
     if "dispersion" in document:
         given["dispersions"] = dispersions_of(document)
     wind: Any = winds_of(document, folder)[0]
     gust = gust_of(document, wind)
     question = question_of(document)
-    study = {key: value for key, value in (subject | given).items() if key in _ALSO_OF_A_FLIGHT}
-    if "nozzle_stop" in study:
-        study["plane"] = BOTH
     return StudyPlan(
         **subject,
         wind=wind if gust is None else replace(wind, gust=gust),
-        sizing=sizing_of(document, folder, gust, limit=question["limit"], **study),
-        availability=availability_of(document, folder, gust),
+        sizing=sizing_of(document, folder),
+        availability=availability_of(document, folder),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,
-        gains=GainsAsked.from_table(document["autopilot"]) if "autopilot" in document else None,
+        nozzle=nozzle_of(document),
+        design=AutopilotDesign.from_table(document["autopilot"])
+        if "autopilot" in document
+        else None,
         criteria=_criteria(document["criteria"]) if "criteria" in document else None,
         document=Document.from_table(document["document"]) if "document" in document else None,
         **question,

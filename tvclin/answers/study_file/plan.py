@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
@@ -134,13 +134,12 @@ class StudyPlan(Case):
     @property
     def loop_model(self) -> str:
         """The model that the autopilot controls."""
-        return flexible_model(self.vehicle, super().loop_model)
+        return flexible_model(self.vehicle, self.model)
 
     @property
     def law_model(self) -> str:
         """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
-        own = (self.laws and self.laws.model) or self.model
-        return USUAL_MODEL if own == "drift-and-speed" else flexible_model(self.vehicle, own)
+        return USUAL_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @property
     def _modes(self) -> bool:
@@ -151,30 +150,9 @@ class StudyPlan(Case):
     def of_study(cls, study: Study) -> Self:
         """Return the plan of a study that has been made."""
         instance("study", study, Study, "see Study.from_vehicle")
-        return cls(
-            vehicle=study.vehicle,
-            model=study.model,
-            plane=study.plane,
-            wind=study.slanting or study.blows,
-            nozzle_stop=study.planes.stop if study.planes is not None and study.in_both else None,
-            limit=study.limit,
-            dead_band=study.dead_band,
-            switch=study.switch,
-        )
+        case: Any = {one.name: getattr(study.case, one.name) for one in fields(Case)}
+        return cls(**case, dead_band=study.dead_band, switch=study.switch)
 
     def study(self) -> Study:
-        """Return the study; raise `InputError` as `Study.from_vehicle`."""
-        return Study.from_vehicle(
-            self.vehicle,
-            wind=self.wind.shape,
-            duration=self.wind.duration,
-            peak=self.wind.peak,
-            gust=self.wind.gust,
-            heading=self.wind.heading,
-            stop=self.nozzle_stop,
-            limit=self.limit,
-            dead_band=self.dead_band,
-            model=self.model,
-            plane=self.plane,
-            switch=self.switch,
-        )
+        """Return the study; raise `InputError` as `Study.of`."""
+        return Study.of(self, self.dead_band, self.switch)

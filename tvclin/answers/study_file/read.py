@@ -12,7 +12,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tvclin.answers.case import DEFAULT_WIND
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.files import called, tables_of
@@ -20,7 +19,7 @@ from tvclin.vehicle.file import COEFFICIENTS, vehicle_text
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
 if TYPE_CHECKING:
-    from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
+    from tvclin.answers.sizing.asked import SoundingAsked
 
 
 def load_study(source: str | PathLike[str]) -> StudyPlan:
@@ -57,8 +56,8 @@ def load_study(source: str | PathLike[str]) -> StudyPlan:
 
 def load_sizing(
     source: str | PathLike[str], soundings: Mapping[str, SoundingAsked] | None = None
-) -> SizingAsked:
-    """Return what is asked of a flight: by a study file, or a schedule or vehicle with defaults.
+) -> StudyPlan:
+    """Return a plan that asks of a flight: of a study file, or a schedule or vehicle with defaults.
 
     Parameters
     ----------
@@ -76,7 +75,8 @@ def load_sizing(
     Examples
     --------
     >>> import tvclin as tv
-    >>> tv.load_sizing("configuration-i").times[[0, 1, -1]]
+    >>> plan = tv.load_sizing("configuration-i")
+    >>> plan.sizing.times(plan)[[0, 1, -1]]
     array([ 44.75,  45.  , 112.25])
     """
     from tvclin.answers.sizing.asked import SizingAsked
@@ -86,15 +86,16 @@ def load_sizing(
         instance("soundings", soundings, Mapping, "of names to SoundingAsked")
     more = dict(soundings or {})
     if _is_study(source):
-        asked = load_study(source).sizing
-        if asked is None:
+        plan = load_study(source)
+        if plan.sizing is None:
             raise InputError(
                 f"{called(source)} has no flight; add [schedule], see tvclin init --study"
             )
-        return replace(asked, soundings={**asked.soundings, **more})
-    pulses = () if more else (DEFAULT_WIND,)
-    schedule = load_schedule(source)
-    return SizingAsked(schedule=schedule, source=str(source), pulses=pulses, soundings=more)
+        more = {**plan.sizing.soundings, **more}
+        return replace(plan, sizing=replace(plan.sizing, soundings=more))
+    flight = load_schedule(source)
+    asked = SizingAsked(schedule=flight, source=str(source), pulse=not more, soundings=more)
+    return StudyPlan(vehicle=flight.vehicle, sizing=asked)
 
 
 def _is_study(source: str | PathLike[str]) -> bool:

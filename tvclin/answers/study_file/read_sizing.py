@@ -13,15 +13,12 @@ from tvclin.base.errors import InputError, shown
 from tvclin.base.files import exists, tables_of
 from tvclin.vehicle.file import vehicle_text
 from tvclin.winds.file import SOUNDING, SOUNDING_TABLE, wind_tables, winds_of
-from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.read import read_sounding
 from tvclin.winds.soundings.read_soundings import read_soundings
 
 
-def sizing_of(
-    document: Mapping[str, Any], folder: Path, gust: History | None, **study: Any
-) -> SizingAsked | None:
+def sizing_of(document: Mapping[str, Any], folder: Path) -> SizingAsked | None:
     """Return what a document asks of a flight; None without [schedule] and [size].
 
     Parameters
@@ -30,10 +27,6 @@ def sizing_of(
         The study file.
     folder : Path
         Where the files that it names are.
-    gust : History, optional
-        On top of the winds.
-    **study
-        Model, plane and limit of the study, which count for the flight as well.
 
     Raises
     ------
@@ -52,23 +45,17 @@ def sizing_of(
     given = SIZE_TABLE.read(SIZE_TABLE.one(document))
     if not isinstance(given.get("varying", False), bool):
         raise InputError(f"varying in [size] must be true or false; got {shown(given['varying'])}")
-    pulses = tuple(one for one in winds_of(document, folder) if isinstance(one, ShapedWind))
+    others = winds_of(document, folder)[1:]
     return SizingAsked(
         **_flight(document, folder),
-        pulses=pulses,
+        others=tuple(one for one in others if isinstance(one, ShapedWind)),
         soundings=soundings,
-        gust=gust,
-        **(study | given),
+        **given,
     )
 
 
-def availability_of(
-    document: Mapping[str, Any], folder: Path, gust: History | None
-) -> AvailabilityAsked | None:
+def availability_of(document: Mapping[str, Any], folder: Path) -> AvailabilityAsked | None:
     """Return what a document asks of an archive of soundings; None without [availability].
-
-    The model and a nozzle_stop of the study count where the table says nothing; both planes, unless
-    it names one.
 
     Raises
     ------
@@ -93,13 +80,10 @@ def availability_of(
         given["persistence"] = PairGrowth(hours)
     wanted = {key: given.pop(key) for key in ("months", "years", "station") if key in given}
     offset = given.pop("utc_offset_hours", 0.0)
-    head = document.get("study", {})
-    study = {to: head[key] for to, key in (("model",) * 2, ("stop", "nozzle_stop")) if key in head}
     return AvailabilityAsked(
         flight=_flight(document, folder)["schedule"],
         soundings=read_soundings([folder / one for one in names], utc_offset=offset, **wanted),
-        gust=gust,
-        **(study | given),
+        **given,
     )
 
 

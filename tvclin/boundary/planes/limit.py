@@ -294,9 +294,8 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
         def over(t: float) -> float:
             return float(stop.gauge(driver(np.asarray([t])))[0]) - K * limit
 
-        if heights.max() < K * limit:
-            return 0.0
-        k = int(np.argmax(heights >= K * limit))
+        # at the end of the wind where the dead band is not left before
+        k = int(np.argmax(heights >= K * limit)) if heights.max() >= K * limit else -1
         t = float(times[k])
         if k > 0 and over(times[k - 1]) < 0.0 < over(t):
             t = float(brentq(over, times[k - 1], t, xtol=1e-12))
@@ -305,6 +304,7 @@ def _lost_after_trim(pair: Pair, stop: Stop, K: float, literal: bool, least: flo
         apart = float(np.max(stop.gauge([*corners, *(-one for one in corners)])))
         return apart if apart <= enough else least_in_planes(pair, stop, t).peak
 
+    limit = max(limit, asked(heights.max() / K * (1.0 + _CLOSE), limit))
     while limit > least:
         lowest = max(K * limit, least)
         below = max(asked(limit, lowest), lowest)

@@ -6,7 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
-from tvclin.base.errors import InputError, each, instance, nonnegative, number, one_of, single
+from tvclin.base.errors import (
+    InputError,
+    each,
+    instance,
+    nonnegative,
+    number,
+    one_of,
+    positive,
+    single,
+)
 from tvclin.base.tables import Table
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -20,7 +29,6 @@ from tvclin.control.autopilot.gains import (
     load_minimum_gains,
 )
 from tvclin.control.autopilot.optimal import lqr_gains
-from tvclin.linear.models import MODELS
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.filters import Filter
 
@@ -41,23 +49,26 @@ _BY_POLES: dict[str, Callable[..., Autopilot]] = {
 }
 _DAMPING = 0.7
 _RULE = {"natural_frequency": "natural frequency", "damping": "number"}
-_ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
 AUTOPILOT_TABLE = Table(
     "[autopilot]",
-    {**_RULE, **GAINS, **_ACTUATOR, "delay": "delay", "crossover": "natural frequency"},
-    words=("design", "model"),
+    {
+        **_RULE,
+        **GAINS,
+        "delay": "delay",
+        "crossover": "natural frequency",
+        "sample_rate": "sample rate",
+    },
+    words=("design",),
     lists=("filter",),
 )
 
 
 @dataclass(frozen=True, kw_only=True)
-class GainsAsked:
-    """An autopilot that is asked for: by its gains, or by a rule for them.
+class AutopilotDesign:
+    """An autopilot by its gains, or by a rule that designs them.
 
     Attributes
     ----------
-    model : str
-        The model that is controlled; without it that of the study or of the command.
     design : str, optional
         One of `DESIGNS`; "poles" where a frequency or a damping is given, else "canonical". Gains
         for the "least-nozzle" are found for a wind, see `least_deflection_gains`.
@@ -68,17 +79,16 @@ class GainsAsked:
         As of `Autopilot`, in place of a rule.
     integral_gain : float
         On the integrated attitude [1/s].
-    actuator_frequency, actuator_damping : float
-        Natural frequency [rad/s] and damping ratio of the actuator; no actuator at zero.
     delay : float
         Between sensors and actuator [s].
     crossover : float, optional
         The highest gain crossover [rad/s] of gains for the least nozzle.
     filters, attitude_filters, rate_filters : tuple of Filter
         As of `Autopilot`.
+    sample_rate : float, optional
+        Samples in a second [Hz] of an autopilot in steps; it is continuous without.
     """
 
-    model: str | None = None
     design: str | None = None
     natural_frequency: float | None = None
     damping: float | None = None
@@ -86,24 +96,23 @@ class GainsAsked:
     rate_gain: float | None = None
     alpha_gain: float | None = None
     integral_gain: float = 0.0
-    actuator_frequency: float = 25.1
-    actuator_damping: float = 0.7
     delay: float = 0.0
     crossover: float | None = None
     filters: tuple[Filter, ...] = ()
     attitude_filters: tuple[Filter, ...] = ()
     rate_filters: tuple[Filter, ...] = ()
+    sample_rate: float | None = None
 
     def __post_init__(self) -> None:
-        if self.model is not None:
-            one_of("model of the autopilot", self.model, MODELS)
         if self.design is not None:
             one_of("design", self.design, DESIGNS)
-        for name in ("actuator_frequency", "delay"):
-            object.__setattr__(self, name, number(name, getattr(self, name), nonnegative))
-        for name in (*_RULE, *GAINS, "actuator_damping", "crossover"):
+        object.__setattr__(self, "delay", number("delay", self.delay, nonnegative))
+        for name in (*_RULE, *GAINS, "crossover"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, number(name, getattr(self, name)))
+        if self.sample_rate is not None:
+            rate = number("sample_rate", self.sample_rate, positive, "Hz")
+            object.__setattr__(self, "sample_rate", rate)
         for name in CHAINS:
             chain = each(name, getattr(self, name), Filter, "Filter.notch(...)")
             object.__setattr__(self, name, chain)
@@ -115,14 +124,14 @@ class GainsAsked:
         Raises
         ------
         InputError
-            For what the table may not hold, and as `GainsAsked` itself.
+            For what the table may not hold, and as `AutopilotDesign` itself.
         """
         found = AUTOPILOT_TABLE.read(table)
         chains: dict[str, Any] = filter_chains(found.pop("filter", ()))
         return cls(**found, **chains)
 
-    def autopilot(self, plant: Plant) -> Autopilot:
-        """Return the autopilot for a plant.
+    def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
+        """Return the autopilot for a plant, with the actuator of its nozzle.
 
         Raises
         ------
@@ -135,9 +144,10 @@ class GainsAsked:
         if self.crossover is not None and self.design != LEAST_NOZZLE:
             raise InputError(f"crossover is of gains for the least nozzle: design {LEAST_NOZZLE}")
         options: dict[str, Any] = {
-            "actuator": self.actuator,
+            "actuator": actuator,
             "integral_gain": self.integral_gain,
             "delay": self.delay,
+            "sample_rate": self.sample_rate,
             **{name: getattr(self, name) for name in CHAINS},
         }
         rule = self.design, self.natural_frequency, self.damping
@@ -153,13 +163,6 @@ class GainsAsked:
             alpha_gain=self.alpha_gain or 0.0,
             **options,
         )
-
-    @property
-    def actuator(self) -> Actuator | None:
-        """The actuator; None without one."""
-        if self.actuator_frequency == 0.0:
-            return None
-        return Actuator(natural_frequency=self.actuator_frequency, damping=self.actuator_damping)
 
 
 def _by_rule(

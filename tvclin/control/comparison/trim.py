@@ -7,7 +7,7 @@ limits and the minimum of appendix C. All peaks are those of exact histories, wi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -110,7 +110,8 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     plant : Plant or FlexiblePlant
         One plant of any model; trim, boundaries and minimum are those of the rigid one.
     autopilot : Autopilot
-        One autopilot. It has no limits here: compare its peak with the one there is.
+        One autopilot. It has no limits here: compare its peak with the one there is. Of one with a
+        sample rate the margins are those in steps, and peaks those of the continuous one.
     wind : History
         One wind that ends.
 
@@ -143,8 +144,11 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     margins = loop_margins(autopilot.exact_loop(plant))
     warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
-    peaks = _peaks(plant, autopilot, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
+    steady = replace(autopilot, sample_rate=None)
+    peaks = _peaks(plant, steady, wind) if margins.stable else dict.fromkeys(_PEAKS, np.inf)
     notes = [] if margins.stable else [margins.reason]
+    if autopilot.sample_rate is not None:
+        notes.append("margins are of the sampled autopilot, all peaks of the continuous one")
     boundaries = _boundaries(plant.rigid, wind, notes)
     least = optimum_deflection(plant.rigid, wind)
     if least.status != "ok":
@@ -158,7 +162,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
         **peaks,
         boundaries=boundaries,
         minimum=float(least.peak),
-        wind_gain=wind_gain(plant, autopilot),
+        wind_gain=wind_gain(plant, steady),
         notes=tuple(notes),
     )
 

@@ -37,8 +37,6 @@ FloatArray = NDArray[np.float64]
 LONGEST = 30.0
 """Longest wind [s] of the curve."""
 DURATIONS = LONGEST * np.linspace(0.05, 1.0, 30) ** 1.5
-ACTUATOR = {"natural_frequency": 25.1, "damping": 0.7}
-"""Of the margins [rad/s, -]."""
 SAMPLE_RATE = 20.0
 """Samples of a flown law [Hz], where the vehicle is no faster than 1/s."""
 _AFTER, _LONGEST_AFTER = 6.0, 20.0
@@ -152,12 +150,12 @@ def _closed_form(plant: Plant, shape: str, dead_band: float, duration: Any) -> A
 def loop_margins(
     vehicle: Vehicle, plane: str, model: str, law: tuple[str, tuple[float, ...]], delay: float
 ) -> Margins | None:
-    """Return the margins of a law's gains, with `ACTUATOR` and a delay [s]; None if it has none."""
+    """Return the margins of a law's gains, with an actuator and a delay [s]; None without gains."""
     plant = plant_of(vehicle, plane, model)
     gains = gains_of(plant, *law)
     if gains is None:
         return None
-    return replace(gains, actuator=Actuator(**ACTUATOR), delay=delay).margins(plant)
+    return replace(gains, actuator=Actuator(), delay=delay).margins(plant)
 
 
 @_part

@@ -11,7 +11,6 @@ import numpy as np
 from tvclin.base.files import exists, write_new
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.show.explorer.choices import HALF_RELIEF, Choices
-from tvclin.show.explorer.parts import ACTUATOR
 from tvclin.vehicle.file import VEHICLE_TABLE
 from tvclin.vehicle.vehicle import NUMBERS
 
@@ -29,7 +28,7 @@ def study_text(choices: Choices) -> str:
         "study": {"model": c.model, "plane": c.plane, "dead_band": c.dead_band},
         "study.vehicle": ({"name": name} if name else {}) | VEHICLE_TABLE.write(known),
         "wind": {"shape": c.shape, "peak_deg": _deg(c.peak), "duration_s": c.duration},
-        "question": {"limit_deg": _deg(c.limit)},
+        "nozzle": {"limit_deg": _deg(c.limit)},
     }
     gains: dict[str, Any] = {}
     if c.law == AUTOPILOT and (c.attitude_gain or c.rate_gain):
@@ -37,12 +36,7 @@ def study_text(choices: Choices) -> str:
     elif c.law == HALF_RELIEF:
         gains = {"design": "half-relief"}
     if gains:
-        tables["autopilot"] = gains | {
-            "actuator_frequency_rad_per_s": ACTUATOR["natural_frequency"],
-            "actuator_damping": ACTUATOR["damping"],
-            "delay_ms": _short(1e3 * c.delay),
-            "model": c.model,
-        }
+        tables["autopilot"] = gains | {"delay_ms": _short(1e3 * c.delay)}
     return f"# Written by tvclin explore, where the law {c.law} was flown.\n" + "".join(
         f"\n[{heading}]\n"
         + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())

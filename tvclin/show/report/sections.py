@@ -57,8 +57,8 @@ def inputs(found: Findings) -> Section:
             ("it begins", significant("gust.begins", s.gust.onset, 6, "s")),
             ("it ends", significant("gust.ends", s.gust.end, 6, "s")),
         ]
-    if plan.limit is not None:
-        case.append(("deflection limit", degrees("question.limit", plan.limit, unit="deg")))
+    if plan.nozzle.limit is not None:
+        case.append(("deflection limit", degrees("question.limit", plan.nozzle.limit, unit="deg")))
     name = s.vehicle.name or "unnamed"
     blocks = (
         Table(f"Vehicle: {name}", ("quantity", "value"), pairs(vehicle)),
