@@ -279,8 +279,8 @@ def test_a_sounding_is_chosen_by_its_time():
     [
         (["--winds", SOUNDING], "--winds needs --azimuth-deg"),
         (["--window", 5], "Error: --window needs a sounding"),
-        (["--azimuth-deg", 5, "--winds-time", "x"], "--azimuth-deg and --winds-time need a sound"),
-        (["--winds", SOUNDING, "--azimuth-deg", 90, "--peak-deg", 3], "has its own peak"),
+        (["--azimuth-deg", 5, "--winds-time", "x"], "--winds-time needs a sounding"),
+        (["--winds", SOUNDING, "--azimuth-deg", 90, "--peak-deg", 3], "has its own wind"),
         (["--winds", "no.csv", "--azimuth-deg", 90], "no.csv"),
     ],
 )

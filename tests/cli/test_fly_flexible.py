@@ -170,6 +170,6 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     assert document["flexible"]
     assert trim["limit"] == pytest.approx(expected.limit, rel=1e-12)
     assert trim["status"] == expected.status == "ok"
-    drawn = CliRunner().invoke(app, ["laws", mine, "--plot", "laws.png"])
+    drawn = CliRunner().invoke(app, ["laws", mine, "--plot", "laws.png", "--gust", "1", "2"])
     assert drawn.exit_code == 2
-    assert "--plot draws the laws on the rigid vehicle" in drawn.stderr
+    assert "--gust needs no --plot: that is drawn of pulses alone" in drawn.stderr

@@ -237,18 +237,19 @@ def law_trials(
 
 
 def law_curve(
-    plant: Plant,
+    plant: AnyPlant,
     law: Law,
     tau_beta: FloatArray,
     peak: float,
     *,
     sample_rate: float = _RATE,
+    **hardware: Any,
 ) -> FloatArray:
     """Return the boundary of a law in triangular winds, over tau times beta.
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant or FlexiblePlant
         The plant that flies.
     law : Law
         The law.
@@ -258,10 +259,12 @@ def law_curve(
         Peak of the wind [rad].
     sample_rate : float
         Samples of the law in a second [Hz].
+    **hardware
+        As of `law_trials`.
     """
     pole = float(plant.coefficients.pole)
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
-    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST}
+    options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _HIGHEST, **hardware}
     return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
 
 

@@ -175,7 +175,7 @@ def worst_case(
     found = {name: case.worst(corners, case.margin(name)) for name in _ALL}
     deflection = None
     if wind is not None:
-        proved = model == "fixed-path" and K == 1.0
+        proved = model == "fixed-path" and K == 1.0 and wind.gust is None
         deflection = case.worst(corners, case.deflection(K), proved)
         deflection = replace(
             deflection, value=abs(deflection.value), nominal=abs(deflection.nominal)

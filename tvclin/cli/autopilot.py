@@ -21,7 +21,7 @@ from tvclin.cli.options import (
     grouped,
 )
 from tvclin.cli.output import say
-from tvclin.cli.pulse import PulseOptions
+from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
     from tvclin.control.comparison.duration import WorstDuration
@@ -36,7 +36,7 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 @grouped
 def autopilot(
     vehicle: LinearVehicle = "configuration-i",
-    blows: PulseOptions = PulseOptions(),
+    blows: WindOptions = WindOptions(),
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
     ] = None,
@@ -66,14 +66,14 @@ def autopilot(
 
     loaded = vehicle_of(vehicle, rigid)
     note_structure(loaded, plane, "boundaries and minimum")
-    case = blows.case(loaded, model, plane, loop.nozzle(), gains.asked(loop))
+    case = blows.case(vehicle, loaded, model, plane, loop.nozzle(), gains.asked(loop))
     plant, wind = case.plant, case.history
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
     asked = criteria.wanted(loaded)
     sought = least.found(case, asked)
     autopilot = case.autopilot if sought is None else sought.autopilot
     found = compare_with_trim(plant, autopilot, wind)
-    worst = _worst(found)
+    worst = _worst(found, case.wind)
     if plot is not None and sought is None:
         _draw(found, plot)
     elif plot is not None:
@@ -84,22 +84,28 @@ def autopilot(
     if as_json:
         print_json({"vehicle": loaded.name, "model": plant.model, "plane": plane, **document})
     else:
-        _print(loaded, found, worst, document, f"{blows.wind} wind of {blows.duration:g} s", limit)
+        _print(loaded, found, worst, document, wind_words(blows.name, wind), limit)
         if sought is not None:
             print_least(sought)
     if not document["met"]:
         raise typer.Exit(1)
 
 
-def _worst(found: "TrimComparison") -> "WorstDuration | None":
+def _worst(found: "TrimComparison", wind: Any) -> "WorstDuration | None":
+    """The worst duration of a pulse; a sounding has the one that it has."""
     from tvclin.control.comparison.duration import worst_duration
+    from tvclin.winds.shaped import ShapedWind
 
-    wind: Any = found.wind
-    if not found.margins.stable or not wind.peak:
+    if not isinstance(wind, ShapedWind) or not found.margins.stable or not wind.peak:
         return None
-    ends = {"shortest": _SHORTEST * wind.duration, "longest": _LONGEST * wind.duration}
-    asked = {"peak": float(wind.peak), "shape": type(wind), **ends}
-    return worst_duration(found.plant, found.autopilot, **asked)
+    return worst_duration(
+        found.plant,
+        found.autopilot,
+        peak=wind.peak,
+        shortest=_SHORTEST * wind.duration,
+        longest=_LONGEST * wind.duration,
+        shape=lambda peak, duration: wind.history({"wind_peak": peak, "wind_duration": duration}),
+    )
 
 
 def _draw(found: "TrimComparison", plot: Path) -> None:
@@ -163,7 +169,7 @@ def _print(
 
     from tvclin.cli.output import print_pairs, print_table, shown
 
-    title = f"{vehicle.name}, {found.plant.model}: {wind}, {document['wind_peak_deg']:.4g} deg"
+    title = f"{vehicle.name}, {found.plant.model}: {wind}"
     pairs = shown(found.autopilot.rows())
     if found.plant.structure is not None:
         say(parts_line(found.plant.structure))

@@ -11,6 +11,7 @@ from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
+    from tvclin.answers.availability.growth import PairGrowth
     from tvclin.answers.availability.record import Availability, Today
 
 

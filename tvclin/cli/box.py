@@ -42,7 +42,11 @@ def worst_in_box(given: list[str], case: "Case") -> "WorstCase | None":
 
     vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.wind
     autopilot = replace(case.autopilot, sample_rate=None)
-    assert isinstance(wind, ShapedWind)
+    if not isinstance(wind, ShapedWind):
+        raise InputError(
+            "--box moves peak and duration of a pulse: give no --winds with it; --flown goes"
+            " through a sounding"
+        )
     box: dict[str, tuple[float, float]] = {}
     for one in given:
         key, ends, percent = _parted(one)

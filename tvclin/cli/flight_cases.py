@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
     from tvclin.cli.fly_shown import Compared
-    from tvclin.cli.pulse import PulseOptions
     from tvclin.control.laws.law import Law
     from tvclin.flights.condition import FlightCondition
     from tvclin.flights.control import ReportControl
@@ -98,13 +97,6 @@ class FlightCase(Flying):
     def options(self) -> dict[str, Any]:
         """What every flight of it is told."""
         return {"engine": self.engine, "plane": self.case.plane, "condition": self.condition}
-
-
-def flight_wind(vehicle: Any, blows: "PulseOptions", plane: str, along: bool) -> "History":
-    """Return the wind, from t = 0 on, or with its middle at the vehicle's own time."""
-    wind = blows.blowing(vehicle, plane).history({})
-    middle = 0.0 if vehicle.time is None else float(vehicle.time)
-    return wind.shift(middle - blows.duration / 2) if along else wind
 
 
 def flight_case(

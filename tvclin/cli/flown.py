@@ -44,16 +44,16 @@ def flown_of(case: "Case") -> "FlownMargins":
     )
 
 
-def print_flown(found: "FlownMargins", case: "Case") -> None:
-    """Print the flown margins of a case as a table, with what is to be known about them."""
+def print_flown(found: "FlownMargins", case: "Case", name: str) -> None:
+    """Print the flown margins of a case in a wind with a name, and what is odd about them."""
     import numpy as np
 
     from tvclin.cli.output import print_tables
+    from tvclin.cli.wind import wind_words
     from tvclin.flights.closed_loop.flown_record import flown_table
 
-    wind = case.history
     title = (
-        f"In this {case.shape} wind of {wind.end - wind.onset:g} s, with a stop at"
+        f"In this {wind_words(name, case.history)}, with a stop at"
         f" {np.degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
     )
     print_tables(flown_table(found, title))

@@ -4,15 +4,13 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.flight_cases import REPORT, Flying, flight_case, flight_wind, fly_nonlinear
+from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.fly_shown import Shown
-from tvclin.cli.fly_winds import Window, Winds, WindsTime, sounding_wind
 from tvclin.cli.gains import GainOptions, LoopOptions, given
 from tvclin.cli.inputs import note_structure, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
-    AzimuthDeg,
     Csv,
     Plane,
     Plot,
@@ -23,7 +21,7 @@ from tvclin.cli.options import (
     grouped,
 )
 from tvclin.cli.progress import waiting
-from tvclin.cli.pulse import PulseOptions
+from tvclin.cli.wind import WindOptions
 
 _LONGEST = 20.0
 
@@ -31,11 +29,7 @@ _LONGEST = 20.0
 @grouped
 def fly(
     vehicle: Vehicle = "configuration-i",
-    blows: PulseOptions = PulseOptions(),
-    winds: Winds = None,
-    winds_time: WindsTime = None,
-    azimuth_deg: AzimuthDeg = None,
-    window: Window = None,
+    blows: WindOptions = WindOptions(),
     engine: Annotated[
         str | None,
         typer.Option(
@@ -101,8 +95,7 @@ def fly(
     """
     import numpy as np
 
-    from tvclin.answers.case import Case
-    from tvclin.base.errors import one_of, positive, within
+    from tvclin.base.errors import one_of, within
     from tvclin.control.laws.registry import AUTOPILOT, LAWS
     from tvclin.flights.condition import load_flight_condition
     from tvclin.flights.engines import ENGINES
@@ -111,42 +104,25 @@ def fly(
     if engine is not None:
         one_of("--engine", engine, (*ENGINES, "linear"))
     one_of("--law", law or REPORT, [REPORT, *LAWS])
-    wind, duration = blows.wind, float(positive("--duration", blows.duration, "s"))
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
     loaded = whole_vehicle(vehicle_of(vehicle, rigid), "a flight")
-    if winds is None:
-        only_with(
-            "a sounding, --winds", azimuth_deg=azimuth_deg, window=window, winds_time=winds_time
-        )
-        gust = flight_wind(loaded, blows, plane, along_trajectory)
-    else:
-        only_with(
-            "a pulse in place of --winds: a sounding has its own peak",
-            peak_deg=blows.peak_deg,
-            peak_speed=blows.peak_speed,
-        )
-        asked_of = winds, winds_time, azimuth_deg, window, plane, along_trajectory
-        gust, wind = sounding_wind(vehicle, loaded, *asked_of), winds.name
-        duration = float(gust.end - gust.onset)
-    span, shown = (until * duration, points), Shown(csv, plot, as_json)
     linear = engine == "linear" or (
         engine is None and loaded.structure is not None and not along_trajectory
     )
     chosen = law or (AUTOPILOT if linear else REPORT)
     only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
-    case = Case(
-        vehicle=loaded,
-        plane=plane,
-        wind=gust,
-        nozzle=loop.nozzle(limit_deg, rate_limit_deg),
-        design=gains.asked(loop, sample_rate),
-    )
-    flying = wind, chosen, dead_band
+    nozzle = loop.nozzle(limit_deg, rate_limit_deg)
+    design, in_flight = gains.asked(loop, sample_rate), along_trajectory
+    case = blows.case(vehicle, loaded, None, plane, nozzle, design, in_flight=in_flight)
+    wind = case.history
+    span, shown = (until * float(wind.end - wind.onset), points), Shown(csv, plot, as_json)
+    flying = blows.name, chosen, dead_band
     if linear:
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
         with waiting("flying"):
-            found = fly_linear(LinearCase(case, *flying), boundary, np.linspace(0.0, *span))
+            times = float(wind.onset) + np.linspace(0.0, *span)
+            found = fly_linear(LinearCase(case, *flying), boundary, times)
     else:
         only_with(
             "--engine linear",

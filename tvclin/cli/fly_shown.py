@@ -140,10 +140,7 @@ class Compared:
 
 def wind_line(case: Any) -> str:
     """Return the vehicle of a case, and in a second line its wind and law."""
-    import numpy as np
+    from tvclin.cli.wind import wind_words
 
-    peak, length = float(np.degrees(case.wind.peak)), float(case.wind.end - case.wind.onset)
-    return (
-        f"{case.case.vehicle.name or 'Vehicle'}\n{case.shape} wind of {peak:.4g} deg and"
-        f" {length:.4g} s, {case.case.plane}, law {case.law}"
-    )
+    words = wind_words(case.shape, case.wind)
+    return f"{case.case.vehicle.name or 'Vehicle'}\n{words}, {case.case.plane}, law {case.law}"

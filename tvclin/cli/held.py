@@ -1,7 +1,7 @@
 """The deflection of `tvclin respond`: trim up to the dead band, and then a limit held."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
@@ -14,9 +14,11 @@ _LARGEST = 700.0
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A case, and the deflection that meets it, with K, what is required and the limit [rad]."""
+    """A case, and the deflection that meets its wind, with K, what is required and the limit."""
 
     case: "Case"
+    name: str
+    wind: "History"
     deflection: "History"
     dead_band: float
     required: float
@@ -29,11 +31,6 @@ class Held:
         return self.case.plant.rigid
 
     @property
-    def wind(self) -> Any:
-        """The wind as a history [rad]."""
-        return self.case.history
-
-    @property
     def sufficient(self) -> bool:
         """Whether the limit is at or above what is required."""
         from tvclin.answers.requirement import covers
@@ -41,8 +38,11 @@ class Held:
         return bool(covers(self.limit, self.required))
 
 
-def held(case: "Case", dead_band: float, capability: float | None, length: float) -> Held:
-    """Return what the options ask for, to be followed for a length [s]."""
+def held(case: "Case", name: str, dead_band: float, capability: float | None, until: float) -> Held:
+    """Return what the options ask for, to be followed for so many durations of the wind.
+
+    The wind is one with a name, and sets in at t = 0.
+    """
     import numpy as np
 
     from tvclin.answers.requirement import required_deflection
@@ -51,9 +51,10 @@ def held(case: "Case", dead_band: float, capability: float | None, length: float
 
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
-    history, plant = case.history, case.plant.rigid
+    wind, plant = case.history, case.plant.rigid
+    history = wind.shift(-float(wind.onset)) if wind.onset else wind
     K = float(within("--dead-band", dead_band, 0.0, 1.0))
-    _check_length(plant, length)
+    _check_length(plant, max(until, 1.0) * float(history.end))
     needed = required_deflection(plant, history, K)
     required = abs(float(needed.deflection))
     if case.nozzle.limit is not None:
@@ -68,7 +69,7 @@ def held(case: "Case", dead_band: float, capability: float | None, length: float
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     deflection = trim_then_hold(plant, history, opposing * limit, K, "literal")
-    return Held(case, deflection, K, required, limit, str(needed.governs))
+    return Held(case, name, history, deflection, K, required, limit, str(needed.governs))
 
 
 def _check_length(plant: "Plant", length: float) -> None:

@@ -6,15 +6,12 @@ import typer
 
 from tvclin.cli.bands import parts_line
 from tvclin.cli.gains import LoopOptions
-from tvclin.cli.inputs import peak_angle, vehicle_of
+from tvclin.cli.inputs import only_with, vehicle_of
 from tvclin.cli.options import (
     MODEL_DEFAULT,
     MODELS_HELP,
     AsJson,
-    Duration,
     LinearVehicle,
-    PeakDeg,
-    PeakSpeed,
     Plane,
     Plot,
     Rigid,
@@ -22,19 +19,19 @@ from tvclin.cli.options import (
 )
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar, share
+from tvclin.cli.wind import BlowingOptions
 
 if TYPE_CHECKING:
     from tvclin.answers.trials import LawTrial
     from tvclin.linear.plant import Plant
+    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.histories import History
 
 
 @grouped
 def laws(
     vehicle: LinearVehicle = "configuration-i",
-    duration: Duration = 7.5,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: BlowingOptions = BlowingOptions(),
     wind: Annotated[
         list[str] | None,
         typer.Option(
@@ -46,6 +43,9 @@ def laws(
     ] = None,
     cuts: Annotated[int, typer.Option(help="Also fly each wind cut off at so many instants.")] = 0,
     sample_rate: Annotated[float, typer.Option(help="Sample rate of the law, in Hz.")] = 100.0,
+    rate_limit_deg: Annotated[
+        float | None, typer.Option(help="Rate limit of the nozzle, in deg/s.")
+    ] = None,
     model: Annotated[
         str | None,
         typer.Option(
@@ -65,34 +65,34 @@ def laws(
     with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
     actuator; a rigid one does where an actuator is given. --rigid leaves all that out.
 
+    A gust blows on top of each wind; a sounding, --winds, in place of them all.
+
     Exit code 0: answered; 2: bad input.
     """
     import numpy as np
 
     from tvclin.answers.case import Case
     from tvclin.answers.flexible import with_filters
-    from tvclin.answers.trials import law_trials, standard_laws, standard_winds
-    from tvclin.base.errors import InputError, one_of, positive, within
+    from tvclin.answers.trials import law_trials, standard_laws
+    from tvclin.base.errors import one_of, within
     from tvclin.cli.output import print_json
 
     loaded = vehicle_of(vehicle, rigid)
-    flexible = loaded.structure is not None
+    flexible, rate = loaded.structure is not None, rate_limit_deg
+    if plot is not None:
+        only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
     case = Case(
         vehicle=loaded,
         model=model or "",
         plane=plane,
-        nozzle=loop.nozzle() if flexible else loop.nozzle(actuator=0.0),
+        nozzle=loop.nozzle(None, rate) if flexible else loop.nozzle(None, rate, actuator=0.0),
         design=loop.design(sample_rate=sample_rate),
     )
     flying, plant = case.plant, case.plant.rigid
-    if flexible and plot is not None:
-        raise InputError("--plot draws the laws on the rigid vehicle: give --rigid as well")
-    peak = peak_angle(loaded, plane, peak_deg, peak_speed)
-    positive("--duration", duration, "s")
+    peak, duration, every = _winds(blows, wind, vehicle, loaded, plane)
     within("--cuts", cuts, 0, 1000)
     chosen = standard_laws(plant, peak)
     chosen = {name: with_filters(law, case.asked) for name, law in chosen.items()}
-    every = standard_winds(peak, duration)
     winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
     found: list[LawTrial] = []
     with bar("flights") as progress:
@@ -104,9 +104,12 @@ def laws(
     if plot is not None:
         from tvclin.plots import laws_chart, save_figure
 
-        save_figure(laws_chart(plant, chosen, peak), plot)
+        save_figure(laws_chart(flying, chosen, peak, **case.hardware), plot)
     limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
-    trim = abs(float(np.degrees(plant.coefficients.B * peak)))
+    trims = {
+        name: abs(float(np.degrees(plant.coefficients.B * history.peak)))
+        for name, history in winds.items()
+    }
     if as_json:
         head = {
             "vehicle": loaded.name,
@@ -117,9 +120,9 @@ def laws(
             "flexible": flexible,
             "cuts": cuts,
             "sample_rate_Hz": sample_rate,
-            "trim_deflection_deg": trim,
+            "trim_deflection_deg": max(trims.values()),
         }
-        trials = [{**vars(one), "limit_deg": trim * one.limit} for one in found]
+        trials = [{**vars(one), "limit_deg": trims[one.wind] * one.limit} for one in found]
         print_json({**head, "trials": trials, "no_forecast": limits})
     else:
         if flying.structure is not None:
@@ -129,7 +132,28 @@ def laws(
         servo = case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
         say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
-        _print(found, limits, list(chosen), trim)
+        _print(found, limits, list(chosen), trims)
+
+
+def _winds(
+    blows: BlowingOptions,
+    names: list[str] | None,
+    source: str,
+    vehicle: "AnyVehicle",
+    plane: str,
+) -> "tuple[float, float, dict[str, History]]":
+    """Peak [rad] and duration [s] for which laws are designed, and the winds by name."""
+    from tvclin.answers.trials import standard_winds
+
+    if blows.winds is not None:
+        only_with("the standard winds in place of --winds", wind=names)
+        met = blows.sounding(source, vehicle, plane)
+        return float(met.peak), float(met.end - met.onset), {blows.winds.name: met}
+    pulse = blows.pulse(vehicle, plane)
+    every = standard_winds(pulse.peak, pulse.duration)
+    if pulse.gust is not None:
+        every = {name: one + pulse.gust for name, one in every.items()}
+    return pulse.peak, pulse.duration, every
 
 
 def _without_forecast(plant: "Plant", wind: "History") -> float | None:
@@ -143,7 +167,10 @@ def _without_forecast(plant: "Plant", wind: "History") -> float | None:
 
 
 def _print(
-    found: list["LawTrial"], limits: dict[str, float | None], names: list[str], trim: float
+    found: list["LawTrial"],
+    limits: dict[str, float | None],
+    names: list[str],
+    trims: dict[str, float],
 ) -> None:
     from tvclin.cli.output import print_table
     from tvclin.flights.closed_loop.edges import ABOVE, PARTS, STEPS
@@ -154,13 +181,14 @@ def _print(
     def rows(show: Any) -> list[list[str]]:
         return [[wind, *(show(table[wind, law]) for law in names), ""] for wind in limits]
 
-    for title, scale in (
-        (f"Deflection limit needed [deg]; trim of the whole wind takes {trim:.4f}", trim),
-        ("The same over |B alpha_w,max|, trim of the whole wind", 1.0),
+    takes = " to ".join(f"{one:.4f}" for one in sorted({min(trims.values()), max(trims.values())}))
+    for title, scales in (
+        (f"Deflection limit needed [deg]; trim of the whole wind takes {takes}", trims),
+        ("The same over |B alpha_w,max|, trim of the whole wind", dict.fromkeys(trims, 1.0)),
     ):
-        needed = rows(lambda one, scale=scale: _limit(one, scale))
-        for row, limit in zip(needed, limits.values(), strict=True):
-            row[-1] = "-" if limit is None else f"{scale * limit:.3f}"
+        needed = rows(lambda one, scales=scales: _limit(one, scales[one.wind]))
+        for row, (wind, limit) in zip(needed, limits.items(), strict=True):
+            row[-1] = "-" if limit is None else f"{scales[wind] * limit:.3f}"
         print_table(title, headings, needed)
     loads = rows(_loads)
     print_table(

@@ -65,8 +65,12 @@ class LeastOptions:
             return None
         if asked.design not in (None, LEAST_NOZZLE):
             raise InputError(f"give --least or --design {asked.design}, not both")
-        assert isinstance(wind, ShapedWind)
-        winds = [replace(wind, duration=part * wind.duration).history({}) for part in _DURATIONS]
+        if not isinstance(wind, ShapedWind):
+            raise InputError(
+                "gains for the least nozzle are sought in pulses of three durations: give no"
+                " --winds; with its gains tvclin autopilot and fly go through a sounding"
+            )
+        winds = [wind.history({"wind_duration": part * wind.duration}) for part in _DURATIONS]
         return least_asked(
             replace(case, design=replace(asked, design=LEAST_NOZZLE, crossover=self.crossover)),
             winds,

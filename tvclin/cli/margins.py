@@ -20,7 +20,7 @@ from tvclin.cli.options import (
     Rigid,
     grouped,
 )
-from tvclin.cli.pulse import PulseOptions
+from tvclin.cli.wind import WindOptions
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -45,7 +45,7 @@ def margins(
     ] = "nichols",
     flown: Flown = False,
     limit_deg: FlownLimitDeg = None,
-    blows: PulseOptions = PulseOptions(),
+    blows: WindOptions = WindOptions(),
     sample_rate: SampleRate = None,
     as_json: AsJson = False,
     plot: Plot = None,
@@ -72,7 +72,7 @@ def margins(
     loaded = vehicle_of(vehicle, rigid)
     asked = criteria.wanted(loaded)
     design = gains.asked(loop, sample_rate)
-    case = blows.case(loaded, model, plane, loop.nozzle(limit_deg), design)
+    case = blows.case(vehicle, loaded, model, plane, loop.nozzle(limit_deg), design)
     autopilot, plant = case.autopilot, case.plant
     only_with(MODES, detuned=detuned and loaded.structure is None)
     only_with("--flown", limit_deg=None if flown else limit_deg)
@@ -100,7 +100,7 @@ def margins(
         if moved is not None:
             print_detuned(moved)
         if in_wind is not None:
-            print_flown(in_wind, case)
+            print_flown(in_wind, case, blows.name)
         if in_box is not None:
             print_worst(in_box, in_all)
     if not (found.met and (in_box is None or met_in_box(in_box, in_all))):

@@ -16,7 +16,7 @@ from tvclin.cli.options import (
     grouped,
 )
 from tvclin.cli.output import say
-from tvclin.cli.pulse import PulseOptions
+from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
@@ -26,10 +26,14 @@ if TYPE_CHECKING:
 @grouped
 def optimum(
     vehicle: LinearVehicle = "configuration-i",
-    blows: PulseOptions = PulseOptions(),
+    blows: WindOptions = WindOptions(),
     start: Annotated[
-        float, typer.Option(help="Start of the control, in s; negative: before the wind.")
-    ] = 0.0,
+        float | None,
+        typer.Option(
+            help="Start of the control, in s; negative: before the wind.",
+            show_default="the onset of the wind",
+        ),
+    ] = None,
     horizon: Annotated[
         float | None, typer.Option(help="Time after which the deflection must be zero again, in s.")
     ] = None,
@@ -54,23 +58,23 @@ def optimum(
     from tvclin.cli.output import print_json
 
     loaded = rigid_vehicle_of(vehicle, plane)
-    case = blows.case(loaded, model, plane)
+    case = blows.case(vehicle, loaded, model, plane)
     history, plant = case.history, case.plant.rigid
+    start = float(history.onset) if start is None else start
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
     if rate_limit_deg is not None:
         rate = float(np.radians(positive("--rate-limit-deg", rate_limit_deg, "deg/s")))
         limited = optimum_with_rate_limit(plant, history, rate, start, horizon)
     shown = best.deflection if limited is None else limited.deflection
-    peak = float(np.degrees(history.peak))
-    title = f"{loaded.name or vehicle}, {plant.model}: {blows.wind} wind of {peak:.4g} deg"
+    title = f"{loaded.name or vehicle}, {plant.model}: {wind_words(blows.name, history)}"
     if csv is not None or plot is not None:
         _write(plant, shown, history, title, csv, plot)
     document = _document(plant, history, best, limited)
     if as_json:
-        print_json({"vehicle": loaded.name, "model": plant.model, "wind": blows.wind, **document})
+        print_json({"vehicle": loaded.name, "model": plant.model, "wind": blows.name, **document})
     else:
-        _print(f"{title} and {blows.duration:g} s", document)
+        _print(title, document)
     if best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
@@ -91,7 +95,7 @@ def _write(
     from tvclin.plots import response_chart, response_curves, save_figure
 
     end = 3.0 * float(wind.end)
-    times = np.linspace(min(0.0, float(deflection.onset)), end, 601)
+    times = np.linspace(min(0.0, float(deflection.onset), float(wind.onset)), end, 601)
     response = attitude_responses(plant, deflection, wind, times)
     curves = response_curves(response, deflection, wind, "optimum", title)
     if csv is not None:

@@ -17,7 +17,6 @@ LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alon
 Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]
 LinearVehicle = Annotated[str, typer.Argument(metavar="VEHICLE", help=LINEAR_HELP)]
 Wind = Annotated[str, typer.Option(help="Shape of the wind: triangular or rectangular.")]
-Duration = Annotated[float, typer.Option(help="Duration of the wind, in s.")]
 PeakDeg = Annotated[
     float | None, typer.Option(help="Peak wind angle of attack, in deg.", show_default="5")
 ]
@@ -65,6 +64,10 @@ Gust = Annotated[
     typer.Option(
         metavar="DEG S", help="Gust (1 - cosine) on top of the wind: its peak and duration."
     ),
+]
+GustAt = Annotated[
+    float | None,
+    typer.Option(help="When the gust peaks, in s.", show_default="the middle of the wind"),
 ]
 
 

@@ -20,7 +20,7 @@ from tvclin.cli.options import (
     grouped,
 )
 from tvclin.cli.output import say
-from tvclin.cli.pulse import PulseOptions
+from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
     from tvclin.linear.extremes import Extremes, Shown
@@ -34,7 +34,7 @@ _LONGEST = 1000.0
 @grouped
 def respond(
     vehicle: LinearVehicle = "configuration-i",
-    blows: PulseOptions = PulseOptions(),
+    blows: WindOptions = WindOptions(),
     dead_band: Annotated[
         float, typer.Option(help="Dead band K, from 0 to 1: trim up to K times the limit.")
     ] = 1.0,
@@ -60,7 +60,7 @@ def respond(
     Exit code 0: answered; 2: bad input.
     """
     from tvclin.answers.nozzle import Nozzle
-    from tvclin.base.errors import positive, within
+    from tvclin.base.errors import within
     from tvclin.cli.output import print_json
     from tvclin.linear.extremes import extremes, shown_until
     from tvclin.linear.loads import wind_loads
@@ -68,10 +68,10 @@ def respond(
 
     loaded = rigid_vehicle_of(vehicle, plane)
     within("--until", until, 1e-3, _LONGEST)
-    length = until * float(positive("--duration", blows.duration, "s"))
     within("--points", points, 2, 1_000_000)
-    asked = blows.case(loaded, model, plane, Nozzle(limit=limit_of(limit_deg)))
-    case = held(asked, dead_band, capability, max(length, blows.duration))
+    asked = blows.case(vehicle, loaded, model, plane, Nozzle(limit=limit_of(limit_deg)))
+    case = held(asked, blows.name, dead_band, capability, until)
+    length = until * float(case.wind.end)
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
     shown = shown_until(case.plant, case.deflection, case.wind, length, lets_go=lets_go)
@@ -108,10 +108,9 @@ def _write(case: Held, length: float, points: int, csv: Path | None, plot: Path 
 def _what(case: Held) -> str:
     import numpy as np
 
-    peak, limit = float(np.degrees(case.wind.peak)), float(np.degrees(case.limit))
     return (
-        f"{case.case.shape} wind of {peak:.4g} deg and {case.wind.duration:g} s, model"
-        f" {case.plant.model}, K = {case.dead_band:g}, limit {limit:.4f} deg"
+        f"{wind_words(case.name, case.wind)}, model {case.plant.model}, K = {case.dead_band:g},"
+        f" limit {np.degrees(case.limit):.4f} deg"
     )
 
 
@@ -180,7 +179,7 @@ def _document(
     angle = picked(loads, "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative")
     return {
         **picked(case, "vehicle=case.vehicle.name model=plant.model"),
-        "wind": {"shape": case.case.shape, **picked(case.wind, "peak_deg duration_s")},
+        "wind": {"shape": case.name, **picked(case.wind, "peak_deg duration_s=end")},
         **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient"),
         "shown_until": picked(shown, "time_s why"),
         "attitude": found,

@@ -19,6 +19,7 @@ from tvclin.cli.options import (
     AsJson,
     AzimuthDeg,
     Gust,
+    GustAt,
     LimitDeg,
     Model,
     OtherPlane,
@@ -49,10 +50,7 @@ def study(
     peak_deg: PeakDeg = None,
     peak_speed: PeakSpeed = None,
     gust: Gust = None,
-    gust_at: Annotated[
-        float | None,
-        typer.Option(help="When the gust peaks, in s.", show_default="the middle of the wind"),
-    ] = None,
+    gust_at: GustAt = None,
     dead_band: Annotated[
         float | None,
         typer.Option(

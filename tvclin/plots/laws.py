@@ -1,7 +1,7 @@
 """What laws need in triangular winds, beside the open-loop limits, over their duration."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from tvclin.answers.trials import law_curve
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.control.laws.law import Law
-from tvclin.linear.plant import Plant
+from tvclin.linear.flexible import AnyPlant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import COLOURS, INK, LINES, WARM, Look, Style, called, draw
 from tvclin.winds.pulses import TriangularWind
@@ -34,20 +34,26 @@ _OPEN: dict[str, Style] = {
 
 
 def laws_chart(
-    plant: Plant, laws: Mapping[str, Law], peak: float, tau_beta: FloatArray = TAU_BETA
+    plant: AnyPlant,
+    laws: Mapping[str, Law],
+    peak: float,
+    tau_beta: FloatArray = TAU_BETA,
+    **hardware: Any,
 ) -> "ControlPlot":
     """Draw the boundary of each law over tau*beta, with the limits that they are measured by.
 
     Parameters
     ----------
-    plant : Plant
-        The plant that flies.
+    plant : Plant or FlexiblePlant
+        The plant that flies; what laws are measured by is of the rigid one.
     laws : mapping of str to Law
         By name, as of `standard_laws`.
     peak : float
         Peak of the triangular winds [rad].
     tau_beta : ndarray
         Durations times beta, or with damping the pole, rising, ``(n,)``.
+    **hardware
+        sample_rate, rate_limit, actuator and delay, as of `law_trials`.
 
     Notes
     -----
@@ -58,16 +64,16 @@ def laws_chart(
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     trim = abs(float(plant.coefficients.B) * peak)
     rows = {
-        "required, K = 1": [required_deflection(plant, w).limit for w in winds],
-        "required, K = 0.5": [required_deflection(plant, w, 0.5).limit for w in winds],
-        _FREE: [forecast_free_limit(plant, w).limit for w in winds],
-        _KNOWN: [optimum_deflection(plant, w).peak / trim for w in winds],
+        "required, K = 1": [required_deflection(plant.rigid, w).limit for w in winds],
+        "required, K = 0.5": [required_deflection(plant.rigid, w, 0.5).limit for w in winds],
+        _FREE: [forecast_free_limit(plant.rigid, w).limit for w in winds],
+        _KNOWN: [optimum_deflection(plant.rigid, w).peak / trim for w in winds],
     }
     columns = [Column(name, np.array(row), "-", "") for name, row in rows.items()]
     styles = dict(_OPEN)
     looks = zip(laws.items(), (*COLOURS[:3], COLOURS[4], WARM), LINES, strict=False)
     for (name, law), colour, line in looks:
-        columns.append(Column(name, law_curve(plant, law, tau_beta, peak), "-", ""))
+        columns.append(Column(name, law_curve(plant, law, tau_beta, peak, **hardware), "-", ""))
         styles[name] = {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
     words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
     curves = Curves("laws", words, f"tau*{symbol}", tau_beta, tuple(columns))

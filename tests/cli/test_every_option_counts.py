@@ -1,0 +1,144 @@
+"""A random walk: an option of a command changes the answer, or is refused in one sentence."""
+
+import json
+import random
+from functools import cache
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from tvclin.cli.app import app
+
+SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
+SHOWN = ("as_json", "plot", "csv", "points", "chart", "until", "help")
+"""Options that say how an answer is shown."""
+V = "configuration-i"
+STARTS = {
+    "respond": [(V,), (V, "--winds", SOUNDING, "--azimuth-deg", "90")],
+    "optimum": [(V,), (V, "--gust", "1", "2")],
+    "autopilot": [("made-up-launcher", "--natural-frequency", "1.2"), (V, "--gust", "1", "2")],
+    "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2")],
+    "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2")],
+    "poles": [(V,)],
+    "boundary": [(V, "--tau-beta", "3")],
+}
+VALUES = {
+    "wind": ["rectangular"],
+    "duration": ["4.7"],
+    "peak_deg": ["3.3"],
+    "peak_speed": ["21"],
+    "gust": ["1.5 3"],
+    "gust_at": ["2"],
+    "winds": [SOUNDING],
+    "winds_time": ["2024-02-15 12"],
+    "window": ["15"],
+    "wind_direction_deg": ["200"],
+    "azimuth_deg": ["77"],
+    "dead_band": ["0.4"],
+    "capability": ["1.3"],
+    "limit_deg": ["1.4"],
+    "model": ["drift"],
+    "plane": ["yaw"],
+    "start": ["-1"],
+    "horizon": ["30"],
+    "rate_limit_deg": ["0.3"],
+    "tau_beta": ["5"],
+    "design": ["lqr", "half-relief"],
+    "natural_frequency": ["1.7"],
+    "damping": ["0.9"],
+    "attitude_gain": ["1.1"],
+    "rate_gain": ["1.1"],
+    "alpha_gain": ["0.1"],
+    "integral_gain": ["0.03"],
+    "actuator_frequency": ["18"],
+    "actuator_hz": ["5"],
+    "actuator_damping": ["0.9"],
+    "delay_ms": ["15"],
+    "notch_hz": ["6,0.05,0.5"],
+    "low_pass_hz": ["9"],
+    "criteria": ["aircraft"],
+    "gain_db": ["4"],
+    "phase_deg": ["20"],
+    "delay_margin_ms": ["20"],
+    "mode_gain_db": ["3"],
+    "mode_phase_deg": ["20"],
+    "three_gains": [None],
+    "crossover": ["3"],
+    "limits": [None],
+    "stops": ["3"],
+    "rigid": [None],
+    "detuned": [None],
+    "box": ["thrust=-2%..2%"],
+    "sample_rate": ["40"],
+    "engine": ["planar", "linear"],
+    "law": ["trim", "dead-band"],
+    "boundary": [None],
+    "along_trajectory": [None],
+}
+SLOW = ("least", "flown")
+"""Searches, which `test_least` and the tests of flown margins ask for."""
+
+
+def options_of(command):
+    group = typer.main.get_command(app)
+    return {
+        one.name: one for one in group.commands[command].params if one.param_type_name == "option"
+    }
+
+
+@cache
+def asked(command, arguments):
+    found = CliRunner().invoke(app, [command, *arguments, "--json"])
+    return found.exit_code, found.stdout, found.stderr
+
+
+def draws(seed, count):
+    at = random.Random(seed)
+    for _ in range(count):
+        command = at.choice(list(STARTS))
+        start = at.choice(STARTS[command])
+        option = at.choice([k for k in options_of(command) if k not in (*SHOWN, *SLOW)])
+        yield command, start, option, at.choice(VALUES[option])
+
+
+def given(command, option, value):
+    flag = options_of(command)[option].opts[-1]
+    return (flag,) if value is None else (flag, *(value.split() if option == "gust" else [value]))
+
+
+def ignored(command, start, option, value):
+    """What is wrong with a draw; nothing where the option counts or is refused."""
+    more = given(command, option, value)
+    if more[0] in start:
+        return ""
+    before, after = asked(command, start), asked(command, (*start, *more))
+    told = [line for line in after[2].splitlines() if line.startswith("Error: ")]
+    if after[0] == 2:
+        return "" if len(told) == 1 else f"refused without a sentence: {after[2]}"
+    if after[0] not in (0, 1):
+        return f"ends with {after[0]}: {after[2]}"
+    return "ignored" if before[:2] == after[:2] and before[2] == after[2] else ""
+
+
+@pytest.mark.parametrize("command", STARTS)
+def test_each_option_of_a_command_has_a_value_to_try(command):
+    assert options_of(command).keys() <= {*VALUES, *SHOWN, *SLOW}
+
+
+def test_an_option_changes_the_answer_or_is_refused():
+    wrong = {
+        f"{command} {' '.join((*start, *given(command, option, value)))}: {said}"
+        for command, start, option, value in draws(1, 100)
+        if (said := ignored(command, start, option, value))
+    }
+    assert not wrong, "\n".join(sorted(wrong))
+
+
+def test_the_starts_are_answered():
+    for command, starts in STARTS.items():
+        for start in starts:
+            code, out, said = asked(command, start)
+            assert code in (0, 1), (command, start, said)
+            assert json.loads(out)
