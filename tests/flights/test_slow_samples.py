@@ -86,6 +86,19 @@ def test_a_nozzle_meets_its_limits_between_samples(rate, hertz, damping, delay, 
     assert float(many.peak_deflection_rate) <= most * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize(("rate", "stated"), [(10.0, 6e-2), (25.0, 2e-2)])
+def test_a_rate_limit_without_an_actuator_is_good_for_what_is_stated(rate, stated):
+    """Beside a nozzle with a lag of a millisecond, which is next to none."""
+    limit, most, last = 1.1 * TRIM, 0.02, 9.0
+    quick = tv.Actuator(natural_frequency=1000.0, damping=None)
+    exact = by_small_steps(quick, rate, 0.0, limit, most, last, parts=200)[0]
+    times, options = np.arange(exact.size) / rate, {"rate_limit": most, "sample_rate": rate}
+    flown = tv.fly(PLANT, LAW, WIND, times, deflection_limit=limit, **options)
+    attitude = np.asarray(flown.outputs["attitude"])
+    off = np.abs(attitude - exact).max() / np.abs(exact).max()
+    assert 0.1 * stated < off < stated
+
+
 def test_substeps_are_the_root_of_the_step_they_make_together():
     """So a part without a limit may go by as one exact product."""
     actuator = tv.Actuator(natural_frequency=50.0)

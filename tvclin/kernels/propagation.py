@@ -106,8 +106,10 @@ def driven(A: NDArray[Any], B: NDArray[Any], inputs: NDArray[Any] | None = None)
     return whole
 
 
-def held_steps(A: FloatArray, B: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return e^(A t) and P(t) of x(t) = e^(A t) x + P(t) u, the inputs u being held.
+def driven_steps(
+    A: FloatArray, B: FloatArray, lengths: FloatArray, inputs: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return e^(A t) and P(t) of x(t) = e^(A t) x + P(t) z, for x' = A x + B z.
 
     Parameters
     ----------
@@ -115,14 +117,16 @@ def held_steps(A: FloatArray, B: FloatArray, lengths: FloatArray) -> tuple[Float
         ``(..., n, n)`` and ``(..., n, k)``.
     lengths : ndarray
         Times t [s], ``(..., m)``, whose batch is that of the others.
+    inputs : ndarray, optional
+        As of `driven`, also ``(..., m, k, k)``; without it z is held.
 
     Returns
     -------
     tuple of ndarray
         ``(..., m, n, n)`` and ``(..., m, n, k)``.
     """
-    whole, n = driven(A, B), A.shape[-1]
-    every = np.broadcast_to(whole[..., np.newaxis, :, :], (*lengths.shape, *whole.shape[-2:]))
+    whole, n = driven(A[..., np.newaxis, :, :], B[..., np.newaxis, :, :], inputs), A.shape[-1]
+    every = np.broadcast_to(whole, (*lengths.shape, *whole.shape[-2:]))
     found = exponentials(every.reshape(-1, *whole.shape[-2:]), lengths.ravel())
     found = found.reshape(every.shape)
     return found[..., :n, :n], found[..., :n, n:]

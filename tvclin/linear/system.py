@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, broadcast
 from tvclin.kernels import state_space
-from tvclin.kernels.propagation import held_steps
+from tvclin.kernels.propagation import driven_steps
 
 if TYPE_CHECKING:
     import control
@@ -157,7 +157,7 @@ class LinearSystem:
         whole, rest = delay_parts(late, h)
         shape = broadcast(system=self.batch, period=h.shape, delay=late.shape)
         parts = np.stack(np.broadcast_arrays(h, h - rest), axis=-1)
-        F, P = held_steps(self.A, self.B, np.broadcast_to(parts, (*shape, 2)))
+        F, P = driven_steps(self.A, self.B, np.broadcast_to(parts, (*shape, 2)))
         F, G0, G1 = F[..., 0, :, :], P[..., 1, :, :], P[..., 0, :, :] - P[..., 1, :, :]
         G1 = np.where(rest[..., np.newaxis, np.newaxis] > 0.0, G1, 0.0)
         period = np.broadcast_to(h, shape)

@@ -67,7 +67,8 @@ def fly(
     deflection_limit : float
         Largest deflection [rad], positive.
     rate_limit : float
-        Largest deflection rate [rad/s]; it needs an actuator or a sample rate.
+        Largest deflection rate [rad/s]; it needs an actuator or a sample rate. With a sample rate
+        alone a step of the command is spread over the whole sample, see `fly_many`.
     actuator : Actuator, optional
         Without one the deflection follows its command at once.
     sample_rate : float, optional

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.flights.closed_loop.growth import step_near_rest
+from tvclin.linear.system import delay_parts
 
 if TYPE_CHECKING:
     from tvclin.flights.closed_loop.sampled import Batch
@@ -51,10 +52,9 @@ def factors_at_growth(batch: Batch, name: str, pace: float) -> tuple[float, floa
     pace : float
         The fastest unstable pole of the plant [1/s].
     """
-    samples = np.floor(float(batch.delay) / float(batch.length) + 1e-9)
-    rest = float(batch.delay) - samples * float(batch.length)
-    loop = _response(replace(batch, delay=np.asarray(max(rest, 0.0))), name, samples)
-    angles = _angles(batch, pace, samples)
+    samples, rest = delay_parts(batch.delay, batch.length)
+    loop = _response(replace(batch, delay=rest), name, float(samples))
+    angles = _angles(batch, pace, float(samples))
     real = [_ZERO, *_roots(lambda a: loop(a).imag, angles), np.pi]
     found = loop(np.array(real))
     found = found[np.abs(found.imag) < _REAL * np.abs(found.real)]  # beside an integrator it is not

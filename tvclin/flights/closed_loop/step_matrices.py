@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.control.autopilot.actuator import Actuator
-from tvclin.kernels.propagation import driven, exponentials
+from tvclin.kernels.propagation import driven_steps
+from tvclin.kernels.state_space import beside
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import INPUTS
 from tvclin.linear.system import delay_parts
@@ -65,20 +66,16 @@ def joint_steps(
     d/dt [x, s, c, w0, w1, ...] is linear in these, the wind being w0' = w1, w1' = 2 w2, ..., and J
     the upper rows of the exponential of its matrix.
     """
-    p, order = A.shape[:2]
-    command, _, gust = range(B.shape[2])
-    given = np.zeros((p, order, 1 + terms))
+    command, _, gust = range(B.shape[-1])
+    order, given = A.shape[-1], np.zeros((*A.shape[:2], 1 + terms))
     given[..., 0], given[..., 1] = B[..., command], B[..., gust]
-    whole = driven(A, given, np.diag(np.arange(float(terms)), k=1))
-    steps = np.stack([exponentials(whole, part)[:, :order] for part in parts.T], axis=1)
+    rising = np.diag(np.arange(float(terms)), k=1)  # the command is held
+    free, pushed = driven_steps(A, given, parts, rising)
+    steps = beside(free, pushed)
     if order > vehicle:
         return steps
     # Without a nozzle the deflection is a state all the same: at its command at once.
-    at_once = np.zeros((p, parts.shape[1], order + 1, whole.shape[-1] + 1))
-    at_once[..., :order, :order], at_once[..., :order, order + 1 :] = (
-        steps[..., :order],
-        steps[..., order:],
-    )
+    at_once = np.insert(np.insert(steps, order, 0.0, axis=-1), order, 0.0, axis=-2)
     at_once[..., order, order + 1] = 1.0
     return at_once
 
@@ -89,21 +86,19 @@ def even_steps(A: FloatArray, inputs: FloatArray, parts: FloatArray) -> FloatArr
     d' = (b - a)/h: what d = 1 does, less what a rise by one does, is the factor of a, and the
     latter that of b.
     """
-    n, turned = A.shape[-1], inputs[..., 0]
-    given, ramps = np.stack([turned, np.zeros_like(turned)], axis=-1), []
-    for part in parts.T:
-        slope = np.zeros((part.size, 2, 2))
-        slope[:, 0, 1] = 1.0 / np.where(part > 0.0, part, 1.0)
-        gone = exponentials(driven(A, given, slope), part)
-        rise, kick = gone[:, :n, n + 1], []
-        if inputs.shape[2] > len(INPUTS):
-            # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of the part
-            b3 = inputs[..., 2]
-            later = np.einsum("pij,pj->pi", gone[:, :n, :n], b3)
-            rise = rise + (later - b3) / np.where(part > 0.0, part, 1.0)[:, np.newaxis]
-            kick = [-later, b3]
-        ramps.append(np.stack([gone[:, :n, n] - rise, rise, *kick], axis=-1))
-    return np.stack(ramps, axis=1)
+    turned, slope = inputs[..., 0], np.zeros((*parts.shape, 2, 2))
+    span = np.where(parts > 0.0, parts, 1.0)
+    slope[..., 0, 1] = 1.0 / span
+    given = np.stack([turned, np.zeros_like(turned)], axis=-1)
+    free, pushed = driven_steps(A, given, parts, slope)
+    rise, kick = pushed[..., 1], []
+    if inputs.shape[2] > len(INPUTS):
+        # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the even rate of the part
+        b3 = np.broadcast_to(inputs[:, np.newaxis, :, 2], rise.shape)
+        later = (free @ b3[..., np.newaxis])[..., 0]
+        rise = rise + (later - b3) / span[..., np.newaxis]
+        kick = [-later, b3]
+    return np.stack([pushed[..., 0] - rise, rise, *kick], axis=-1)
 
 
 def sensed_rows(plant: AnyPlant, C: FloatArray, D: FloatArray) -> FloatArray:
