@@ -61,7 +61,9 @@ def swings_on(f: Flights, laws: LawBatch) -> NDArray[np.bool_]:
 
 def _flown_on(f: Flights, where: NDArray[np.intp], laws: LawBatch) -> Flights:
     """Some flights from where they ended through a stretch of still air."""
-    g = _chosen(f, where)
+    own = {name for name in _SHARED if len(getattr(f, name)) > 1}
+    rows = {name: getattr(f, name)[where] for name in {*_OF_EACH, *own}}
+    g = f._replace(pieces=np.zeros_like(f.pieces), **rows)
     ring = g.commands.shape[1]
     turned = (g.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
     g.commands[:] = np.take_along_axis(g.commands, turned, axis=1)
@@ -71,11 +73,3 @@ def _flown_on(f: Flights, where: NDArray[np.intp], laws: LawBatch) -> Flights:
     g.outcome[:], g.ended[:], g.peaks[:] = UNDECIDED, -1, 0.0
     finish(g, laws)
     return g
-
-
-def _chosen(f: Flights, index: NDArray[np.intp]) -> Flights:
-    """Return some flights, of one sample in still air; those that are named twice are two."""
-    own = {name for name in _SHARED if len(getattr(f, name)) > 1}
-    rows = {name: getattr(f, name)[index] for name in {*_OF_EACH, *own}}
-    rows["finish"][:] = 1
-    return f._replace(pieces=np.zeros_like(f.pieces), **rows)
