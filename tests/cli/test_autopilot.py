@@ -198,7 +198,9 @@ def test_laws_are_flown_in_the_winds_asked_for():
 def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monkeypatch):
     """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
     monkeypatch.setattr("tvclin.answers.trials.law_trials", lambda *_, **__: [])
-    monkeypatch.setattr("tvclin.plots.laws.law_curve", lambda _, __, tau, ___: np.ones_like(tau))
+    monkeypatch.setattr(
+        "tvclin.plots.laws.law_curve", lambda _, __, tau, ___, **____: np.ones_like(tau)
+    )
     winds, file = ("--wind", "triangle", "--wind", "opposite gusts"), tmp_path / "laws.svg"
     result = run("laws", "--model", "fixed-path", *winds, "--json", "--plot", str(file))
     bounds = json.loads(result.stdout)["no_forecast"]
