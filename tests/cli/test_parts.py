@@ -42,21 +42,32 @@ VALUES = {
 }
 LINEAR = ("--engine", "linear", "--law", "autopilot", "--limit-deg", 2)
 BASE = {
-    "margins": ("--flown", "--limit-deg", 2),
     "laws": ("--wind", "triangle"),
     "fly": LINEAR,
     "size": ("--from", 70, "--to", 70),
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 90),
 }
 OTHERWISE = {
-    ("margins", "dispersion"): ("--detuned",),
+    **{
+        ("margins", part): ("--flown", "--limit-deg", 2, *VALUES[part])
+        for part in ("gust", "head wind", "heading", "measured wind")
+    },
     ("margins", "limit"): ("--flown", "--limit-deg", 3),
+    ("laws", "measured wind"): VALUES["measured wind"],
+    ("size", "shape of the stop"): (
+        *("--plane", "both", "--stop", "square", "--from", 70, "--to", 70),
+        *VALUES["heading"],
+    ),
+    ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 90),
     ("fly", "limit"): (*LINEAR[:-1], 1.5),
     ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("size", "gust"): ("--gust", 1.5, 1.0),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 45),
     ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 90),
-    ("availability", "shape of the stop"): ("--plane", "both", "--stop", "square"),
+    ("availability", "shape of the stop"): (
+        *("--limit-deg", 0.35, "--azimuth-deg", 90),
+        *("--plane", "both", "--stop", "square"),
+    ),
 }
 
 

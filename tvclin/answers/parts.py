@@ -18,7 +18,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "structure": ("--rigid",),
     "damping": (),
     "gust": ("--gust", "--gust-at"),
-    "head wind": (),
+    "head wind": ("--peak-deg", "--peak-speed"),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),
     "measured wind": ("--winds", "--winds-time", "--window"),
@@ -31,8 +31,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "dispersion": ("--disperse",),
     "limit": ("--limit-deg",),
 }
-"""The parts of a case, and the options that give each; the others are said by the vehicle's file
-or by the sign of a wind."""
+"""The parts of a case, and the options that give each; the sign of a peak makes it a head wind."""
 _LOOP = ("actuator", "rate limit", "delay", "sample rate", "filters", "integral gain")
 _WIND = ("gust", "head wind", "heading", "measured wind")
 _SEVERAL = ("shape of the stop", "dispersion")
@@ -58,11 +57,14 @@ _OF_THE_RIGID: dict[str, str] = {
     "autopilot": "boundaries and minimum",
     "campaign": "all but margins and flights",
     **dict.fromkeys(
-        ("respond", "optimum", "boundary", "poles", "size", "availability", "explore"),
+        ("respond", "optimum", "boundary", "poles", "size", "availability"),
         "these numbers",
     ),
+    "explore": "all here, margins too,",
+    "margins --box": "the margins in the box",
+    "fly --engine planar": "these numbers",
 }
-"""The residue condition is of the rigid vehicle: what of an answer rests on it."""
+"""What of an answer is of the rigid vehicle, as the residue condition is; also of some modes."""
 QUESTIONS = tuple(_REFUSED)
 
 
@@ -90,15 +92,17 @@ def refusal(question: str, option: str) -> str | None:
     """Return why a question has not this option, and who has; None for an option of no part."""
     for part, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
+            if entry(question, part) == COMPUTED:
+                return f"tvclin {question} has the {part} from its file, and takes no {option}"
             *others, last = (f"tvclin {one}" for one in who_computes(part))
             named = f"{', '.join(others)} and {last} do" if others else f"{last} does"
-            return f"tvclin {question} does not take {option} ({part}): {named}"
+            return f"tvclin {question} does not take {option}: {named}"
     return None
 
 
 def told(question: str, vehicle: AnyVehicle, plane: str) -> Iterator[str]:
     """Yield a sentence for each part of a vehicle that a question leaves out."""
-    if vehicle.structure is None or entry(question, "structure") != TOLD:
+    if vehicle.structure is None or question not in _OF_THE_RIGID:
         return
     which, moved = _OF_THE_RIGID[question], shift_words(vehicle, plane)
     said = f"{which} are of the rigid vehicle, without the structure in its file"

@@ -8,7 +8,7 @@ import typer
 from tvclin.cli.bands import parts_line
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import note_structure, vehicle_of
+from tvclin.cli.inputs import note_left_out, vehicle_of
 from tvclin.cli.least import LeastOptions, draw_front, print_least
 from tvclin.cli.margin_tables import MarginsFound, poles, print_bounds
 from tvclin.cli.options import (
@@ -65,7 +65,7 @@ def autopilot(
     from tvclin.control.comparison.trim import compare_with_trim
 
     loaded = vehicle_of(vehicle, rigid)
-    note_structure(loaded, plane, "boundaries and minimum")
+    note_left_out("autopilot", loaded, plane)
     case = blows.case(vehicle, loaded, model, plane, loop.nozzle(), gains.asked(loop))
     plant, wind = case.plant, case.history
     limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))

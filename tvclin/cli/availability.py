@@ -115,7 +115,7 @@ def availability(
 
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
-    note_source(source)
+    note_source(source, "availability")
     flight = load_schedule(source)
     balloon = None
     if today is None:

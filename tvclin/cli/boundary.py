@@ -106,7 +106,7 @@ def _limits(
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         history = shape(peak=1.0, duration=x[:, None])
         return "", boundary_limit(plant, history, K), plant
-    vehicle = rigid_vehicle_of(source, plane)
+    vehicle = rigid_vehicle_of(source, plane, "boundary")
     plant = Plant.from_vehicle(vehicle, model, plane)
     history = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
     return vehicle.name or source, boundary_limit(plant, history, K), plant

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import note_structure
+from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import AsJson
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
@@ -73,7 +73,7 @@ def run(
     from tvclin.answers.campaign.file import load_campaign
 
     plan = load_campaign(file)
-    note_structure(plan.vehicle, plan.plane, "all but margins and flights")
+    note_left_out("campaign", plan.vehicle, plan.plane)
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
     with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:

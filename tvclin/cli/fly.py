@@ -8,7 +8,7 @@ from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.fly_shown import Shown
 from tvclin.cli.gains import GainOptions, LoopOptions, given
-from tvclin.cli.inputs import note_structure, only_with, vehicle_of
+from tvclin.cli.inputs import note_left_out, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     Csv,
@@ -131,7 +131,7 @@ def fly(
             sample_rate=sample_rate,
             rate_limit_deg=rate_limit_deg,
         )
-        note_structure(loaded, plane)
+        note_left_out("fly --engine planar", loaded, plane)
         condition = load_flight_condition(vehicle) if along_trajectory else None
         one = flight_case(Flying(case, *flying), engine or "planar", condition, span[0])
         with waiting("flying"):

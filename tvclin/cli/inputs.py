@@ -39,10 +39,10 @@ def vehicle_of(source: str, rigid: bool = False) -> "AnyVehicle":
     return found.rigid if rigid else found
 
 
-def rigid_vehicle_of(source: str, plane: str) -> "AnyVehicle":
-    """Return a vehicle for a command that knows it as rigid, and say so if its file knows more."""
+def rigid_vehicle_of(source: str, plane: str, question: str) -> "AnyVehicle":
+    """Return a vehicle for a question that knows it as rigid, and say so if its file knows more."""
     found = vehicle_of(source)
-    note_structure(found, plane)
+    note_left_out(question, found, plane)
     return found.rigid
 
 
@@ -55,22 +55,15 @@ def note_doubts(vehicle: "AnyVehicle") -> None:
         say(f"Note: {doubt}.", err=True)
 
 
-def note_structure(vehicle: "AnyVehicle", plane: str, which: str = "these numbers") -> None:
-    """Say of a vehicle with structure that the numbers are those of the rigid one, on stderr.
+def note_left_out(question: str, vehicle: "AnyVehicle", plane: str) -> None:
+    """Say on stderr what a question leaves out of a vehicle, see `parts.told`."""
+    from tvclin.answers.parts import told
 
-    The sentence says by how much the structure moves what they rest on, see `FlexiblePlant.shift`.
-    """
-    if vehicle.structure is None:
-        return
-    from tvclin.answers.flexible import shift_words
-
-    moved = shift_words(vehicle, plane)
-    said = f"Note: {which} are of the rigid vehicle, without the structure in its file"
-    said += f", which {moved}" if moved else ""
-    say(f"{said} (tvclin margins has it).", err=True)
+    for sentence in told(question, vehicle, plane):
+        say(f"Note: {sentence}.", err=True)
 
 
-def note_source(source: str) -> None:
+def note_source(source: str, question: str) -> None:
     """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
     from tvclin.answers.study_file.read import load_study
     from tvclin.base.files import tables_of
@@ -81,7 +74,7 @@ def note_source(source: str) -> None:
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
         plan = load_study(source)
         note_doubts(plan.vehicle)
-        note_structure(plan.vehicle, plan.plane)
+        note_left_out(question, plan.vehicle, plan.plane)
 
 
 def peak_angle(

@@ -1,5 +1,6 @@
 """`tvclin margins`: the stability margins of an autopilot, and whether they are enough."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,7 +11,7 @@ from tvclin.cli.criteria import MODES, CriteriaOptions
 from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
 from tvclin.cli.flown import Flown, FlownLimitDeg, SampleRate, flown_of, print_flown
 from tvclin.cli.gains import GainOptions, LoopOptions, given
-from tvclin.cli.inputs import note_structure, only_with, vehicle_of
+from tvclin.cli.inputs import note_left_out, only_with, vehicle_of
 from tvclin.cli.options import (
     AsJson,
     LinearVehicle,
@@ -83,15 +84,17 @@ def margins(
     in_box = worst_in_box(box or [], case)
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
     if in_box is not None:
-        note_structure(loaded, plane, "the margins in the box")
+        note_left_out("margins --box", loaded, plane)
         if sample_rate is not None:
             say("Note: the margins in the box are of the continuous autopilot.", err=True)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
-        head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
+        head: dict[str, Any] = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
         if in_box is not None:
             box_document = in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
+        if in_wind is not None:
+            head["wind"] = {"name": blows.name, "peak_deg": math.degrees(case.history.peak)}
         beside = {"detuned": moved, "flown": in_wind, "box": in_box and box_document}
         more = {name: one for name, one in beside.items() if one is not None}
         print_json(head | margins_document(found) | more)

@@ -57,7 +57,7 @@ def optimum(
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
 
-    loaded = rigid_vehicle_of(vehicle, plane)
+    loaded = rigid_vehicle_of(vehicle, plane, "optimum")
     case = blows.case(vehicle, loaded, model, plane)
     history, plant = case.history, case.plant.rigid
     start = float(history.onset) if start is None else start
@@ -113,6 +113,7 @@ def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[
     trim = abs(float(plant.coefficients.B * wind.peak))
     held = abs(float(boundary_limit(plant, wind, 0.0).deflection))
     return {
+        "wind": picked(wind, "peak_deg onset_s end_s"),
         **picked(best, "peak_deg"),
         "part_of_trim": best.peak / trim if trim else None,
         "trim_deg": np.degrees(trim),

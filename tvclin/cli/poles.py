@@ -28,7 +28,7 @@ def poles(
     from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
-    loaded = rigid_vehicle_of(vehicle, plane)
+    loaded = rigid_vehicle_of(vehicle, plane, "poles")
     models = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in models}
     found = {name: _poles(plant) for name, plant in plants.items()}

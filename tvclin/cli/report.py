@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import note_structure
+from tvclin.cli.inputs import note_left_out
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
 
@@ -54,6 +54,6 @@ def report(
     say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:
         say(f"Note: {doubt}.")
-    note_structure(plan.vehicle, plan.plane, "boundaries and sizes on the page")
+    note_left_out("report", plan.vehicle, plan.plane)
     if not all_yes(findings[0]):
         raise typer.Exit(1)

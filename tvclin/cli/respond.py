@@ -66,7 +66,7 @@ def respond(
     from tvclin.linear.loads import wind_loads
     from tvclin.linear.verdict import judge
 
-    loaded = rigid_vehicle_of(vehicle, plane)
+    loaded = rigid_vehicle_of(vehicle, plane, "respond")
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
     asked = blows.case(vehicle, loaded, model, plane, Nozzle(limit=limit_of(limit_deg)))

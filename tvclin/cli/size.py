@@ -182,7 +182,7 @@ def size(
             " or give --wind-direction-deg"
         )
     soundings = _soundings(winds or [], winds_time or [], azimuth_deg)
-    note_source(source)
+    note_source(source, "size")
     case = load_sizing(source, soundings)
     asked = case.sizing
     assert asked is not None

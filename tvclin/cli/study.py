@@ -8,7 +8,7 @@ from tvclin.cli.inputs import (
     chosen,
     heading_given,
     limit_of,
-    note_structure,
+    note_left_out,
     only_with,
     peak_angle,
     wind_with,
@@ -134,7 +134,7 @@ def study(
         cases=chosen(cases, plan.cases),
         seed=chosen(seed, plan.seed),
     )
-    note_structure(plan.vehicle, plan.plane, "the boundaries")
+    note_left_out("study", plan.vehicle, plan.plane)
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 

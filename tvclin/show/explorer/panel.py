@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.flexible import shift_words
+from tvclin.answers.parts import told
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
 from tvclin.control.laws.registry import AUTOPILOT
@@ -204,11 +204,7 @@ def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
 
 def _bends(vehicle: Vehicle, plane: str) -> tuple[str, ...]:
     """What is to be said of a vehicle with a structure: that all here is rigid."""
-    if vehicle.structure is None:
-        return ()
-    moved = shift_words(vehicle, plane)
-    rigid = "All here, margins too, is of the rigid vehicle, without the structure in its file"
-    return (f"{rigid}{f', which {moved}' if moved else ''} (tvclin margins has it).",)
+    return tuple(f"{one[0].upper()}{one[1:]}." for one in told("explore", vehicle, plane))
 
 
 def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[str, Any]:
