@@ -300,7 +300,7 @@ def test_flown_margins_stand_beside_the_linear_ones():
     stepped = json.loads(run(*asked, "--sample-rate", "60", "--json").stdout)
     assert document["margins"] == stepped["margins"]
     shown = run(*flown).output
-    assert "In this triangular wind of 6 s, with a stop at 0.6 deg, 60 Hz" in shown
+    assert "In this triangular wind of 5 deg and 6 s, with a stop at 0.6 deg, 60 Hz" in shown
     assert re.search(rf"gain fall\W+{expected.gain_fall.dB:.2f} dB", shown)
 
 

@@ -111,7 +111,7 @@ def given(command, option, value):
 def ignored(command, start, option, value):
     """What is wrong with a draw; nothing where the option counts or is refused."""
     more = given(command, option, value)
-    if more[0] in start:
+    if more[0] in start or (option == "rigid" and V in start):  # which is rigid anyway
         return ""
     before, after = asked(command, start), asked(command, (*start, *more))
     told = [line for line in after[2].splitlines() if line.startswith("Error: ")]
@@ -130,7 +130,7 @@ def test_each_option_of_a_command_has_a_value_to_try(command):
 def test_an_option_changes_the_answer_or_is_refused():
     wrong = {
         f"{command} {' '.join((*start, *given(command, option, value)))}: {said}"
-        for command, start, option, value in draws(1, 100)
+        for command, start, option, value in draws(1, 40)
         if (said := ignored(command, start, option, value))
     }
     assert not wrong, "\n".join(sorted(wrong))

@@ -17,7 +17,6 @@ peak_deg = 5
 duration_s = 7.5
 [autopilot]
 design = "least-nozzle"
-model = "drift-exact"
 crossover_rad_per_s = 2
 delay_ms = 20
 """

@@ -45,7 +45,7 @@ BASE = {
     "laws": ("--wind", "triangle"),
     "fly": LINEAR,
     "size": ("--from", 70, "--to", 70),
-    "availability": ("--limit-deg", 0.35, "--azimuth-deg", 90),
+    "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
 OTHERWISE = {
     **{
@@ -58,14 +58,14 @@ OTHERWISE = {
         *("--plane", "both", "--stop", "square", "--from", 70, "--to", 70),
         *VALUES["heading"],
     ),
-    ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 90),
+    ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 45),
     ("fly", "limit"): (*LINEAR[:-1], 1.5),
     ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("size", "gust"): ("--gust", 1.5, 1.0),
-    ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 45),
-    ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 90),
+    ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
+    ("availability", "limit"): ("--limit-deg", 0.3, "--azimuth-deg", 45),
     ("availability", "shape of the stop"): (
-        *("--limit-deg", 0.35, "--azimuth-deg", 90),
+        *("--limit-deg", 0.35, "--azimuth-deg", 45),
         *("--plane", "both", "--stop", "square"),
     ),
 }

@@ -60,6 +60,7 @@ def boundary(
                 "vehicle": name or None,
                 "wind": wind,
                 "model": plant.model,
+                "plane": plane,
                 axis.replace("*", "_"): x,
                 "dead_band": K,
                 "limit": limits.limit,

@@ -122,6 +122,10 @@ class GainOptions:
 
     def asked(self, loop: LoopOptions, sample_rate: float | None = None) -> "AutopilotDesign":
         """Return the design of the autopilot that the options ask for."""
+        from tvclin.base.errors import number, positive
+
+        if sample_rate is not None:
+            sample_rate = number("--sample-rate", sample_rate, positive, "Hz")
         return loop.design(**vars(self), sample_rate=sample_rate)
 
 

@@ -90,12 +90,10 @@ def margins(
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
-        head: dict[str, Any] = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
-        if in_box is not None:
-            box_document = in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
-        if in_wind is not None:
-            head["wind"] = {"name": blows.name, "peak_deg": math.degrees(case.history.peak)}
-        beside = {"detuned": moved, "flown": in_wind, "box": in_box and box_document}
+        head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
+        wind = {"name": blows.name, "peak_deg": math.degrees(case.history.peak)}
+        met = None if in_box is None else in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
+        beside = {"wind": in_wind and wind, "detuned": moved, "flown": in_wind, "box": met}
         more = {name: one for name, one in beside.items() if one is not None}
         print_json(head | margins_document(found) | more)
     else:
