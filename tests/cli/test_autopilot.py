@@ -301,7 +301,7 @@ def test_flown_margins_stand_beside_the_linear_ones():
     assert document["margins"] == stepped["margins"]
     shown = run(*flown).output
     assert "In this triangular wind of 5 deg and 6 s, with a stop at 0.6 deg, 60 Hz" in shown
-    assert re.search(rf"gain fall\W+{expected.gain_fall.dB:.2f} dB", shown)
+    assert re.search(rf"gain falls\W+{expected.gain_fall.dB:.2f} dB", shown)
 
 
 def test_flown_margins_need_a_limit_that_is_enough():

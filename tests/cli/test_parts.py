@@ -7,7 +7,9 @@ from typing import NamedTuple
 import pytest
 from typer.testing import CliRunner
 
+import tvclin as tv
 from tests.archives import Balloon, jet, write
+from tvclin.answers.campaign.cases import evaluate
 from tvclin.answers.parts import OPTIONS, QUESTIONS, REFUSED, TOLD, entry, table, told
 from tvclin.cli.app import app
 from tvclin.vehicle.file import vehicle_text
@@ -198,6 +200,45 @@ def test_every_part_of_a_study_is_computed_or_told(files):
     assert "".join(told("study", load_any_vehicle(str(files.bent)), "pitch")) in " ".join(
         bent.stderr.split()
     )
+
+
+def test_every_part_of_a_campaign_is_computed_told_or_refused(files):
+    folder = files.plain.parent
+    (folder / "winds.csv").write_text("time_s,one\n0,0\n3,4\n6,0\n")
+    given = {name: IN_FILES[name] for name in IN_FILES}
+    given |= {
+        "measured wind": {"wind": {"file": "winds.csv", "unit": "deg"}},
+        "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 9}]},
+        "structure": {"campaign": {"vehicle": "bent.toml"}},
+        "damping": {"campaign": {"vehicle": "damped.toml"}},
+    }
+    base = {
+        "campaign": {"vehicle": "plain.toml", "cases": 4, "seed": 1},
+        "wind": WIND,
+        "nozzle": {"limit_deg": 1.0},
+        "outputs": {"names": ["required", "margins", "flight"]},
+        "dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}],
+    }
+
+    def found(change):
+        document = changed_by(base, change)
+        if "file" in document["wind"]:
+            document["wind"] = change["wind"]
+        (folder / "campaign.toml").write_text(in_toml(document))
+        columns = evaluate(tv.load_campaign(folder / "campaign.toml"), 0, 4)
+        return {name: values.tolist() for name, values in columns.items()}
+
+    nominal, wrong = json.dumps(found({})), []
+    for part, change in given.items():
+        kind = entry("campaign", part)
+        try:
+            changed = json.dumps(found(change)) != nominal
+        except tv.InputError:
+            changed = None
+        if (changed is None) != (kind == REFUSED) or changed is False:
+            wrong.append((part, kind, changed))
+    # What a campaign draws are sizes of deflections, which the sign of a wind does not change.
+    assert wrong == [("head wind", "computed", False)]
 
 
 def test_the_conventions_print_the_table():

@@ -48,7 +48,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "fly": _SEVERAL,
     "size": _LOOP,
     "availability": (*_LOOP, "head wind", "dispersion"),
-    "campaign": ("heading", "shape of the stop"),
+    "campaign": ("shape of the stop",),
     "explore": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
 }
 _OF_THE_RIGID: dict[str, str] = {

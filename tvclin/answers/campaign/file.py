@@ -20,7 +20,7 @@ from tvclin.answers.campaign.tables import (
     read_tables,
     subject_of,
 )
-from tvclin.base.errors import naming
+from tvclin.base.errors import InputError, naming
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called
 from tvclin.winds.file import gust_of, winds_of
@@ -43,11 +43,17 @@ def load_campaign(path: str | PathLike[str]) -> Campaign:
     ------
     InputError
         For a file that cannot be read, is not TOML, or has an unknown key (the near ones are
-        offered), and as `Campaign`. One sentence says which and how to mend it.
+        offered), and as `Campaign`. One sentence says which and how to mend it. Also for a stop of
+        both planes.
     """
     file = a_path("path", path)
     document = read_tables(file, "write a campaign file with: tvclin campaign init")
     with naming(called(file)):
+        if nozzle_of(document).stop is not None:
+            raise InputError(
+                "a campaign judges one plane: leave stop out of [nozzle], or ask tvclin study,"
+                " which judges both with one stop"
+            )
         return parse_campaign(document, file.parent)
 
 
