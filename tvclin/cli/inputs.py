@@ -32,8 +32,17 @@ def only_with(needed: str, **options: Any) -> None:
 
 def vehicle_of(source: str, rigid: bool = False) -> "AnyVehicle":
     """Return a vehicle, rigid if that is asked for, and say on stderr what in it is odd."""
+    from tvclin.base.errors import InputError
+    from tvclin.base.files import called, tables_of
+    from tvclin.vehicle.file import vehicle_text
     from tvclin.vehicle.linear_vehicle import load_any_vehicle
 
+    text, name = vehicle_text(source)
+    if {"study", "campaign"} & tables_of(text, name).keys():
+        raise InputError(
+            f"{called(name)} is a study file, for tvclin study, size, report and campaign; name"
+            " its vehicle here"
+        )
     found = load_any_vehicle(source)
     note_doubts(found)
     return found.rigid if rigid else found
