@@ -72,7 +72,7 @@ VALUES = {
     "detuned": [None],
     "box": ["thrust=-2%..2%"],
     "sample_rate": ["40"],
-    "engine": ["planar", "linear"],
+    "engine": ["linear"],
     "law": ["trim", "dead-band"],
     "boundary": [None],
     "along_trajectory": [None],
