@@ -54,7 +54,7 @@ campaign = tv.Campaign(
     dead_bands=(1.0, 0.5),
     cases=4000,
     seed=1,
-    limit=np.radians(0.45),
+    nozzle=tv.Nozzle(limit=np.radians(0.45)),
 )
 found = tv.run_campaign(campaign, Path(tempfile.mkdtemp()) / "results")
 

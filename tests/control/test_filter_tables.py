@@ -151,7 +151,7 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
         (("--low-pass-hz", "1,2,3"), "--low-pass-hz must be 1 or 2 numbers"),
         (("--low-pass-hz", "-1"), "--low-pass-hz must be positive"),
         (("--notch-hz", "12,0.05,-1"), "pole_damping must be"),
-        (("--sample-rate", "0"), "sample_rate must be"),
+        (("--sample-rate", "0"), "--sample-rate must be"),
     ],
 )
 def test_wrong_filters_on_the_command_line_are_one_sentence(arguments, message):

@@ -193,7 +193,7 @@ LISTS = {
         ({"months": [7]}, "soundings must hold one or more"),
         ({"years": [2023]}, "years must be the first and the last"),
         ({"plane": "roll"}, "plane of availability must be"),
-        ({"stop": "round"}, r"unknown key in \[availability\]: 'stop'"),
+        ({"stop": "round"}, r"stop stands in \[nozzle\], not in \[availability\]"),
         ({"least_part": 95}, "least_part must be"),
         ({"persistence_deg": -1}, "persistence must be"),
         ({"known_to_m": -1}, "known_to must be"),

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from tvclin.answers.flexible import shift_words
 from tvclin.base.errors import one_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 
@@ -104,6 +103,8 @@ def told(question: str, vehicle: AnyVehicle, plane: str) -> Iterator[str]:
     """Yield a sentence for each part of a vehicle that a question leaves out."""
     if vehicle.structure is None or question not in _OF_THE_RIGID:
         return
+    from tvclin.answers.flexible import shift_words  # late: of flights, which a boundary has not
+
     which, moved = _OF_THE_RIGID[question], shift_words(vehicle, plane)
     said = f"{which} are of the rigid vehicle, without the structure in its file"
     yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"

@@ -66,6 +66,8 @@ def note_doubts(vehicle: "AnyVehicle") -> None:
 
 def note_left_out(question: str, vehicle: "AnyVehicle", plane: str) -> None:
     """Say on stderr what a question leaves out of a vehicle, see `parts.told`."""
+    if vehicle.structure is None:
+        return
     from tvclin.answers.parts import told
 
     for sentence in told(question, vehicle, plane):

@@ -70,9 +70,10 @@ def optimum(
     title = f"{loaded.name or vehicle}, {plant.model}: {wind_words(blows.name, history)}"
     if csv is not None or plot is not None:
         _write(plant, shown, history, title, csv, plot)
-    document = _document(plant, history, best, limited)
+    document = {"plane": plane, **_document(plant, history, best, limited)}
     if as_json:
-        print_json({"vehicle": loaded.name, "model": plant.model, "wind": blows.name, **document})
+        wind = {"name": blows.name, **document.pop("wind")}
+        print_json({"vehicle": loaded.name, "model": plant.model, "wind": wind, **document})
     else:
         _print(title, document)
     if best.status == NOT_CONVERGED:

@@ -178,7 +178,7 @@ def _document(
     left, whole = verdict.left_over, _covers_the_wind(case, shown)
     angle = picked(loads, "deg=peak_angle_of_attack time_s=peak_time relative_to_wind=relative")
     return {
-        **picked(case, "vehicle=case.vehicle.name model=plant.model"),
+        **picked(case, "vehicle=case.vehicle.name model=plant.model plane=case.plane"),
         "wind": {"shape": case.name, **picked(case.wind, "peak_deg duration_s=end")},
         **picked(case, "dead_band required_deg governed_by=governs limit_deg sufficient"),
         "shown_until": picked(shown, "time_s why"),
