@@ -135,10 +135,11 @@ def _sentence(error: Exception) -> str | None:
 
     if isinstance(error, InputError):
         return str(error)
-    if hasattr(error, "option_name") and hasattr(error, "ctx"):  # an option that there is not
+    if type(error).__name__ == "NoSuchOption":
         from tvclin.answers.parts import refusal
 
-        return refusal(str(error.ctx.info_name), str(error.option_name))
+        context = getattr(error, "ctx", None)
+        return context and refusal(str(context.info_name), str(vars(error)["option_name"]))
     if isinstance(error, OSError) and error.errno != EPIPE:
         return f"{called(error.filename or 'a file')} cannot be used: {reason(error)}"
     if isinstance(error, MemoryError):
