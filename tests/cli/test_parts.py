@@ -108,7 +108,7 @@ def asked(question, vehicle, station, *options):
 BY_FILE = ("study", "report", "campaign")
 
 
-@pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in (*BY_FILE, "explore")])
+@pytest.mark.parametrize("question", [q for q in QUESTIONS if q not in BY_FILE])
 def test_every_part_is_computed_told_or_refused(question, files):
     base = asked(question, files.plain, files.station, *BASE.get(question, ()))
     assert base.exit_code in (0, 1), base.output
@@ -142,7 +142,6 @@ STUDY = {
     "autopilot": {},
     "laws": {"names": ["autopilot"], "winds": ["triangle"]},
 }
-MEASURED = {"sounding": "table.csv", "azimuth_deg": 90}
 IN_FILES = {
     "damping": {"study": {"vehicle": "damped.toml"}},
     "gust": {"gust": {"peak_deg": 1.5, "duration_s": 1.0}},

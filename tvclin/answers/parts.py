@@ -48,7 +48,6 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "size": _LOOP,
     "availability": (*_LOOP, "head wind", "dispersion"),
     "campaign": ("shape of the stop",),
-    "explore": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
 }
 _OF_THE_RIGID: dict[str, str] = {
     "study": "the boundaries",
@@ -63,7 +62,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "margins --box": "the margins in the box",
     "fly --engine planar": "these numbers",
 }
-"""What of an answer is of the rigid vehicle, as the residue condition is; also of some modes."""
+"""What of an answer is of the rigid vehicle, as the residue condition is; and of panel and modes."""
 QUESTIONS = tuple(_REFUSED)
 
 
@@ -92,7 +91,10 @@ def refusal(question: str, option: str) -> str | None:
     for part, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
             if entry(question, part) == COMPUTED:
-                return f"tvclin {question} has the {part} from its file, and takes no {option}"
+                return (
+                    f"tvclin {question} takes no {option}: the {part} is given in its file, or as"
+                    f" tvclin {question} --help says"
+                )
             *others, last = (f"tvclin {one}" for one in who_computes(part))
             named = f"{', '.join(others)} and {last} do" if others else f"{last} does"
             return f"tvclin {question} does not take {option}: {named}"
