@@ -62,7 +62,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "margins --box": "the margins in the box",
     "fly --engine planar": "these numbers",
 }
-"""What of an answer is of the rigid vehicle, as the residue condition is; and of panel and modes."""
+"""What of an answer is of the rigid vehicle, as the residue condition is; so of panel and modes."""
 QUESTIONS = tuple(_REFUSED)
 
 
