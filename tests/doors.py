@@ -654,6 +654,9 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.ShapedWind, {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust}
         ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
+        "ShapedWind.of_speed": Door(
+            shaped.of_speed, {"speed": 20.0, "vehicle": slow, "plane": "pitch"}
+        ),
         "ShapedWind.peaks": Door(slanting.peaks, {"attitude": 0.8}),
         "Sizing.at_times": Door(sizing.at_times, {"name": "K = 1"}),
         "Sizing.not_sized": Door(sizing.not_sized, {"name": "K = 1"}),

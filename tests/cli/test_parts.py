@@ -38,7 +38,7 @@ VALUES = {
     "delay": ("--delay-ms", 40),
     "sample rate": ("--sample-rate", 30),
     "filters": ("--notch-hz", "5,0.05,0.5"),
-    "integral gain": ("--integral-gain", 0.05),
+    "gains": ("--integral-gain", 0.05),
     "dispersion": ("--disperse",),
     "limit": ("--limit-deg", 0.3),
 }
@@ -54,6 +54,7 @@ OTHERWISE = {
         ("margins", part): ("--flown", "--limit-deg", 2, *VALUES[part])
         for part in ("gust", "head wind", "heading", "measured wind")
     },
+    ("margins", "rate limit"): ("--flown", "--limit-deg", 2, "--rate-limit-deg", 1),
     ("margins", "limit"): ("--flown", "--limit-deg", 3),
     ("laws", "measured wind"): VALUES["measured wind"],
     ("size", "shape of the stop"): (
@@ -124,7 +125,7 @@ def test_every_part_is_computed_told_or_refused(question, files):
         if kind == REFUSED:
             right = result.exit_code == 2 and "tvclin" in said
         elif kind == TOLD:
-            sentence = " ".join(told(question, load_any_vehicle(str(vehicle)), "pitch"))
+            sentence = " ".join(told(tv.Case(vehicle=load_any_vehicle(vehicle)), question))
             right = sentence in " ".join(result.stderr.split())
         else:
             right = changed
@@ -153,7 +154,7 @@ IN_FILES = {
     "delay": {"autopilot": {"delay_ms": 40}},
     "sample rate": {"autopilot": {"sample_rate_Hz": 30}},
     "filters": {"autopilot": {"filter": [{"kind": "low-pass", "frequency_Hz": 5.0}]}},
-    "integral gain": {"autopilot": {"integral_gain_per_s": 0.05}},
+    "gains": {"autopilot": {"integral_gain_per_s": 0.05}},
     "dispersion": {"dispersion": [{"parameter": "thrust", "shape": "uniform", "percent": 5}]},
     "limit": {"nozzle": {"limit_deg": 0.5}},
 }
@@ -196,9 +197,47 @@ def test_every_part_of_a_study_is_computed_or_told(files):
                 wrong[part] = result.output[:300]
     assert not wrong, wrong
     bent = found(changed_by(STUDY, {"study": {"vehicle": "bent.toml"}}))
-    assert "".join(told("study", load_any_vehicle(str(files.bent)), "pitch")) in " ".join(
+    assert "".join(told(tv.Case(vehicle=load_any_vehicle(files.bent)), "study")) in " ".join(
         bent.stderr.split()
     )
+
+
+OF_ONE_TIME = {
+    "respond": (),
+    "optimum": (),
+    "boundary": ("--tau-beta", 3),
+    "poles": (),
+    "margins": ("--flown",),
+    "autopilot": (),
+    "laws": ("--rigid",),
+    "fly": ("--engine", "linear"),
+}
+
+
+@pytest.mark.parametrize("question", OF_ONE_TIME)
+def test_every_part_of_a_study_file_is_computed_or_told(question, files):
+    folder = files.plain.parent
+
+    def found(tables):
+        (folder / "one.toml").write_text(in_toml(tables))
+        words = (question, folder / "one.toml", *OF_ONE_TIME[question], "--json")
+        return CliRunner().invoke(app, [str(one) for one in words])
+
+    base = found(STUDY | {"nozzle": {"limit_deg": 2.0}})
+    assert base.exit_code in (0, 1), base.output
+    wrong = {}
+    in_files = dict(IN_FILES)
+    if question == "margins":  # with less the flight is lost
+        in_files["rate limit"] = {"nozzle": {"rate_limit_deg_per_s": 1.0}}
+    for part, change in in_files.items():
+        result = found(changed_by(STUDY | {"nozzle": {"limit_deg": 2.0}}, change))
+        changed = result.exit_code in (0, 1) and result.stdout != base.stdout
+        said = " ".join(result.stderr.split())
+        listed = said.partition("what the file says of ")[2].partition(" is left out here")[0]
+        named = part in listed
+        if result.exit_code == 2 or changed == named or (entry(question, part) == REFUSED) > named:
+            wrong[part] = (result.exit_code, changed, said[:300])
+    assert not wrong, wrong
 
 
 def test_every_part_of_a_campaign_is_computed_told_or_refused(files):

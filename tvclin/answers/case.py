@@ -10,9 +10,9 @@ import numpy as np
 
 from tvclin.answers.nozzle import Nozzle
 from tvclin.base.errors import InputError, instance, one_of, shown
-from tvclin.linear.models import MODELS, usual_model
+from tvclin.linear.models import MODELS, USUAL_MODEL, flexible_model, usual_model
 from tvclin.vehicle.coefficients import BOTH, PLANES
-from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
@@ -89,8 +89,13 @@ class Case:
 
     @property
     def loop_model(self) -> str:
-        """The model that the autopilot controls."""
-        return self.model
+        """The model that the autopilot controls: of a structure "drift-exact" for "drift"."""
+        return flexible_model(self.vehicle, self.model)
+
+    @property
+    def law_model(self) -> str:
+        """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
+        return USUAL_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @cached_property
     def plant(self) -> AnyPlant:
@@ -100,16 +105,17 @@ class Case:
         return plant_of(self.vehicle, self.loop_model, self.plane)
 
     @property
-    def history(self) -> History:
-        """The wind in the plane with its gust; of an ensemble the first."""
-        if isinstance(self.wind, History):
+    def blows(self) -> ShapedWind | WindEnsemble | History:
+        """The wind in the plane, with its gust."""
+        if not isinstance(self.wind, ShapedWind) or self.wind.heading is None:
             return self.wind
-        if isinstance(self.wind, WindEnsemble) or self.wind.heading is None:
-            return self.wind.history({})
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-
         whole = whole_vehicle(self.vehicle, "a wind with a direction")
-        return self.wind.in_plane(self.plane, float(np.asarray(whole.attitude))).history({})
+        return self.wind.in_plane(self.plane, float(np.asarray(whole.attitude)))
+
+    @property
+    def history(self) -> History:
+        """The same as a history; of an ensemble the first."""
+        return self.blows if isinstance(self.blows, History) else self.blows.history({})
 
     @property
     def hardware(self) -> dict[str, Any]:

@@ -10,7 +10,6 @@ import numpy as np
 from tvclin.base.errors import InputError
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.detuning import Detuned, detuned
-from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.laws.attitude import SaturatedLaw
 from tvclin.control.laws.filtered import FilteredLaw
 from tvclin.control.laws.law import Law
@@ -114,8 +113,7 @@ def flexible_answer(
 
 def with_filters(law: Law, asked: AutopilotDesign) -> Law:
     """Return a law with the filters of an autopilot."""
-    chains = {name: getattr(asked, name) for name in CHAINS}
-    return FilteredLaw(law, **chains) if any(chains.values()) else law
+    return FilteredLaw(law, **asked.chains) if any(asked.chains.values()) else law
 
 
 def shift_of(plant: AnyPlant) -> Shift | None:

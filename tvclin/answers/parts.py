@@ -8,9 +8,12 @@ who answers it. Nothing is ignored.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
+from tvclin.answers.case import Case
+from tvclin.answers.nozzle import USUAL_ACTUATOR
 from tvclin.base.errors import one_of
-from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.winds.histories import History
 
 COMPUTED, TOLD, REFUSED = "computed", "told", "refused"
 OPTIONS: dict[str, tuple[str, ...]] = {
@@ -26,12 +29,16 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "delay": ("--delay-ms",),
     "sample rate": ("--sample-rate",),
     "filters": ("--notch-hz", "--low-pass-hz"),
-    "integral gain": ("--integral-gain",),
+    "gains": (
+        *("--design", "--natural-frequency", "--damping"),
+        *("--attitude-gain", "--rate-gain", "--alpha-gain", "--integral-gain"),
+    ),
     "dispersion": ("--disperse",),
     "limit": ("--limit-deg",),
 }
 """The parts of a case, and the options that give each; the sign of a peak makes it a head wind."""
-_LOOP = ("actuator", "rate limit", "delay", "sample rate", "filters", "integral gain")
+_LAW = ("actuator", "delay", "filters")
+_LOOP = (*_LAW, "rate limit", "sample rate", "gains")
 _WIND = ("gust", "head wind", "heading", "measured wind")
 _SEVERAL = ("shape of the stop", "dispersion")
 _REFUSED: dict[str, tuple[str, ...]] = {
@@ -41,14 +48,23 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "optimum": (*(one for one in _LOOP if one != "rate limit"), *_SEVERAL, "limit"),
     "boundary": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
     "poles": (*_LOOP, *_WIND, *_SEVERAL, "limit"),
-    "margins": ("rate limit", *_SEVERAL),
-    "autopilot": ("rate limit", "sample rate", *_SEVERAL),
-    "laws": ("integral gain", *_SEVERAL, "limit"),
+    "margins": _SEVERAL,
+    "autopilot": ("rate limit", *_SEVERAL),
+    "laws": (*_SEVERAL, "limit"),
     "fly": _SEVERAL,
     "size": _LOOP,
     "availability": (*_LOOP, "head wind", "dispersion"),
     "campaign": ("shape of the stop",),
 }
+_ONLY_ASIDE: dict[str, tuple[str, ...]] = {
+    "margins without --flown": ("rate limit", "limit"),
+    "margins without --flown and --box": ("gust", "head wind", "heading"),
+    "laws of a rigid vehicle": _LAW,
+    "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
+    "fly without --law autopilot": ("gains",),
+}
+"""What a question that computes a part leaves out of a file, as it is asked here."""
+_HERE = "these numbers"
 _OF_THE_RIGID: dict[str, str] = {
     "study": "the boundaries",
     "report": "boundaries and sizes on the page",
@@ -56,11 +72,11 @@ _OF_THE_RIGID: dict[str, str] = {
     "campaign": "all but margins and flights",
     **dict.fromkeys(
         ("respond", "optimum", "boundary", "poles", "size", "availability"),
-        "these numbers",
+        _HERE,
     ),
     "explore": "all here, margins too,",
     "margins --box": "the margins in the box",
-    "fly --engine planar": "these numbers",
+    "fly --engine planar": _HERE,
 }
 """What of an answer is of the rigid vehicle, as the residue condition is; so of panel and modes."""
 QUESTIONS = tuple(_REFUSED)
@@ -101,15 +117,62 @@ def refusal(question: str, option: str) -> str | None:
     return None
 
 
-def told(question: str, vehicle: AnyVehicle, plane: str) -> Iterator[str]:
-    """Yield a sentence for each part of a vehicle that a question leaves out."""
-    if vehicle.structure is None or question not in _OF_THE_RIGID:
-        return
-    from tvclin.answers.flexible import shift_words  # late: of flights, which a boundary has not
+def told(case: Case, *questions: str) -> Iterator[str]:
+    """Yield a sentence for what questions leave out of a case that a file gives.
 
-    which, moved = _OF_THE_RIGID[question], shift_words(vehicle, plane)
-    said = f"{which} are of the rigid vehicle, without the structure in its file"
-    yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"
+    A question is one of `QUESTIONS`, or as it is asked with an option or without.
+    """
+    of_the_rigid = [one for one in questions if one in _OF_THE_RIGID]
+    if case.vehicle.structure is not None:
+        for question in of_the_rigid:
+            from tvclin.answers.flexible import shift_words  # late: of flights
+
+            which, moved = _OF_THE_RIGID[question], shift_words(case.vehicle, case.plane)
+            said = f"{which} are of the rigid vehicle, without the structure in its file"
+            yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"
+    flown = case.law_model if "laws" in questions else case.loop_model
+    if flown != case.model and not any(map(wholly_rigid, questions)):
+        drift = case.model == "drift"
+        why = "leaves out the structure" if drift else "has a speed, which laws are not shown"
+        yield f"the model is {flown}: {case.model} {why}"
+    left = {
+        part for one in questions for part in (*_REFUSED.get(one, ()), *_ONLY_ASIDE.get(one, ()))
+    }
+    named = [part for part in _given(case) if part in left]
+    if named:
+        *others, last = named
+        listed = f"{', '.join(others)} and {last}" if others else last
+        yield f"what the file says of {listed} is left out here; tvclin study has it"
+
+
+def wholly_rigid(question: str) -> bool:
+    """Return whether all that a question answers is of the rigid vehicle."""
+    return _OF_THE_RIGID.get(question) == _HERE
+
+
+def _given(case: Case) -> list[str]:
+    """The parts that a case has, but structure and damping."""
+    from tvclin.control.autopilot.rules import AutopilotDesign  # late: of control
+
+    asked, nozzle = case.asked, case.nozzle
+    wind, sizing = case.wind, getattr(case, "sizing", None)
+    dispersions = getattr(case, "dispersions", None)
+    found = {
+        "gust": getattr(wind, "gust", None) is not None,
+        "head wind": getattr(wind, "peak", 0.0) < 0.0,
+        "heading": getattr(wind, "heading", None) is not None,
+        "shape of the stop": nozzle.stop is not None,
+        "measured wind": sizing and sizing.soundings and not isinstance(wind, History),
+        "actuator": nozzle.actuator != USUAL_ACTUATOR,
+        "rate limit": nozzle.rate_limit is not None,
+        "delay": asked.delay > 0.0,
+        "sample rate": asked.sample_rate is not None,
+        "filters": any(asked.chains.values()),
+        "gains": replace(asked.bare, sample_rate=None) != AutopilotDesign(),
+        "dispersion": dispersions is not None and dispersions.each,
+        "limit": nozzle.limit is not None,
+    }
+    return [part for part, there in found.items() if there]
 
 
 def table() -> str:

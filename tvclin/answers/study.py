@@ -189,14 +189,9 @@ class Study:
             another shape, and a dead band out of range.
         """
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
-        if not isinstance(case.wind, ShapedWind):
-            raise InputError(
-                "a study needs a wind of one shape: give shape, peak and duration in [wind]"
-            )
-        one_of("shape of the wind of a study", case.wind.shape, PULSES)
         one_of("switch", switch, SWITCHES)
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
-        model, plane, blows = case.model, case.plane, case.wind
+        model, plane, blows = case.model, case.plane, pulse_of(case)
         coefficients = coefficients_of(case.vehicle, plane)
         single("vehicle", coefficients.batch)
         stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
@@ -331,14 +326,6 @@ class Study:
         free = {name: abs(float(one.deflection)) for name, one in self.forecast_free.items()}
         return {"forecast_free": free, "minimum": self.minima}
 
-    @property
-    def gust_words(self) -> str:
-        """What is to be said of a gust on top of the wind; nothing where there is none."""
-        gust = self.gust
-        if gust is None:
-            return ""
-        return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
-
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         v, slanting, planes = self.vehicle, self.slanting, {}
@@ -389,6 +376,16 @@ class Study:
             word = "sufficient" if self.sufficient else "NOT sufficient"
             rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
         return card(self.vehicle.name or "Study", rows)
+
+
+def pulse_of(case: Case) -> ShapedWind:
+    """Return the wind of a case; `InputError` for one that is not of one shape."""
+    if not isinstance(case.wind, ShapedWind):
+        raise InputError(
+            "a study needs a wind of one shape: give shape, peak and duration in [wind]"
+        )
+    one_of("shape of the wind of a study", case.wind.shape, PULSES)
+    return case.wind
 
 
 def _needed(

@@ -1,5 +1,7 @@
 """`tvclin autopilot`: the deflection that an autopilot needs in a wind, beside trim."""
 
+from dataclasses import replace
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,16 +10,17 @@ import typer
 from tvclin.cli.bands import parts_line
 from tvclin.cli.criteria import CriteriaOptions
 from tvclin.cli.gains import GainOptions, LoopOptions
-from tvclin.cli.inputs import note_left_out, vehicle_of
+from tvclin.cli.inputs import case_of
 from tvclin.cli.least import LeastOptions, draw_front, print_least
-from tvclin.cli.margin_tables import MarginsFound, poles, print_bounds
+from tvclin.cli.margin_tables import MarginsFound, poles, poles_document, print_bounds
 from tvclin.cli.options import (
     AsJson,
-    LinearVehicle,
     Model,
     Plane,
     Plot,
     Rigid,
+    SampleRate,
+    Source,
     grouped,
 )
 from tvclin.cli.output import say
@@ -35,18 +38,19 @@ _SHORTEST, _LONGEST = 0.2, 8.0
 
 @grouped
 def autopilot(
-    vehicle: LinearVehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     blows: WindOptions = WindOptions(),
     limit_deg: Annotated[
         float | None, typer.Option(help="Deflection limit, in deg, to be judged.")
     ] = None,
     gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
+    sample_rate: SampleRate = None,
     criteria: CriteriaOptions = CriteriaOptions(),
     least: LeastOptions = LeastOptions(),
     rigid: Rigid = False,
     model: Model = None,
-    plane: Plane = "pitch",
+    plane: Plane = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -60,20 +64,27 @@ def autopilot(
 
     Exit code 0: the loop is stable, and meets criteria and limit; 1: it does not; 2: bad input.
     """
-    from tvclin.base.errors import positive
+    from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.cli.output import print_json
     from tvclin.control.comparison.trim import compare_with_trim
 
-    loaded = vehicle_of(vehicle, rigid)
-    note_left_out("autopilot", loaded, plane)
-    case = blows.case(vehicle, loaded, model, plane, loop.nozzle(), gains.asked(loop))
-    plant, wind = case.plant, case.history
-    limit = None if limit_deg is None else float(positive("--limit-deg", limit_deg, "deg"))
-    asked = criteria.wanted(loaded)
+    case = case_of(
+        vehicle,
+        *(criteria.over, least.over, gains.over, loop.over),
+        blows=blows.over,
+        told=("autopilot",),
+        rigid=rigid,
+        model=model,
+        plane=plane,
+        limit_deg=limit_deg,
+        sample_rate=sample_rate,
+    )
+    loaded, plant, asked = case.vehicle, case.plant, case.held_to
+    limit = None if case.nozzle.limit is None else degrees(case.nozzle.limit)
     sought = least.found(case, asked)
-    autopilot = case.autopilot if sought is None else sought.autopilot
-    found = compare_with_trim(plant, autopilot, wind)
-    worst = _worst(found, case.wind)
+    autopilot = autopilot_asked(case, case.history, asked) if sought is None else sought.autopilot
+    found = compare_with_trim(plant, autopilot, case.history)
+    worst = _worst(found, case.blows)
     if plot is not None and sought is None:
         _draw(found, plot)
     elif plot is not None:
@@ -82,9 +93,9 @@ def autopilot(
     if sought is not None:
         document["least"] = sought
     if as_json:
-        print_json({"vehicle": loaded.name, "model": plant.model, "plane": plane, **document})
+        print_json({"vehicle": loaded.name, "model": plant.model, "plane": case.plane, **document})
     else:
-        _print(loaded, found, worst, document, wind_words(blows.name, wind), limit)
+        _print(loaded, found, worst, document, wind_words(blows.name(case), case), limit)
         if sought is not None:
             print_least(sought)
     if not document["met"]:
@@ -100,7 +111,7 @@ def _worst(found: "TrimComparison", wind: Any) -> "WorstDuration | None":
         return None
     return worst_duration(
         found.plant,
-        found.autopilot,
+        replace(found.autopilot, sample_rate=None),
         peak=wind.peak,
         shortest=_SHORTEST * wind.duration,
         longest=_LONGEST * wind.duration,
@@ -136,7 +147,7 @@ def _document(
         slope, speed = abs(float(vehicle.normal_force_slope)), float(vehicle.velocity)
     return {
         "autopilot": found.autopilot,
-        "closed_loop_poles": found.autopilot.closed_loop_poles(found.plant).tolist(),
+        **poles_document(found.autopilot, found.plant),
         **picked(
             found,
             "wind_peak_deg=wind.peak stable=margins.stable peak_deflection_deg"
@@ -173,7 +184,7 @@ def _print(
     pairs = shown(found.autopilot.rows())
     if found.plant.structure is not None:
         say(parts_line(found.plant.structure))
-    else:
+    elif found.autopilot.sample_rate is None:
         pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
     print_pairs(title, pairs, columns=1)
     if not found.margins.stable:

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import gust_of, note_source, only_with
+from tvclin.cli.inputs import note_source, only_with
 from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
 from tvclin.cli.output import say
 from tvclin.cli.progress import bar
+from tvclin.cli.wind import gust_of
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.growth import PairGrowth

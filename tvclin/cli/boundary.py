@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import only_with, rigid_vehicle_of
-from tvclin.cli.options import LINEAR_HELP, AsJson, Model, Plot, Wind
+from tvclin.cli.inputs import case_of, chosen, only_with
+from tvclin.cli.options import SOURCE_HELP, AsJson, Model, Plot, Shape
 from tvclin.cli.output import say
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
@@ -15,9 +15,12 @@ DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
 def boundary(
     vehicle: Annotated[
         str | None,
-        typer.Argument(help=f"{LINEAR_HELP} Without one the flight path is held fixed."),
+        typer.Argument(
+            metavar="VEHICLE|STUDY",
+            help=f"{SOURCE_HELP} Without one the flight path is held fixed.",
+        ),
     ] = None,
-    wind: Wind = "triangular",
+    wind: Shape = None,
     tau_beta: Annotated[
         list[float] | None,
         typer.Option(
@@ -39,16 +42,30 @@ def boundary(
     """Print boundary limits y_BR over tau*beta and the dead band, as in figure 2."""
     import numpy as np
 
-    from tvclin.base.errors import positive, within
+    from tvclin.base.errors import one_of, positive, within
+    from tvclin.boundary.limit import boundary_limit
     from tvclin.cli.output import limit_cell, print_json, print_table
+    from tvclin.linear.plant import Plant
     from tvclin.plots import boundary_chart, save_figure
+    from tvclin.vehicle.coefficients import Coefficients
+    from tvclin.winds.shaped import PULSES
 
     if vehicle is None:
         only_with("a vehicle", model=model, plane=plane)
-    plane = plane or "pitch"
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
     K = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
-    name, limits, plant = _limits(vehicle, wind, x, K, model, plane)
+    if vehicle is None:
+        name, plant = "", Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
+        wind, plane = chosen(wind, "triangular"), "pitch"
+    else:
+        case = case_of(vehicle, told=("boundary",), model=model, plane=plane)
+        name, plant = case.vehicle.name or vehicle, case.plant.rigid
+        wind, plane = chosen(wind, case.shape), case.plane
+    shape: Any = PULSES[one_of("--wind", wind, PULSES)]
+    # one unit of peak is enough: the boundary limit does not depend on it
+    limits = boundary_limit(
+        plant, shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole), K
+    )
     shown = None if vehicle is None else plant.coefficients
     axis = "tau*beta" if shown is None else f"tau*{shown.pole_symbol}"
     if plot is not None:
@@ -87,27 +104,3 @@ def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:
             span = f"{odd.min():g} to {odd.max():g}" if odd.size > 1 else f"{odd[0]:g}"
             where.setdefault((said, span), []).append(f"{k:g}")
     return [f"K = {', '.join(k)}, {axis} {span}: {said}" for (said, span), k in where.items()]
-
-
-def _limits(
-    source: str | None, wind: str, x: Any, K: Any, model: str | None, plane: str
-) -> tuple[str, Any, Any]:
-    """One unit of peak is enough: the boundary limit does not depend on it."""
-    from tvclin.base.errors import one_of
-    from tvclin.boundary.limit import boundary_limit
-    from tvclin.linear.models import MODELS
-    from tvclin.linear.plant import Plant
-    from tvclin.vehicle.coefficients import Coefficients
-    from tvclin.winds.shaped import PULSES
-
-    shape: Any = PULSES[one_of("--wind", wind, PULSES)]
-    if model is not None:
-        one_of("--model", model, MODELS)
-    if source is None:
-        plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
-        history = shape(peak=1.0, duration=x[:, None])
-        return "", boundary_limit(plant, history, K), plant
-    vehicle = rigid_vehicle_of(source, plane, "boundary")
-    plant = Plant.from_vehicle(vehicle, model, plane)
-    history = shape(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
-    return vehicle.name or source, boundary_limit(plant, history, K), plant

@@ -28,7 +28,7 @@ Box = Annotated[
 ]
 
 
-def worst_in_box(given: list[str], case: "Case") -> "WorstCase | None":
+def worst_in_box(given: list[str], case: "Case", autopilot: "Autopilot") -> "WorstCase | None":
     """Return the worst case in the box of the options; None without one."""
     if not given:
         return None
@@ -40,8 +40,8 @@ def worst_in_box(given: list[str], case: "Case") -> "WorstCase | None":
     from tvclin.vehicle.linear_vehicle import whole_vehicle
     from tvclin.winds.shaped import ShapedWind
 
-    vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.wind
-    autopilot = replace(case.autopilot, sample_rate=None)
+    vehicle, wind = whole_vehicle(case.vehicle, "--box"), case.blows
+    autopilot = replace(autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
         raise InputError(
             "--box moves peak and duration of a pulse: give no --winds with it; --flown goes"

@@ -73,7 +73,7 @@ def run(
     from tvclin.answers.campaign.file import load_campaign
 
     plan = load_campaign(file)
-    note_left_out("campaign", plan.vehicle, plan.plane)
+    note_left_out(plan, "campaign")
     if until_converged is not None:
         plan = replace(plan, until=until_converged / 100.0)
     with _resumable(folder), _executor(workers, scheduler) as executor, bar("cases") as progress:

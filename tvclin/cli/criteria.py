@@ -1,6 +1,6 @@
 """The options of what margins are held to, and the criteria that they ask for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -8,8 +8,7 @@ import typer
 from tvclin.cli.inputs import only_with
 
 if TYPE_CHECKING:
-    from tvclin.control.margins.criteria import Criteria
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
+    from tvclin.answers.study_file.plan import StudyPlan
 
 MODES = "modes: a vehicle file with [[bending]] or [[slosh]], and no --rigid"
 
@@ -19,8 +18,11 @@ class CriteriaOptions:
     """The options in one place; `grouped` gives them to a command."""
 
     criteria: Annotated[
-        str, typer.Option(help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).")
-    ] = "classic"
+        str | None,
+        typer.Option(
+            help="classic (6 dB, 30 deg) or aircraft (6 dB, 45 deg).", show_default="classic"
+        ),
+    ] = None
     gain_db: Annotated[
         float | None,
         typer.Option(
@@ -42,12 +44,12 @@ class CriteriaOptions:
         typer.Option(help="Required phase margin of each phase-stabilised mode, in deg."),
     ] = None
 
-    def wanted(self, vehicle: "AnyVehicle") -> "Criteria":
-        """Return the named criteria, or with other numbers those of the user."""
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with the named criteria, or with numbers of the user's."""
         from tvclin.base.errors import nonnegative, one_of
         from tvclin.control.margins.criteria import CRITERIA
 
-        if vehicle.structure is None:
+        if plan.vehicle.structure is None:
             only_with(MODES, mode_gain_db=self.mode_gain_db, mode_phase_deg=self.mode_phase_deg)
         limits: dict[str, float] = {}
         for option, names, value, unit in (
@@ -60,5 +62,7 @@ class CriteriaOptions:
             if value is not None:
                 least = float(nonnegative(option, value, unit)) / (1000.0 if unit == "ms" else 1.0)
                 limits |= dict.fromkeys(names, least)
-        named = CRITERIA[one_of("--criteria", self.criteria, CRITERIA)]
-        return named.changed("the command line", **limits)
+        named = plan.held_to
+        if self.criteria is not None:
+            named = CRITERIA[one_of("--criteria", self.criteria, CRITERIA)]
+        return replace(plan, criteria=named.changed("the command line", **limits))

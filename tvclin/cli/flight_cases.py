@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tvclin.answers.case import Case
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.cli.fly_shown import Compared
     from tvclin.control.laws.law import Law
     from tvclin.flights.condition import FlightCondition
@@ -29,7 +29,7 @@ _SMALLEST = 2.5e-7
 class Flying:
     """A case whose wind is one history, what that is called, and the name of the law."""
 
-    case: "Case"
+    case: "StudyPlan"
     shape: str
     law: str
     dead_band: float | None
@@ -41,6 +41,7 @@ class Flying:
 
     def designed(self, plant: "Plant") -> "ReportControl | Law":
         """Return the report's control, or the law with its dead band or the gains of the case."""
+        from tvclin.answers.least_gains.asked import autopilot_asked
         from tvclin.base.errors import InputError, one_of
         from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
         from tvclin.flights.control import ReportControl
@@ -52,7 +53,7 @@ class Flying:
         if self.law == REPORT:
             return ReportControl(**own)
         if self.law == AUTOPILOT:
-            own = {AUTOPILOT: self.case.autopilot}
+            own = {AUTOPILOT: autopilot_asked(self.case, self.wind, self.case.held_to)}
         return design_law(self.law, plant, float(self.wind.peak), **own)
 
 

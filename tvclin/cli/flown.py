@@ -8,6 +8,7 @@ from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
+    from tvclin.control.autopilot.autopilot import Autopilot
     from tvclin.flights.closed_loop.flown_record import FlownMargins
 
 Flown = Annotated[
@@ -18,17 +19,10 @@ Flown = Annotated[
     ),
 ]
 FlownLimitDeg = Annotated[float | None, typer.Option(help="Deflection limit of --flown, in deg.")]
-SampleRate = Annotated[
-    float | None,
-    typer.Option(
-        help="Sample rate of the autopilot, in Hz. Without it the margins are of a continuous"
-        " autopilot, and --flown samples it at 100."
-    ),
-]
 
 
-def flown_of(case: "Case") -> "FlownMargins":
-    """Return the flown margins of a case, in place of its delay a computing delay."""
+def flown_of(case: "Case", autopilot: "Autopilot") -> "FlownMargins":
+    """Return the flown margins of a case and its autopilot, its delay that of a computer."""
     from tvclin.base.errors import InputError
     from tvclin.control.laws.attitude import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
@@ -37,7 +31,7 @@ def flown_of(case: "Case") -> "FlownMargins":
         raise InputError("--flown needs --limit-deg, the deflection limit in deg")
     return flown_margins(
         case.plant,
-        SaturatedLaw.of(case.autopilot),
+        SaturatedLaw.of(autopilot),
         case.history,
         limit=case.nozzle.limit,
         **case.hardware,
@@ -53,7 +47,7 @@ def print_flown(found: "FlownMargins", case: "Case", name: str) -> None:
     from tvclin.flights.closed_loop.flown_record import flown_table
 
     title = (
-        f"In this {wind_words(name, case.history)}, with a stop at"
+        f"In this {wind_words(name, case)}, with a stop at"
         f" {np.degrees(case.nozzle.limit or 0.0):g} deg, {case.hardware['sample_rate']:g} Hz"
     )
     print_tables(flown_table(found, title))

@@ -7,17 +7,19 @@ import typer
 from tvclin.cli.flight_cases import REPORT, Flying, flight_case, fly_nonlinear
 from tvclin.cli.fly_linear import LinearCase, fly_linear
 from tvclin.cli.fly_shown import Shown
-from tvclin.cli.gains import GainOptions, LoopOptions, given
-from tvclin.cli.inputs import note_left_out, only_with, vehicle_of
+from tvclin.cli.gains import GainOptions, LoopOptions
+from tvclin.cli.inputs import case_of, chosen, note_left_out, only_with
 from tvclin.cli.options import (
     AsJson,
     Csv,
     Plane,
     Plot,
     Points,
+    RateLimitDeg,
     Rigid,
+    SampleRate,
+    Source,
     Until,
-    Vehicle,
     grouped,
 )
 from tvclin.cli.progress import waiting
@@ -28,7 +30,7 @@ _LONGEST = 20.0
 
 @grouped
 def fly(
-    vehicle: Vehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     blows: WindOptions = WindOptions(),
     engine: Annotated[
         str | None,
@@ -59,13 +61,8 @@ def fly(
             help="Deflection limit, in deg.", show_default="1.1 times the linear boundary"
         ),
     ] = None,
-    rate_limit_deg: Annotated[
-        float | None, typer.Option(help="Rate limit of the nozzle, in deg/s, of --engine linear.")
-    ] = None,
-    sample_rate: Annotated[
-        float | None,
-        typer.Option(help="Sample rate of the law of --engine linear, in Hz.", show_default="100"),
-    ] = None,
+    rate_limit_deg: RateLimitDeg = None,
+    sample_rate: SampleRate = None,
     gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
@@ -79,7 +76,7 @@ def fly(
         bool,
         typer.Option("--boundary", help="Also find, by flights, the least limit that survives."),
     ] = False,
-    plane: Plane = "pitch",
+    plane: Plane = None,
     until: Until = 2.0,
     points: Points = 401,
     csv: Csv = None,
@@ -93,8 +90,11 @@ def fly(
 
     Exit code 0: survived; 1: not survived; 2: bad input.
     """
+    from dataclasses import replace
+
     import numpy as np
 
+    from tvclin.answers.study_file.read import vehicle_source
     from tvclin.base.errors import one_of, within
     from tvclin.control.laws.registry import AUTOPILOT, LAWS
     from tvclin.flights.condition import load_flight_condition
@@ -106,18 +106,31 @@ def fly(
     one_of("--law", law or REPORT, [REPORT, *LAWS])
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    loaded = whole_vehicle(vehicle_of(vehicle, rigid), "a flight")
+    case = case_of(
+        vehicle,
+        *(gains.over, loop.over),
+        rigid=rigid,
+        plane=plane,
+        limit_deg=limit_deg,
+        rate_limit_deg=rate_limit_deg,
+        sample_rate=sample_rate,
+    )
+    loaded = whole_vehicle(case.vehicle, "a flight")
     linear = engine == "linear" or (
         engine is None and loaded.structure is not None and not along_trajectory
     )
-    chosen = law or (AUTOPILOT if linear else REPORT)
-    only_with(f"--law {AUTOPILOT}", **({} if chosen == AUTOPILOT else given(gains)))
-    nozzle = loop.nozzle(limit_deg, rate_limit_deg)
-    design, in_flight = gains.asked(loop, sample_rate), along_trajectory
-    case = blows.case(vehicle, loaded, None, plane, nozzle, design, in_flight=in_flight)
+    law = law or (AUTOPILOT if linear else REPORT)
+    if law != AUTOPILOT:
+        only_with(f"--law {AUTOPILOT}", **vars(gains))
+    if law == REPORT:
+        dead_band = chosen(dead_band, case.dead_band)
+    aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
+    note_left_out(case, "fly", *aside, *["fly --engine planar"] * (not linear))
+    name = blows.name(case)
+    case = (blows.in_flight if along_trajectory else blows.over)(case, vehicle)
     wind = case.history
     span, shown = (until * float(wind.end - wind.onset), points), Shown(csv, plot, as_json)
-    flying = blows.name, chosen, dead_band
+    flying = name, law, dead_band
     if linear:
         only_with("--engine planar or sixdof", along_trajectory=along_trajectory)
         with waiting("flying"):
@@ -126,14 +139,15 @@ def fly(
     else:
         only_with(
             "--engine linear",
-            **given(loop),
+            **vars(loop),
             rigid=rigid and engine is not None,
             sample_rate=sample_rate,
             rate_limit_deg=rate_limit_deg,
         )
-        note_left_out("fly --engine planar", loaded, plane)
-        condition = load_flight_condition(vehicle) if along_trajectory else None
-        one = flight_case(Flying(case, *flying), engine or "planar", condition, span[0])
+        condition = load_flight_condition(vehicle_source(vehicle)) if along_trajectory else None
+        one = flight_case(
+            Flying(replace(case, model=""), *flying), engine or "planar", condition, span[0]
+        )
         with waiting("flying"):
             found = fly_nonlinear(one, boundary, *span)
     if not found.show(shown):

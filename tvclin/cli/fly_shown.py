@@ -142,5 +142,5 @@ def wind_line(case: Any) -> str:
     """Return the vehicle of a case, and in a second line its wind and law."""
     from tvclin.cli.wind import wind_words
 
-    words = wind_words(case.shape, case.wind)
+    words = wind_words(case.shape, case.case)
     return f"{case.case.vehicle.name or 'Vehicle'}\n{words}, {case.case.plane}, law {case.law}"

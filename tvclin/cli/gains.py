@@ -1,13 +1,15 @@
 """The options that describe an autopilot, and the autopilot that they ask for."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from tvclin.cli.inputs import only_with
+
 if TYPE_CHECKING:
-    from tvclin.answers.nozzle import Nozzle
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.control.autopilot.rules import AutopilotDesign
     from tvclin.vehicle.filters import Filter
 
@@ -43,50 +45,44 @@ class LoopOptions:
         ),
     ] = None
     actuator_hz: Annotated[float | None, typer.Option(help="The same in Hz.")] = None
-    actuator_damping: Annotated[float, typer.Option(help="Damping ratio of the actuator.")] = 0.7
-    delay_ms: Annotated[float, typer.Option(help="Delay between sensors and actuator, in ms.")] = (
-        0.0
-    )
+    actuator_damping: Annotated[
+        float | None, typer.Option(help="Damping ratio of the actuator.", show_default="0.7")
+    ] = None
+    delay_ms: Annotated[
+        float | None,
+        typer.Option(help="Delay between sensors and actuator, in ms.", show_default="0.0"),
+    ] = None
     notch_hz: NotchHz = None
     low_pass_hz: LowPassHz = None
 
-    def design(self, **gains: Any) -> "AutopilotDesign":
-        """Return the design of an autopilot with these gains, and filters and delay about it."""
-        from tvclin.base.errors import nonnegative, number
-        from tvclin.control.autopilot.rules import AutopilotDesign
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with the actuator, the delay and the filters of these options."""
+        from math import pi
 
-        delay = number("--delay-ms", self.delay_ms, nonnegative, "ms") / 1000.0
-        filters = _filters(self.notch_hz or (), self.low_pass_hz or ())
-        return AutopilotDesign(filters=filters, delay=delay, **gains)
-
-    def nozzle(
-        self,
-        limit_deg: float | None = None,
-        rate_limit_deg: float | None = None,
-        actuator: float = 25.1,
-    ) -> "Nozzle":
-        """Return the nozzle, with an actuator of that frequency [rad/s] where none is given."""
-        from math import pi, radians
-
-        from tvclin.answers.nozzle import Nozzle, actuator_of
-        from tvclin.base.errors import InputError, nonnegative, number, positive
-        from tvclin.cli.inputs import limit_of
+        from tvclin.answers.nozzle import USUAL_ACTUATOR
+        from tvclin.base.errors import InputError, nonnegative, number
 
         if self.actuator_frequency is not None and self.actuator_hz is not None:
             raise InputError("give --actuator-frequency or --actuator-hz, not both")
+        servo, frequency = plan.nozzle.actuator, self.actuator_frequency
+        if frequency is not None:
+            number("--actuator-frequency", frequency, nonnegative, "rad/s")
         if self.actuator_hz is not None:
-            actuator = 2.0 * pi * number("--actuator-hz", self.actuator_hz, nonnegative, "Hz")
-        if self.actuator_frequency is not None:
-            name = "--actuator-frequency"
-            actuator = number(name, self.actuator_frequency, nonnegative, "rad/s")
-        rate = rate_limit_deg
-        if rate is not None:
-            rate = radians(number("--rate-limit-deg", rate, positive, "deg/s"))
-        return Nozzle(
-            limit=limit_of(limit_deg),
-            rate_limit=rate,
-            actuator=actuator_of(actuator, self.actuator_damping),
-        )
+            frequency = 2.0 * pi * number("--actuator-hz", self.actuator_hz, nonnegative, "Hz")
+        if frequency is not None:
+            servo = (
+                replace(servo or USUAL_ACTUATOR, natural_frequency=frequency) if frequency else None
+            )
+        if servo is None:
+            only_with("an actuator, --actuator-hz", actuator_damping=self.actuator_damping)
+        elif self.actuator_damping is not None:
+            servo = replace(servo, damping=self.actuator_damping)
+        delay = plan.asked.delay
+        if self.delay_ms is not None:
+            delay = number("--delay-ms", self.delay_ms, nonnegative, "ms") / 1000.0
+        filters = _filters(self.notch_hz or (), self.low_pass_hz or ()) or plan.asked.filters
+        design = replace(plan.asked, delay=delay, filters=filters)
+        return replace(plan, nozzle=replace(plan.nozzle, actuator=servo), design=design)
 
 
 @dataclass(frozen=True)
@@ -96,8 +92,8 @@ class GainOptions:
     design: Annotated[
         str | None,
         typer.Option(
-            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum or"
-            " lqr; for tvclin autopilot also least-nozzle.",
+            help="Rule for the gains: canonical, half-relief, poles, drift-minimum, load-minimum,"
+            " lqr or least-nozzle.",
             show_default="canonical",
         ),
     ] = None
@@ -117,22 +113,31 @@ class GainOptions:
     )
     alpha_gain: Annotated[float | None, typer.Option(help="Gain b0 on the angle of attack.")] = None
     integral_gain: Annotated[
-        float, typer.Option(help="Gain aI on the integrated attitude, in 1/s.")
-    ] = 0.0
+        float | None,
+        typer.Option(help="Gain aI on the integrated attitude, in 1/s.", show_default="0.0"),
+    ] = None
 
-    def asked(self, loop: LoopOptions, sample_rate: float | None = None) -> "AutopilotDesign":
-        """Return the design of the autopilot that the options ask for."""
-        from tvclin.base.errors import number, positive
-
-        if sample_rate is not None:
-            sample_rate = number("--sample-rate", sample_rate, positive, "Hz")
-        return loop.design(**vars(self), sample_rate=sample_rate)
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan with these gains, or with this rule for them."""
+        own = {name: one for name, one in vars(self).items() if one is not None}
+        return replace(plan, design=with_gains(plan.asked, **own)) if own else plan
 
 
-def given(options: Any) -> dict[str, Any]:
-    """Return which of a group of options are not as they stand without being given."""
-    usual = type(options)()
-    return {name: v for name, v in vars(options).items() if v != getattr(usual, name)}
+def with_gains(asked: "AutopilotDesign", **given: float | str | None) -> "AutopilotDesign":
+    """Return a design with gains or a rule that options give.
+
+    Each puts out the other, and a named rule also what another one took.
+    """
+    from tvclin.control.autopilot.rules import BY_POLES, OWN_GAINS, RULE_KEYS
+
+    out: tuple[str, ...] = ()
+    if given.keys() & set(OWN_GAINS):
+        out = RULE_KEYS
+    elif given.keys() & set(RULE_KEYS):
+        other = "design" in given or asked.design not in (None, *BY_POLES)
+        out = (*OWN_GAINS, *(RULE_KEYS if other else ()))
+    changed: Any = dict.fromkeys(out) | given
+    return replace(asked, **changed)
 
 
 def _filters(notches: Sequence[str], passes: Sequence[str]) -> "tuple[Filter, ...]":

@@ -1,13 +1,14 @@
 """What several commands make of their options."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
+    from tvclin.answers.case import Case
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.vehicle.linear_vehicle import AnyVehicle
-    from tvclin.winds.histories import History
-    from tvclin.winds.shaped import ShapedWind
 
 T = TypeVar("T")
 
@@ -30,29 +31,70 @@ def only_with(needed: str, **options: Any) -> None:
         raise InputError(f"{named} {needed}")
 
 
-def vehicle_of(source: str, rigid: bool = False) -> "AnyVehicle":
-    """Return a vehicle, rigid if that is asked for, and say on stderr what in it is odd."""
-    from tvclin.base.errors import InputError
-    from tvclin.base.files import called, tables_of
-    from tvclin.vehicle.file import vehicle_text
-    from tvclin.vehicle.linear_vehicle import load_any_vehicle
+def case_of(
+    source: str,
+    *changes: "Callable[[StudyPlan], StudyPlan]",
+    blows: "Callable[[StudyPlan, str], StudyPlan] | None" = None,
+    told: tuple[str, ...] = (),
+    rigid: bool = False,
+    model: str | None = None,
+    plane: str | None = None,
+    limit_deg: float | None = None,
+    rate_limit_deg: float | None = None,
+    sample_rate: float | None = None,
+    stop: str | None = None,
+) -> "StudyPlan":
+    """Return the case that a study file or a vehicle asks for, with options in its place.
 
-    text, name = vehicle_text(source)
-    if {"study", "campaign"} & tables_of(text, name).keys():
-        raise InputError(
-            f"{called(name)} is a study file, for tvclin study, size, report and campaign; name"
-            " its vehicle here"
-        )
-    found = load_any_vehicle(source)
-    note_doubts(found)
-    return found.rigid if rigid else found
+    Groups of options are changes, as `GainOptions.over`; `PulseOptions.over` has the wind. What
+    questions leave out of the case is told on stderr, and so is what is odd in the vehicle; a
+    question that is wholly of the rigid vehicle is given that.
+    """
+    from dataclasses import replace
+    from math import radians
+
+    from tvclin.answers.parts import wholly_rigid
+    from tvclin.answers.study_file.read import load_study
+    from tvclin.base.errors import number, positive
+
+    plan = load_study(source)
+    if "study" not in told:  # which has them among its own notes
+        note_doubts(plan.vehicle)
+    if rigid:
+        plan = without_structure(plan)
+    rate = rate_limit_deg
+    if rate is not None:
+        rate = radians(number("--rate-limit-deg", rate, positive, "deg/s"))
+    if sample_rate is not None:
+        sample_rate = number("--sample-rate", sample_rate, positive, "Hz")
+        plan = replace(plan, design=replace(plan.asked, sample_rate=sample_rate))
+    nozzle = plan.nozzle
+    plan = replace(
+        plan,
+        model=chosen(model, plan.model),
+        plane=chosen(plane, plan.plane),
+        nozzle=replace(
+            nozzle,
+            limit=chosen(radians_of("--limit-deg", limit_deg), nozzle.limit),
+            rate_limit=chosen(rate, nozzle.rate_limit),
+            stop=chosen(stop, nozzle.stop),
+        ),
+    )
+    for change in changes:
+        plan = change(plan)
+    if blows is not None:
+        plan = blows(plan, source)
+    if told:
+        note_left_out(plan, *told)
+    return without_structure(plan) if any(map(wholly_rigid, told)) else plan
 
 
-def rigid_vehicle_of(source: str, plane: str, question: str) -> "AnyVehicle":
-    """Return a vehicle for a question that knows it as rigid, and say so if its file knows more."""
-    found = vehicle_of(source)
-    note_left_out(question, found, plane)
-    return found.rigid
+def without_structure(plan: "StudyPlan") -> "StudyPlan":
+    """Return a case of the rigid vehicle, of which nothing is asked of modes."""
+    from dataclasses import replace
+
+    asked = plan.criteria and plan.criteria.without_modes
+    return replace(plan, vehicle=plan.vehicle.rigid, criteria=asked)
 
 
 def note_doubts(vehicle: "AnyVehicle") -> None:
@@ -64,126 +106,32 @@ def note_doubts(vehicle: "AnyVehicle") -> None:
         say(f"Note: {doubt}.", err=True)
 
 
-def note_left_out(question: str, vehicle: "AnyVehicle", plane: str) -> None:
-    """Say on stderr what a question leaves out of a vehicle, see `parts.told`."""
-    if vehicle.structure is None:
-        return
+def note_left_out(case: "Case", *questions: str) -> None:
+    """Say on stderr what questions leave out of a case, see `parts.told`."""
     from tvclin.answers.parts import told
 
-    for sentence in told(question, vehicle, plane):
+    for sentence in told(case, *questions):
         say(f"Note: {sentence}.", err=True)
 
 
 def note_source(source: str, question: str) -> None:
     """Say the same of a study file or a vehicle file; nothing of a flight without a vehicle."""
-    from tvclin.answers.study_file.read import load_study
     from tvclin.base.files import tables_of
     from tvclin.vehicle.file import vehicle_text
 
     if source.lower().endswith(".csv"):
         return
     if {"vehicle", "study", "campaign"} & tables_of(*vehicle_text(source)).keys():
-        plan = load_study(source)
-        note_doubts(plan.vehicle)
-        note_left_out(question, plan.vehicle, plan.plane)
+        case_of(source, told=(question,))
 
 
-def peak_angle(
-    vehicle: "AnyVehicle",
-    plane: str,
-    peak_deg: float | None,
-    peak_speed: float | None,
-    heading: float | None = None,
-) -> float:
-    """Return the peak wind angle of attack [rad] that was asked for; 5 degrees if none was.
-
-    With a heading [rad] it is the size of the vector of both planes.
-    """
-    import numpy as np
-
-    from tvclin.base.errors import InputError
-    from tvclin.vehicle.linear_vehicle import whole_vehicle
-    from tvclin.winds.speed import angle_in_plane, angles_from_speed
-
-    if peak_speed is None:
-        return float(np.radians(5.0 if peak_deg is None else peak_deg))
-    if peak_deg is not None:
-        raise InputError("give --peak-deg or --peak-speed, not both")
-    vehicle = whole_vehicle(vehicle, "--peak-speed")
-    if heading is not None:
-        at = float(np.asarray(vehicle.velocity)), float(np.asarray(vehicle.attitude))
-        return float(np.hypot(*angles_from_speed(peak_speed, *at, heading)))
-    return float(angle_in_plane(peak_speed, vehicle.velocity, vehicle.attitude, plane))
-
-
-def heading_given(wind_direction_deg: float | None, azimuth_deg: float | None) -> float | None:
-    """Return the heading of the wind [rad] that options give; None without --wind-direction-deg."""
-    if wind_direction_deg is azimuth_deg is None:
-        return None
-    import numpy as np
-
-    from tvclin.base.errors import number
-    from tvclin.winds.file import heading_of
-
-    names = ("--wind-direction-deg", "--azimuth-deg")
-    direction, azimuth = (
-        None if value is None else float(np.radians(number(name, value)))
-        for name, value in zip(names, (wind_direction_deg, azimuth_deg), strict=True)
-    )
-    return heading_of(direction, azimuth, names)
-
-
-def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":
-    """Return the 1 - cosine gust of a peak [deg] and a duration [s] that peaks at a time [s]."""
-    import numpy as np
-
-    from tvclin.base.errors import nonzero, number, positive
-    from tvclin.winds.gusts import OneMinusCosineGust
-
-    if given is None:
-        return None
-    peak, duration = number("--gust", given[0], nonzero), number("--gust", given[1], positive)
-    found = OneMinusCosineGust(peak=np.radians(peak), duration=duration)
-    return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
-
-
-def wind_with(
-    wind: "ShapedWind",
-    shape: str | None,
-    duration: float | None,
-    peak: float | None,
-    heading: float | None,
-    gust: tuple[float, float] | None,
-    gust_at: float | None = None,
-) -> "ShapedWind":
-    """Return a wind with what options say in its place; a gust peaks in its middle without a time.
-
-    Peak and heading are in rad.
-    """
-    from dataclasses import replace
-
-    if gust is None:
-        only_with("--gust", gust_at=gust_at)
-    lasts = chosen(duration, wind.duration)
-    return replace(
-        wind,
-        shape=chosen(shape, wind.shape),
-        duration=lasts,
-        peak=chosen(peak, wind.peak),
-        heading=chosen(heading, wind.heading),
-        gust=chosen(gust_of(gust, chosen(gust_at, 0.5 * lasts)), wind.gust),
-    )
-
-
-def limit_of(limit_deg: float | None) -> float | None:
-    """Return the deflection limit [rad] of --limit-deg; None without it."""
-    import numpy as np
+def radians_of(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
+    """Return the angle [rad] of an option, at least so many degrees; None without it."""
+    from math import radians
 
     from tvclin.base.errors import within
 
-    if limit_deg is None:
-        return None
-    return float(np.radians(within("--limit-deg", limit_deg, 1e-6, 90.0)))
+    return None if degrees is None else radians(within(name, degrees, lowest, 90.0))
 
 
 def chosen(option: "T | None", otherwise: "T") -> "T":

@@ -1,20 +1,23 @@
 """`tvclin laws`: what each control law needs in the standard winds, from trim to the minimum."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tvclin.cli.bands import parts_line
-from tvclin.cli.gains import LoopOptions
-from tvclin.cli.inputs import only_with, vehicle_of
+from tvclin.cli.gains import GainOptions, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
     MODEL_DEFAULT,
     MODELS_HELP,
     AsJson,
-    LinearVehicle,
     Plane,
     Plot,
+    RateLimitDeg,
     Rigid,
+    SampleRate,
+    Source,
     grouped,
 )
 from tvclin.cli.output import say
@@ -22,15 +25,15 @@ from tvclin.cli.progress import bar, share
 from tvclin.cli.wind import BlowingOptions
 
 if TYPE_CHECKING:
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.answers.trials import LawTrial
     from tvclin.linear.plant import Plant
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
     from tvclin.winds.histories import History
 
 
 @grouped
 def laws(
-    vehicle: LinearVehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     blows: BlowingOptions = BlowingOptions(),
     wind: Annotated[
         list[str] | None,
@@ -42,10 +45,8 @@ def laws(
         ),
     ] = None,
     cuts: Annotated[int, typer.Option(help="Also fly each wind cut off at so many instants.")] = 0,
-    sample_rate: Annotated[float, typer.Option(help="Sample rate of the law, in Hz.")] = 100.0,
-    rate_limit_deg: Annotated[
-        float | None, typer.Option(help="Rate limit of the nozzle, in deg/s.")
-    ] = None,
+    sample_rate: SampleRate = None,
+    rate_limit_deg: RateLimitDeg = None,
     model: Annotated[
         str | None,
         typer.Option(
@@ -53,7 +54,8 @@ def laws(
             show_default=MODEL_DEFAULT,
         ),
     ] = None,
-    plane: Plane = "pitch",
+    plane: Plane = None,
+    gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
     rigid: Rigid = False,
     as_json: AsJson = False,
@@ -65,46 +67,57 @@ def laws(
     with bending, slosh, engine inertia or sensor lags makes a flexible vehicle, which flies with an
     actuator; a rigid one does where an actuator is given. --rigid leaves all that out.
 
-    A gust blows on top of each wind; a sounding, --winds, in place of them all.
+    A gust blows on top of each wind; a sounding, --winds, in place of them all. Gains are those of
+    the law autopilot.
 
     Exit code 0: answered; 2: bad input.
     """
     import numpy as np
 
-    from tvclin.answers.case import Case
     from tvclin.answers.flexible import with_filters
+    from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.answers.trials import law_trials, standard_laws
     from tvclin.base.errors import one_of, within
     from tvclin.cli.output import print_json
+    from tvclin.linear.flexible import plant_of
 
-    loaded = vehicle_of(vehicle, rigid)
-    flexible, rate = loaded.structure is not None, rate_limit_deg
     if plot is not None:
         only_with("no --plot: that is drawn of pulses alone", gust=blows.gust, winds=blows.winds)
-    case = Case(
-        vehicle=loaded,
-        model=model or "",
-        plane=plane,
-        nozzle=loop.nozzle(None, rate) if flexible else loop.nozzle(None, rate, actuator=0.0),
-        design=loop.design(sample_rate=sample_rate),
-    )
-    flying, plant = case.plant, case.plant.rigid
-    peak, duration, every = _winds(blows, wind, vehicle, loaded, plane)
     within("--cuts", cuts, 0, 1000)
-    chosen = standard_laws(plant, peak)
-    chosen = {name: with_filters(law, case.asked) for name, law in chosen.items()}
-    winds = {name: every[one_of("--wind", name, every)] for name in wind or every}
+    case = case_of(
+        vehicle,
+        *(_beside_boundaries, gains.over, loop.over),
+        blows=blows.over,
+        told=("laws",),
+        rigid=rigid,
+        model=model,
+        plane=plane,
+        rate_limit_deg=rate_limit_deg,
+        sample_rate=sample_rate,
+    )
+    asked, hardware = case.laws, case.hardware
+    if asked is not None and sample_rate is None:
+        hardware["sample_rate"] = asked.sample_rate
+    loaded, flying = case.vehicle, plant_of(case.vehicle, case.law_model, case.plane)
+    plant, rate = flying.rigid, hardware["sample_rate"]
+    peak, duration, every = _winds(blows, wind, case)
+    autopilot = autopilot_asked(case, case.history, case.held_to)
+    chosen = {
+        name: with_filters(law, case.asked)
+        for name, law in standard_laws(plant, peak, autopilot).items()
+        if asked is None or name in asked.names
+    }
+    named = wind or (asked.winds if asked is not None and blows.winds is None else every)
+    winds = {name: every[one_of("--wind", name, every)] for name in named}
     found: list[LawTrial] = []
     with bar("flights") as progress:
         for k, (name, law) in enumerate(chosen.items()):
             told = share(progress, k, len(chosen))
-            found += law_trials(
-                flying, {name: law}, winds, cuts=cuts, progress=told, **case.hardware
-            )
+            found += law_trials(flying, {name: law}, winds, cuts=cuts, progress=told, **hardware)
     if plot is not None:
         from tvclin.plots import laws_chart, save_figure
 
-        save_figure(laws_chart(flying, chosen, peak, **case.hardware), plot)
+        save_figure(laws_chart(flying, chosen, peak, **hardware), plot)
     limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
     trims = {
         name: abs(float(np.degrees(plant.coefficients.B * history.peak)))
@@ -114,12 +127,12 @@ def laws(
         head = {
             "vehicle": loaded.name,
             "model": plant.model,
-            "plane": plane,
+            "plane": case.plane,
             "peak_deg": np.degrees(peak),
             "duration_s": duration,
-            "flexible": flexible,
+            "flexible": flying.structure is not None,
             "cuts": cuts,
-            "sample_rate_Hz": sample_rate,
+            "sample_rate_Hz": rate,
             "trim_deflection_deg": max(trims.values()),
         }
         trials = [{**vars(one), "limit_deg": trims[one.wind] * one.limit} for one in found]
@@ -127,7 +140,7 @@ def laws(
     else:
         if flying.structure is not None:
             say(parts_line(flying.structure))
-            say(f"law at {sample_rate:g} Hz, delay {loop.delay_ms:g} ms")
+            say(f"law at {rate:g} Hz, delay {1000.0 * case.asked.delay:g} ms")
         wind_words = f"winds of {abs(float(np.degrees(peak))):.4g} deg and {duration:g} s"
         servo = case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
@@ -135,21 +148,27 @@ def laws(
         _print(found, limits, list(chosen), trims)
 
 
+def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
+    """Return the case of a file as laws fly it beside boundaries, which have no actuator."""
+    if plan.vehicle.structure is not None:
+        return plan
+    note_left_out(plan, "laws of a rigid vehicle")
+    design = plan.design and plan.design.bare
+    return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
+
+
 def _winds(
-    blows: BlowingOptions,
-    names: list[str] | None,
-    source: str,
-    vehicle: "AnyVehicle",
-    plane: str,
+    blows: BlowingOptions, names: list[str] | None, case: "StudyPlan"
 ) -> "tuple[float, float, dict[str, History]]":
     """Peak [rad] and duration [s] for which laws are designed, and the winds by name."""
     from tvclin.answers.trials import standard_winds
+    from tvclin.winds.shaped import ShapedWind
 
-    if blows.winds is not None:
+    pulse = case.blows
+    if not isinstance(pulse, ShapedWind):
         only_with("the standard winds in place of --winds", wind=names)
-        met = blows.sounding(source, vehicle, plane)
-        return float(met.peak), float(met.end - met.onset), {blows.winds.name: met}
-    pulse = blows.pulse(vehicle, plane)
+        met = case.history
+        return float(met.peak), float(met.end - met.onset), {blows.name(case): met}
     every = standard_winds(pulse.peak, pulse.duration)
     if pulse.gust is not None:
         every = {name: one + pulse.gust for name, one in every.items()}

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.gains import given
-from tvclin.cli.inputs import only_with
+from tvclin.cli.gains import with_gains
+from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
     from tvclin.answers.least_gains.record import LeastGains
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.control.margins.criteria import Criteria
 
 _DURATIONS = (1.0, 0.5, 2.0)
@@ -46,11 +47,23 @@ class LeastOptions:
         ),
     ] = False
     stops: Annotated[
-        int,
+        int | None,
         typer.Option(
-            help="With --least --limits: number of sudden ends of each wind to survive as well."
+            help="With --least --limits: number of sudden ends of each wind to survive as well.",
+            show_default="0",
         ),
-    ] = 0
+    ] = None
+
+    def over(self, plan: "StudyPlan") -> "StudyPlan":
+        """Return a plan of these gains, where they are asked for."""
+        from tvclin.control.autopilot.rules import LEAST_NOZZLE
+
+        if not self.least:
+            only_with("--least", **vars(self))
+            return plan
+        crossover = chosen(self.crossover, plan.asked.crossover)
+        design = with_gains(plan.asked, design=LEAST_NOZZLE, crossover=crossover)
+        return replace(plan, design=design)
 
     def found(self, case: "Case", criteria: "Criteria") -> "LeastGains | None":
         """Return the gains for the least nozzle where they are asked for."""
@@ -59,12 +72,11 @@ class LeastOptions:
         from tvclin.control.autopilot.rules import LEAST_NOZZLE
         from tvclin.winds.shaped import ShapedWind
 
-        asked, wind = case.asked, case.wind
-        if not self.least and asked.design != LEAST_NOZZLE:
-            only_with("--least", **given(self))
+        asked, wind = case.asked, case.blows
+        if not self.least:
             return None
-        if asked.design not in (None, LEAST_NOZZLE):
-            raise InputError(f"give --least or --design {asked.design}, not both")
+        if asked.design != LEAST_NOZZLE:
+            raise InputError("give --least, or gains and a rule for them, not both")
         if not isinstance(wind, ShapedWind):
             raise InputError(
                 "gains for the least nozzle are sought in pulses of three durations: give no"
@@ -72,12 +84,12 @@ class LeastOptions:
             )
         winds = [wind.history({"wind_duration": part * wind.duration}) for part in _DURATIONS]
         return least_asked(
-            replace(case, design=replace(asked, design=LEAST_NOZZLE, crossover=self.crossover)),
+            case,
             winds,
             criteria,
             gains=("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate"),
             limits=self.limits,
-            stops=self.stops,
+            stops=self.stops or 0,
         )
 
 

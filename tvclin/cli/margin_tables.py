@@ -122,7 +122,7 @@ def margins_document(found: MarginsFound) -> dict[str, Any]:
     return {
         "flexible": found.bands is not None,
         "autopilot": autopilot,
-        **_poles_document(autopilot, found.plant),
+        **poles_document(autopilot, found.plant),
         "stable": whole.stable,
         "status": whole.status,
         "reason": whole.reason or None,
@@ -134,7 +134,7 @@ def margins_document(found: MarginsFound) -> dict[str, Any]:
     }
 
 
-def _poles_document(autopilot: "Autopilot", plant: "AnyPlant") -> dict[str, Any]:
+def poles_document(autopilot: "Autopilot", plant: "AnyPlant") -> dict[str, Any]:
     """Return the closed-loop poles: s [1/s], or z of a sampled autopilot."""
     from tvclin.control.margins.sampled_loop import SampledLoop
 

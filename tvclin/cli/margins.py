@@ -9,16 +9,18 @@ import typer
 from tvclin.cli.box import Box, met_in_box, print_worst, worst_in_box
 from tvclin.cli.criteria import MODES, CriteriaOptions
 from tvclin.cli.detuned import IsDetuned, detuned_of, print_detuned
-from tvclin.cli.flown import Flown, FlownLimitDeg, SampleRate, flown_of, print_flown
-from tvclin.cli.gains import GainOptions, LoopOptions, given
-from tvclin.cli.inputs import note_left_out, only_with, vehicle_of
+from tvclin.cli.flown import Flown, FlownLimitDeg, flown_of, print_flown
+from tvclin.cli.gains import GainOptions, LoopOptions
+from tvclin.cli.inputs import case_of, note_left_out, only_with
 from tvclin.cli.options import (
     AsJson,
-    LinearVehicle,
     Model,
     Plane,
     Plot,
+    RateLimitDeg,
     Rigid,
+    SampleRate,
+    Source,
     grouped,
 )
 from tvclin.cli.wind import WindOptions
@@ -32,7 +34,7 @@ _CHARTS = ("nichols", "bode", "nyquist", "root-locus")
 
 @grouped
 def margins(
-    vehicle: LinearVehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     gains: GainOptions = GainOptions(),
     loop: LoopOptions = LoopOptions(),
     criteria: CriteriaOptions = CriteriaOptions(),
@@ -40,12 +42,13 @@ def margins(
     detuned: IsDetuned = False,
     box: Box = None,
     model: Model = None,
-    plane: Plane = "pitch",
+    plane: Plane = None,
     chart: Annotated[
         str, typer.Option(help="What --plot draws: nichols, bode, nyquist or root-locus.")
     ] = "nichols",
     flown: Flown = False,
     limit_deg: FlownLimitDeg = None,
+    rate_limit_deg: RateLimitDeg = None,
     blows: WindOptions = WindOptions(),
     sample_rate: SampleRate = None,
     as_json: AsJson = False,
@@ -65,43 +68,57 @@ def margins(
 
     Exit code 0: the criteria are met; 1: they are not, or the loop is unstable; 2: bad input.
     """
+    from tvclin.answers.least_gains.asked import autopilot_asked
     from tvclin.base.errors import one_of
     from tvclin.cli.margin_tables import MarginsFound, margins_document, print_margins
     from tvclin.cli.output import print_json, say
+    from tvclin.control.autopilot.rules import LEAST_NOZZLE
 
     one_of("--chart", chart, _CHARTS)
-    loaded = vehicle_of(vehicle, rigid)
-    asked = criteria.wanted(loaded)
-    design = gains.asked(loop, sample_rate)
-    case = blows.case(vehicle, loaded, model, plane, loop.nozzle(limit_deg), design)
-    autopilot, plant = case.autopilot, case.plant
+    case = case_of(
+        vehicle,
+        *(criteria.over, gains.over, loop.over),
+        blows=blows.over,
+        rigid=rigid,
+        model=model,
+        plane=plane,
+        limit_deg=limit_deg,
+        rate_limit_deg=rate_limit_deg,
+        sample_rate=sample_rate,
+    )
+    loaded, plant, asked, name = case.vehicle, case.plant, case.held_to, blows.name(case)
+    sought = case.asked.design == LEAST_NOZZLE
     only_with(MODES, detuned=detuned and loaded.structure is None)
-    only_with("--flown", limit_deg=None if flown else limit_deg)
-    only_with("--flown or --box", **({} if flown or box else given(blows)))
+    if not flown:
+        only_with("--flown", limit_deg=limit_deg, rate_limit_deg=rate_limit_deg)
+    if not (flown or box or sought):
+        only_with("--flown or --box", **vars(blows))
+    aside = ["margins --box"] * bool(box) + ["margins without --flown"] * (not flown)
+    aside += ["margins without --flown and --box"] * (not (flown or box or sought))
+    note_left_out(case, "margins", *aside)
+    autopilot = autopilot_asked(case, case.history, asked)
     found = MarginsFound.of(autopilot, plant, asked)
     moved = detuned_of(found) if detuned else None
-    in_wind = flown_of(case) if flown and found.whole.stable else None
-    in_box = worst_in_box(box or [], case)
+    in_wind = flown_of(case, autopilot) if flown and found.whole.stable else None
+    in_box = worst_in_box(box or [], case, autopilot)
     in_all = asked.without_modes or asked  # the box is of the rigid vehicle
-    if in_box is not None:
-        note_left_out("margins --box", loaded, plane)
-        if sample_rate is not None:
-            say("Note: the margins in the box are of the continuous autopilot.", err=True)
+    if in_box is not None and autopilot.sample_rate is not None:
+        say("Note: the margins in the box are of the continuous autopilot.", err=True)
     if plot is not None:
         _draw(chart, autopilot, plant, asked, plot)
     if as_json:
-        head = {"vehicle": loaded.name, "model": plant.model, "plane": plane}
-        wind = {"name": blows.name, "peak_deg": math.degrees(case.history.peak)}
+        head = {"vehicle": loaded.name, "model": plant.model, "plane": case.plane}
+        wind = {"name": name, "peak_deg": math.degrees(case.history.peak)}
         met = None if in_box is None else in_box.as_dict() | {"met": met_in_box(in_box, in_all)}
         beside = {"wind": in_wind and wind, "detuned": moved, "flown": in_wind, "box": met}
         more = {name: one for name, one in beside.items() if one is not None}
         print_json(head | margins_document(found) | more)
     else:
-        print_margins(f"{loaded.name or vehicle}, {plant.model}, {plane}", found)
+        print_margins(f"{loaded.name or vehicle}, {plant.model}, {case.plane}", found)
         if moved is not None:
             print_detuned(moved)
         if in_wind is not None:
-            print_flown(in_wind, case, blows.name)
+            print_flown(in_wind, case, name)
         if in_box is not None:
             print_worst(in_box, in_all)
     if not (found.met and (in_box is None or met_in_box(in_box, in_all))):

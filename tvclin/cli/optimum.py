@@ -5,14 +5,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import rigid_vehicle_of
+from tvclin.cli.inputs import case_of
 from tvclin.cli.options import (
     AsJson,
     Csv,
-    LinearVehicle,
     Model,
     Plane,
     Plot,
+    RateLimitDeg,
+    Source,
     grouped,
 )
 from tvclin.cli.output import say
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 @grouped
 def optimum(
-    vehicle: LinearVehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     blows: WindOptions = WindOptions(),
     start: Annotated[
         float | None,
@@ -37,11 +38,9 @@ def optimum(
     horizon: Annotated[
         float | None, typer.Option(help="Time after which the deflection must be zero again, in s.")
     ] = None,
-    rate_limit_deg: Annotated[
-        float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")
-    ] = None,
+    rate_limit_deg: RateLimitDeg = None,
     model: Model = None,
-    plane: Plane = "pitch",
+    plane: Plane = None,
     csv: Csv = None,
     as_json: AsJson = False,
     plot: Plot = None,
@@ -50,30 +49,33 @@ def optimum(
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
-    import numpy as np
-
-    from tvclin.base.errors import positive
     from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
     from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
     from tvclin.cli.output import print_json
 
-    loaded = rigid_vehicle_of(vehicle, plane, "optimum")
-    case = blows.case(vehicle, loaded, model, plane)
+    case = case_of(
+        vehicle,
+        blows=blows.over,
+        told=("optimum",),
+        model=model,
+        plane=plane,
+        rate_limit_deg=rate_limit_deg,
+    )
     history, plant = case.history, case.plant.rigid
     start = float(history.onset) if start is None else start
     best = optimum_deflection(plant, history, start, horizon)
     limited = None
-    if rate_limit_deg is not None:
-        rate = float(np.radians(positive("--rate-limit-deg", rate_limit_deg, "deg/s")))
-        limited = optimum_with_rate_limit(plant, history, rate, start, horizon)
+    if case.nozzle.rate_limit is not None:
+        limited = optimum_with_rate_limit(plant, history, case.nozzle.rate_limit, start, horizon)
     shown = best.deflection if limited is None else limited.deflection
-    title = f"{loaded.name or vehicle}, {plant.model}: {wind_words(blows.name, history)}"
+    name = blows.name(case)
+    title = f"{case.vehicle.name or vehicle}, {plant.model}: {wind_words(name, case)}"
     if csv is not None or plot is not None:
         _write(plant, shown, history, title, csv, plot)
-    document = {"plane": plane, **_document(plant, history, best, limited)}
+    document = {"plane": case.plane, **_document(plant, history, best, limited)}
     if as_json:
-        wind = {"name": blows.name, **document.pop("wind")}
-        print_json({"vehicle": loaded.name, "model": plant.model, "wind": wind, **document})
+        wind = {"name": name, **document.pop("wind")}
+        print_json({"vehicle": case.vehicle.name, "model": plant.model, "wind": wind, **document})
     else:
         _print(title, document)
     if best.status == NOT_CONVERGED:

@@ -12,20 +12,20 @@ import typer
 MODELS_HELP = "fixed-path, drift, drift-exact or drift-and-speed."
 MODEL_DEFAULT = "drift-exact; fixed-path where no more than mu_alpha and mu_delta is known"
 VEHICLE_HELP = "A vehicle of the package (see: tvclin vehicles) or a TOML file."
-LINEAR_HELP = f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone."
+SOURCE_HELP = (
+    f"{VEHICLE_HELP[:-1]}, which may hold a table of coefficients alone, or a study file (see:"
+    " tvclin init --study), over which options count."
+)
 
-Vehicle = Annotated[str, typer.Argument(help=VEHICLE_HELP)]
-LinearVehicle = Annotated[str, typer.Argument(metavar="VEHICLE", help=LINEAR_HELP)]
-Wind = Annotated[str, typer.Option(help="Shape of the wind: triangular or rectangular.")]
+Source = Annotated[str, typer.Argument(metavar="VEHICLE|STUDY", help=SOURCE_HELP)]
 PeakDeg = Annotated[
     float | None, typer.Option(help="Peak wind angle of attack, in deg.", show_default="5")
 ]
 PeakSpeed = Annotated[
     float | None, typer.Option(help="Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e).")
 ]
-Plane = Annotated[str, typer.Option(help="Plane of the motion: pitch or yaw.")]
 LimitDeg = Annotated[float | None, typer.Option(help="Deflection limit, in deg: is it sufficient?")]
-OtherPlane = Annotated[
+Plane = Annotated[
     str | None, typer.Option(help="Plane of the motion: pitch or yaw.", show_default="pitch")
 ]
 Planes = Annotated[
@@ -51,6 +51,18 @@ Model = Annotated[
 TIME_HELP = "as in '2024-02-15 12' (UTC). Without it: the first."
 Until = Annotated[float, typer.Option(help="Length of the time shown, in durations of the wind.")]
 Points = Annotated[int, typer.Option(help="Number of times in the CSV and the figure.")]
+Shape = Annotated[
+    str | None,
+    typer.Option(help="Shape of the wind: triangular or rectangular.", show_default="triangular"),
+]
+RateLimitDeg = Annotated[float | None, typer.Option(help="Limit of the deflection rate, in deg/s.")]
+SampleRate = Annotated[
+    float | None,
+    typer.Option(
+        help="Sample rate of the autopilot or law, in Hz. Without it margins are of a continuous"
+        " one, and flights sample it at 100."
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Csv = Annotated[Path | None, typer.Option(help="Also write what --plot draws into this CSV file.")]
 Plot = Annotated[

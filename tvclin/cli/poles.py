@@ -4,20 +4,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.inputs import rigid_vehicle_of
-from tvclin.cli.options import AsJson, LinearVehicle, Plane, Plot
+from tvclin.cli.inputs import case_of
+from tvclin.cli.options import AsJson, Plane, Plot, Source
 
 if TYPE_CHECKING:
     from tvclin.linear.plant import Plant
 
 
 def poles(
-    vehicle: LinearVehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     model: Annotated[
         str,
         typer.Option(help="fixed-path, drift, drift-exact, drift-and-speed, or all."),
     ] = "all",
-    plane: Plane = "pitch",
+    plane: Plane = None,
     as_json: AsJson = False,
     plot: Plot = None,
 ) -> None:
@@ -28,7 +28,8 @@ def poles(
     from tvclin.linear.plant import Plant
 
     one_of("model", model, [*MODELS, "all"])
-    loaded = rigid_vehicle_of(vehicle, plane, "poles")
+    case = case_of(vehicle, told=("poles",), plane=plane)
+    loaded, plane = case.vehicle, case.plane
     models = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in models}
     found = {name: _poles(plant) for name, plant in plants.items()}

@@ -54,6 +54,6 @@ def report(
     say(f"Wrote {called(output)}: {said[sufficient(findings[0])]}.")
     for doubt in doubts:
         say(f"Note: {doubt}.")
-    note_left_out("report", plan.vehicle, plan.plane)
+    note_left_out(plan, "report")
     if not all_yes(findings[0]):
         raise typer.Exit(1)

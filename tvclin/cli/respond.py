@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tvclin.cli.held import Held, held
-from tvclin.cli.inputs import limit_of, rigid_vehicle_of
+from tvclin.cli.inputs import case_of, chosen
 from tvclin.cli.options import (
     AsJson,
     Csv,
-    LinearVehicle,
     Model,
     Plane,
     Plot,
     Points,
+    Source,
     Until,
     grouped,
 )
@@ -33,11 +33,14 @@ _LONGEST = 1000.0
 
 @grouped
 def respond(
-    vehicle: LinearVehicle = "configuration-i",
+    vehicle: Source = "configuration-i",
     blows: WindOptions = WindOptions(),
     dead_band: Annotated[
-        float, typer.Option(help="Dead band K, from 0 to 1: trim up to K times the limit.")
-    ] = 1.0,
+        float | None,
+        typer.Option(
+            help="Dead band K, from 0 to 1: trim up to K times the limit.", show_default="1.0"
+        ),
+    ] = None,
     capability: Annotated[
         float | None,
         typer.Option(
@@ -48,7 +51,7 @@ def respond(
         float | None, typer.Option(help="Deflection limit, in deg, in place of --capability.")
     ] = None,
     model: Model = None,
-    plane: Plane = "pitch",
+    plane: Plane = None,
     until: Until = 3.0,
     points: Points = 301,
     csv: Csv = None,
@@ -59,18 +62,21 @@ def respond(
 
     Exit code 0: answered; 2: bad input.
     """
-    from tvclin.answers.nozzle import Nozzle
     from tvclin.base.errors import within
     from tvclin.cli.output import print_json
     from tvclin.linear.extremes import extremes, shown_until
     from tvclin.linear.loads import wind_loads
     from tvclin.linear.verdict import judge
 
-    loaded = rigid_vehicle_of(vehicle, plane, "respond")
     within("--until", until, 1e-3, _LONGEST)
     within("--points", points, 2, 1_000_000)
-    asked = blows.case(vehicle, loaded, model, plane, Nozzle(limit=limit_of(limit_deg)))
-    case = held(asked, blows.name, dead_band, capability, until)
+    asked = case_of(
+        vehicle, blows=blows.over, told=("respond",), model=model, plane=plane, limit_deg=limit_deg
+    )
+    if capability is not None and limit_deg is None:
+        asked = replace(asked, nozzle=replace(asked.nozzle, limit=None))
+    K = chosen(dead_band, asked.dead_band)
+    case = held(asked, blows.name(asked), K, capability, until)
     length = until * float(case.wind.end)
     verdict = judge(case.plant, case.deflection, case.wind)
     lets_go = case.sufficient and not verdict.stable
@@ -109,7 +115,7 @@ def _what(case: Held) -> str:
     import numpy as np
 
     return (
-        f"{wind_words(case.name, case.wind)}, model {case.plant.model}, K = {case.dead_band:g},"
+        f"{wind_words(case.name, case.case)}, model {case.plant.model}, K = {case.dead_band:g},"
         f" limit {np.degrees(case.limit):.4f} deg"
     )
 

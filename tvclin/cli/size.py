@@ -6,22 +6,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import chosen, heading_given, note_source, only_with, wind_with
+from tvclin.cli.inputs import chosen, note_source, only_with, radians_of
 from tvclin.cli.options import (
     STOPS_HELP,
     TIME_HELP,
     AsJson,
-    AzimuthDeg,
-    Gust,
     LimitDeg,
     Model,
-    PeakDeg,
-    PeakSpeed,
     Planes,
     Plot,
-    WindDirectionDeg,
+    grouped,
 )
 from tvclin.cli.progress import bar
+from tvclin.cli.wind import ShapedOptions
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.asked import SizingAsked, SoundingAsked
@@ -36,23 +33,12 @@ _SOURCE = (
 )
 
 
+@grouped
 def size(
     source: Annotated[
         str, typer.Argument(metavar="STUDY|SCHEDULE|VEHICLE", help=_SOURCE)
     ] = "configuration-i",
-    wind: Annotated[
-        str | None,
-        typer.Option(
-            help="Shape of the pulse: triangular or rectangular. With --winds there is a pulse only"
-            " if an option or the study file asks for one.",
-            show_default="triangular",
-        ),
-    ] = None,
-    duration: Annotated[
-        float | None, typer.Option(help="Duration of the pulse, in s.", show_default="7.5")
-    ] = None,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
+    blows: ShapedOptions = ShapedOptions(),
     winds: Annotated[
         list[Path] | None,
         typer.Option(metavar="FILE", help="A sounding to fly through; may be given several times."),
@@ -64,8 +50,6 @@ def size(
             help=f"Which sounding of a file that holds several, {TIME_HELP} Once for each --winds.",
         ),
     ] = None,
-    azimuth_deg: AzimuthDeg = None,
-    wind_direction_deg: WindDirectionDeg = None,
     window: Annotated[
         float | None,
         typer.Option(
@@ -73,7 +57,6 @@ def size(
             show_default="all of it",
         ),
     ] = None,
-    gust: Gust = None,
     begin: Annotated[
         float | None,
         typer.Option(
@@ -161,8 +144,9 @@ def size(
 ) -> None:
     """Say how much deflection a flight needs at each time, and whether its limit is enough.
 
-    A pulse is placed so that its peak meets each flight time; a sounding is flown through. Options
-    count more than a study file.
+    A pulse is placed so that its peak meets each flight time; a sounding is flown through. With
+    --winds there is a pulse only if an option or the study file asks for one. Options count more
+    than a study file.
 
     Exit code 0: the limit is enough, or none was given; 1: it is not, or that is not known, as
     where a sounding ends below the flight; 2: bad input.
@@ -176,38 +160,36 @@ def size(
     from tvclin.cli.size_tables import print_sizing
     from tvclin.vehicle.coefficients import BOTH
 
-    if azimuth_deg is not None and not winds and wind_direction_deg is None:
+    if blows.azimuth_deg is not None and not winds and blows.wind_direction_deg is None:
         raise InputError(
             "--azimuth-deg is for soundings and for a wind with a direction; name one with --winds,"
             " or give --wind-direction-deg"
         )
-    soundings = _soundings(winds or [], winds_time or [], azimuth_deg)
+    soundings = _soundings(winds or [], winds_time or [], blows.azimuth_deg)
     note_source(source, "size")
     case = load_sizing(source, soundings)
     asked = case.sizing
     assert asked is not None
-    heading = None
-    if wind_direction_deg is not None:
-        heading = heading_given(wind_direction_deg, azimuth_deg)
-    if peak_deg is not None and peak_speed is not None:
-        raise InputError("give --peak-deg or --peak-speed, not both")
-    named = any(one is not None for one in (wind, duration, peak_deg, peak_speed, heading))
-    peak = _radians("--peak-deg", peak_deg, -90.0)
-    case = replace(
-        case,
-        model=chosen(model, case.model),
-        plane=case.plane if plane in (None, BOTH) else plane,
-        wind=wind_with(case.wind, wind, duration, peak, heading, gust),
-        nozzle=replace(
-            case.nozzle,
-            limit=chosen(_radians("--limit-deg", limit_deg), case.nozzle.limit),
-            stop=_stop(plane, stop, case.nozzle.stop),
-        ),
+    speed, slanting = blows.peak_speed, blows.wind_direction_deg is not None
+    blows = replace(blows, peak_speed=None, azimuth_deg=blows.azimuth_deg if slanting else None)
+    named = (blows.wind, blows.duration, blows.peak_deg, speed, blows.wind_direction_deg)
+    case = blows.over(
+        replace(
+            case,
+            model=chosen(model, case.model),
+            plane=case.plane if plane in (None, BOTH) else plane,
+            nozzle=replace(
+                case.nozzle,
+                limit=chosen(radians_of("--limit-deg", limit_deg), case.nozzle.limit),
+                stop=_stop(plane, stop, case.nozzle.stop),
+            ),
+        )
     )
+    offset = radians_of("--thrust-offset-deg", thrust_offset_deg, -90.0)
     asked = replace(
         asked,
-        pulse=asked.pulse or named,
-        peak_speed=None if peak_deg is not None else chosen(peak_speed, asked.peak_speed),
+        pulse=asked.pulse or any(one is not None for one in named),
+        peak_speed=None if blows.peak_deg is not None else chosen(speed, asked.peak_speed),
         window=chosen(window, asked.window),
         start=chosen(begin, asked.start),
         stop=chosen(end, asked.stop),
@@ -217,14 +199,14 @@ def size(
         varying=varying or asked.varying,
         count=chosen(count, asked.count),
         dispersion=chosen(dispersion, asked.dispersion),
-        thrust_offset=chosen(
-            _radians("--thrust-offset-deg", thrust_offset_deg, -90.0), asked.thrust_offset
-        ),
+        thrust_offset=chosen(offset, asked.thrust_offset),
         gravity_offset=chosen(gravity_offset_m, asked.gravity_offset),
         reserve=chosen(reserve, asked.reserve),
     )
     if not asked.soundings:
         only_with("a sounding, --winds or [[wind]] with one", window=window)
+    if not asked.pulse:
+        only_with("a pulse: in a sounding a gust meets each flight time", gust_at=blows.gust_at)
     with bar("flight times and winds") as progress:
         found = asked.sizing(case, progress)
     if disperse:
@@ -306,14 +288,6 @@ def _soundings(
             raise InputError(f"--winds gives {name} twice")
         found[name] = SoundingAsked(read_sounding(file, time=time), float(azimuth))
     return found
-
-
-def _radians(name: str, degrees: float | None, lowest: float = 1e-6) -> float | None:
-    import numpy as np
-
-    from tvclin.base.errors import within
-
-    return None if degrees is None else float(np.radians(within(name, degrees, lowest, 90.0)))
 
 
 def _dispersed(case: "StudyPlan", asked: "SizingAsked", found: "Sizing") -> float:

@@ -4,53 +4,24 @@ from typing import Annotated
 
 import typer
 
-from tvclin.cli.inputs import (
-    chosen,
-    heading_given,
-    limit_of,
-    note_left_out,
-    only_with,
-    peak_angle,
-    wind_with,
-)
+from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.options import (
-    LINEAR_HELP,
     STOPS_HELP,
     AsJson,
-    AzimuthDeg,
-    Gust,
-    GustAt,
     LimitDeg,
     Model,
-    OtherPlane,
-    PeakDeg,
-    PeakSpeed,
+    Plane,
     Plot,
-    WindDirectionDeg,
+    Source,
+    grouped,
 )
+from tvclin.cli.wind import ShapedOptions
 
 
+@grouped
 def study(
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="VEHICLE|STUDY",
-            help=f"{LINEAR_HELP[:-1]}, or a study file (see: tvclin init --study).",
-        ),
-    ] = "configuration-i",
-    wind: Annotated[
-        str | None,
-        typer.Option(
-            help="Shape of the wind: triangular or rectangular.", show_default="triangular"
-        ),
-    ] = None,
-    duration: Annotated[
-        float | None, typer.Option(help="Duration of the wind, in s.", show_default="7.5")
-    ] = None,
-    peak_deg: PeakDeg = None,
-    peak_speed: PeakSpeed = None,
-    gust: Gust = None,
-    gust_at: GustAt = None,
+    source: Source = "configuration-i",
+    blows: ShapedOptions = ShapedOptions(),
     dead_band: Annotated[
         float | None,
         typer.Option(
@@ -60,9 +31,7 @@ def study(
     ] = None,
     limit_deg: LimitDeg = None,
     model: Model = None,
-    plane: OtherPlane = None,
-    wind_direction_deg: WindDirectionDeg = None,
-    azimuth_deg: AzimuthDeg = None,
+    plane: Plane = None,
     stop: Annotated[
         str | None,
         typer.Option(
@@ -110,31 +79,26 @@ def study(
 
     from tvclin.answers.findings import find
     from tvclin.answers.questions import all_yes, questioned, questions, sufficient
-    from tvclin.answers.study_file.read import load_study
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
     from tvclin.cli.study_tables import print_dispersed, print_questions, print_study
 
-    plan = load_study(source)
-    plan = replace(plan, model=chosen(model, plan.model), plane=chosen(plane, plan.plane))
-    heading = chosen(heading_given(wind_direction_deg, azimuth_deg), plan.wind.heading)
-    peak = None
-    if (peak_deg, peak_speed) != (None, None):
-        peak = peak_angle(plan.vehicle, plan.plane, peak_deg, peak_speed, heading)
+    plan = case_of(
+        source,
+        blows=blows.over,
+        told=("study",),
+        model=model,
+        plane=plane,
+        limit_deg=limit_deg,
+        stop=stop,
+    )
     plan = replace(
         plan,
-        wind=wind_with(plan.wind, wind, duration, peak, heading, gust, gust_at),
-        nozzle=replace(
-            plan.nozzle,
-            limit=chosen(limit_of(limit_deg), plan.nozzle.limit),
-            stop=chosen(stop, plan.nozzle.stop),
-        ),
         dead_band=chosen(dead_band, plan.dead_band),
         switch=chosen(switch, plan.switch),
         cases=chosen(cases, plan.cases),
         seed=chosen(seed, plan.seed),
     )
-    note_left_out("study", plan.vehicle, plan.plane)
     if disperse and plan.dispersions is None:
         from tvclin.answers.campaign.dispersions import DEFAULT_DISPERSIONS
 

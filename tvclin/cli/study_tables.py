@@ -150,7 +150,7 @@ def _print_boundaries(result: "Study") -> None:
         whole = f", the part in the {result.plane} plane of a vector of {vector:.4g} deg"
     print_table(
         f"Boundary in a {result.shape} wind of {peak:.4g} deg and {duration:g} s"
-        f"{result.gust_words}{whole}"
+        f"{result.blows.gust_words}{whole}"
         f" (trim takes {deg(result.trim_deflection):.4f} deg)",
         [
             "dead band K",

@@ -1,12 +1,12 @@
 """The options of the wind of one flight time, and the wind that they ask for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.inputs import gust_of, heading_given, only_with, peak_angle
+from tvclin.cli.inputs import chosen, only_with
 from tvclin.cli.options import (
     TIME_HELP,
     AzimuthDeg,
@@ -14,23 +14,21 @@ from tvclin.cli.options import (
     GustAt,
     PeakDeg,
     PeakSpeed,
+    Shape,
     WindDirectionDeg,
 )
 from tvclin.cli.output import say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
-    from tvclin.answers.nozzle import Nozzle
-    from tvclin.control.autopilot.rules import AutopilotDesign
-    from tvclin.vehicle.linear_vehicle import AnyVehicle
+    from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.winds.histories import History
-    from tvclin.winds.shaped import ShapedWind
 
-_SHAPE, _DURATION, _WINDOW = "triangular", 7.5, 20.0
+_WINDOW = 20.0
 
 
 @dataclass(frozen=True)
-class BlowingOptions:
+class PulseOptions:
     """All but the shape of a pulse; `grouped` gives them to a command."""
 
     duration: Annotated[
@@ -40,6 +38,68 @@ class BlowingOptions:
     peak_speed: PeakSpeed = None
     gust: Gust = None
     gust_at: GustAt = None
+    wind_direction_deg: WindDirectionDeg = None
+    azimuth_deg: AzimuthDeg = None
+
+    def __post_init__(self) -> None:
+        from tvclin.base.errors import InputError
+
+        if self.peak_deg is not None and self.peak_speed is not None:
+            raise InputError("give --peak-deg or --peak-speed, not both")
+        if self.gust is None:
+            only_with("--gust", gust_at=self.gust_at)
+
+    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+        """Return a plan with the pulse of these options, as far as they give one."""
+        import numpy as np
+
+        from tvclin.answers.study import pulse_of
+        from tvclin.base.errors import number, one_of, positive
+        from tvclin.vehicle.linear_vehicle import whole_vehicle
+        from tvclin.winds.shaped import PULSES
+
+        wind, shape, at = pulse_of(plan), getattr(self, "wind", None), self.gust_at
+        lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
+        wind = replace(
+            wind,
+            shape=wind.shape if shape is None else one_of("--wind", shape, PULSES),
+            duration=lasts,
+            peak=wind.peak if self.peak_deg is None else float(np.radians(self.peak_deg)),
+            heading=chosen(self._heading, wind.heading),
+            gust=chosen(gust_of(self.gust, 0.5 * lasts if at is None else at), wind.gust),
+        )
+        if self.peak_speed is not None:
+            whole = whole_vehicle(plan.vehicle, "--peak-speed")
+            wind = wind.of_speed(self.peak_speed, whole, plan.plane)
+        return replace(plan, wind=wind)
+
+    @property
+    def _heading(self) -> float | None:
+        """The heading of the wind [rad]; None without --wind-direction-deg."""
+        import numpy as np
+
+        from tvclin.base.errors import number
+        from tvclin.winds.file import heading_of
+
+        given = {"--wind-direction-deg": self.wind_direction_deg, "--azimuth-deg": self.azimuth_deg}
+        angles = [
+            None if one is None else float(np.radians(number(name, one)))
+            for name, one in given.items()
+        ]
+        return heading_of(angles[0], angles[1], ("--wind-direction-deg", "--azimuth-deg"))
+
+
+@dataclass(frozen=True)
+class ShapedOptions(PulseOptions):
+    """A pulse; `grouped` gives its options to a command."""
+
+    wind: Shape = None
+
+
+@dataclass(frozen=True)
+class BlowingOptions(PulseOptions):
+    """A sounding, or all but the shape of a pulse; `grouped` gives the options to a command."""
+
     winds: Annotated[
         Path | None,
         typer.Option(
@@ -62,35 +122,35 @@ class BlowingOptions:
             show_default="20",
         ),
     ] = None
-    wind_direction_deg: WindDirectionDeg = None
-    azimuth_deg: AzimuthDeg = None
 
-    def pulse(self, vehicle: "AnyVehicle", plane: str, shape: str = _SHAPE) -> "ShapedWind":
-        """Return the pulse in a plane, with its gust; what is out of range is refused."""
-        import numpy as np
+    def over(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+        """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
+        if self.winds is None:
+            only_with("a sounding, --winds", window=self.window, winds_time=self.winds_time)
+            return super().over(plan, source)
+        met = self.sounding(plan, source)
+        return replace(plan, wind=met.shift(-float(met.onset)))
 
-        from tvclin.base.errors import positive
+    def in_flight(self, plan: "StudyPlan", source: str = "") -> "StudyPlan":
+        """Return the same in flight time, a pulse with its middle at the vehicle's own."""
+        from tvclin.answers.study import pulse_of
         from tvclin.vehicle.linear_vehicle import whole_vehicle
-        from tvclin.winds.shaped import ShapedWind
 
-        only_with("a sounding, --winds", window=self.window, winds_time=self.winds_time)
-        length = _DURATION if self.duration is None else self.duration
-        length = float(positive("--duration", length, "s"))
-        if self.gust is None:
-            only_with("--gust", gust_at=self.gust_at)
-        gust = gust_of(self.gust, 0.5 * length if self.gust_at is None else self.gust_at)
-        heading = heading_given(self.wind_direction_deg, self.azimuth_deg)
-        peak = peak_angle(vehicle, plane, self.peak_deg, self.peak_speed, heading)
-        found = ShapedWind(shape, peak, length, heading, gust)
-        if heading is None:
-            return found
-        whole = whole_vehicle(vehicle, "a wind with a direction")
-        return found.in_plane(plane, float(np.asarray(whole.attitude)))
+        if self.winds is not None:
+            return replace(plan, wind=self.sounding(plan, source))
+        found = self.over(plan, source)
+        time = whole_vehicle(plan.vehicle, "a flight in its own time").time
+        middle = 0.0 if time is None else float(time)
+        return replace(found, wind=found.history.shift(middle - 0.5 * pulse_of(found).duration))
 
-    def sounding(
-        self, source: str, vehicle: "AnyVehicle", plane: str, in_flight: bool = False
-    ) -> "History":
-        """Return what the flight of a source meets of the sounding, from t = 0 on, or in its time.
+    def name(self, case: "Case") -> str:
+        """Return what the wind of a case is called: its shape, or the file of the sounding."""
+        if self.winds is not None:
+            return self.winds.name
+        return chosen(getattr(self, "wind", None), case.shape)
+
+    def sounding(self, plan: "StudyPlan", source: str) -> "History":
+        """Return what the flight of a plan meets of the sounding, in flight time.
 
         As in `tvclin size`, what blows to the side on which the wind is largest counts.
         """
@@ -99,6 +159,8 @@ class BlowingOptions:
         from tvclin.answers.sizing.measured import fly_through
         from tvclin.answers.sizing.placing import place
         from tvclin.answers.sizing.schedule_file import load_schedule
+        from tvclin.answers.study import pulse_of
+        from tvclin.answers.study_file.read import vehicle_source
         from tvclin.base.errors import InputError, between, number, positive
         from tvclin.vehicle.linear_vehicle import whole_vehicle
         from tvclin.winds.soundings.read import read_sounding
@@ -114,20 +176,28 @@ class BlowingOptions:
             gust_at=self.gust_at,
             wind_direction_deg=self.wind_direction_deg,
         )
-        whole = whole_vehicle(vehicle, "--winds")
+        whole = whole_vehicle(plan.vehicle, "--winds")
         if degrees is None:
             raise InputError("--winds needs --azimuth-deg, the direction of flight")
         if whole.time is None:
             raise InputError("--winds needs a vehicle with its time of flight, time_s")
+        asked = plan.sizing
+        flight = load_schedule(vehicle_source(source)) if asked is None else asked.schedule
         window = _WINDOW if self.window is None else self.window
         length = number("--window", window, positive, "s")
         azimuth = float(np.radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg")))
-        flight, time = load_schedule(source), float(whole.time)
+        time = float(whole.time)
         profile = read_sounding(file, time=self.winds_time)
         for note in profile.notes:
             say(f"Note: {file.name}: {note}.", err=True)
-        gust = gust_of(self.gust, 0.0)
-        met = fly_through(profile, flight, azimuth=azimuth, plane=plane, window=length, gust=gust)
+        met = fly_through(
+            profile,
+            flight,
+            azimuth=azimuth,
+            plane=plan.plane,
+            window=length,
+            gust=chosen(gust_of(self.gust, 0.0), pulse_of(plan).gust),
+        )
         placed = place(met, whole, time, "peak", length)
         if not placed.known or placed.calm:
             word = "calm" if placed.known else "not known"
@@ -139,69 +209,36 @@ class BlowingOptions:
                 " blows beyond is not counted.",
                 err=True,
             )
-        return placed.in_flight if in_flight else placed.in_flight.shift(-placed.span[0])
+        return placed.in_flight
 
 
 @dataclass(frozen=True)
-class WindOptions(BlowingOptions):
-    """The options in one place; `grouped` gives them to a command."""
-
-    wind: Annotated[
-        str | None,
-        typer.Option(
-            help="Shape of the wind: triangular or rectangular.", show_default="triangular"
-        ),
-    ] = None
-
-    @property
-    def name(self) -> str:
-        """The shape of the pulse, or the file of the sounding."""
-        return self.wind or _SHAPE if self.winds is None else self.winds.name
-
-    def blowing(
-        self, source: str, vehicle: "AnyVehicle", plane: str, in_flight: bool = False
-    ) -> "ShapedWind | History":
-        """Return the wind in a plane; in flight time its middle is at the vehicle's own."""
-        from tvclin.base.errors import one_of
-        from tvclin.vehicle.linear_vehicle import whole_vehicle
-        from tvclin.winds.shaped import PULSES
-
-        if self.winds is not None:
-            return self.sounding(source, vehicle, plane, in_flight)
-        found = self.pulse(vehicle, plane, one_of("--wind", self.name, PULSES))
-        if not in_flight:
-            return found
-        time = whole_vehicle(vehicle, "a flight in its own time").time
-        return found.history({}).shift((0.0 if time is None else float(time)) - found.duration / 2)
-
-    def case(
-        self,
-        source: str,
-        vehicle: "AnyVehicle",
-        model: str | None,
-        plane: str,
-        nozzle: "Nozzle | None" = None,
-        design: "AutopilotDesign | None" = None,
-        *,
-        in_flight: bool = False,
-    ) -> "Case":
-        """Return the case of a vehicle in the wind, with a nozzle and an autopilot if given."""
-        from tvclin.answers.case import Case
-        from tvclin.answers.nozzle import Nozzle
-
-        return Case(
-            vehicle=vehicle,
-            model=model or "",
-            plane=plane,
-            wind=self.blowing(source, vehicle, plane, in_flight),
-            nozzle=nozzle or Nozzle(),
-            design=design,
-        )
+class WindOptions(BlowingOptions, ShapedOptions):
+    """A pulse or a sounding; `grouped` gives the options to a command."""
 
 
-def wind_words(name: str, wind: "History") -> str:
-    """Return a wind in words: its name, its peak and how long it blows."""
+def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":
+    """Return the 1 - cosine gust of a peak [deg] and a duration [s] that peaks at a time [s]."""
     import numpy as np
 
-    peak, length = float(np.degrees(wind.peak)), float(wind.end - wind.onset)
-    return f"{name} wind of {peak:.4g} deg and {length:.4g} s"
+    from tvclin.base.errors import nonzero, number, positive
+    from tvclin.winds.gusts import OneMinusCosineGust
+
+    if given is None:
+        return None
+    peak, duration = number("--gust", given[0], nonzero), number("--gust", given[1], positive)
+    found = OneMinusCosineGust(peak=np.radians(peak), duration=duration)
+    return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
+
+
+def wind_words(name: str, case: "Case") -> str:
+    """Return the wind of a case in words: its name, its peak, how long it blows, and its gust."""
+    from math import degrees
+
+    from tvclin.winds.shaped import ShapedWind
+
+    wind, gust = case.history, ""
+    peak, length = float(wind.peak), float(wind.end - wind.onset)
+    if isinstance(case.blows, ShapedWind):
+        peak, length, gust = case.blows.peak, case.blows.duration, case.blows.gust_words
+    return f"{name} wind of {degrees(peak):.4g} deg and {length:.4g} s{gust}"

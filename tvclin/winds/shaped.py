@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.errors import InputError, directions, number, one_of
+from tvclin.base.errors import InputError, directions, instance, number, one_of
 from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.checks import checked_peak, checked_span
 from tvclin.winds.gusts import OneMinusCosineGust, checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import RectangularWind, TriangularWind
 from tvclin.winds.sampled import SampledWind
-from tvclin.winds.speed import angles_of_vector
+from tvclin.winds.speed import angle_in_plane, angles_from_speed, angles_of_vector
 
 FloatArray = NDArray[np.float64]
 
@@ -93,6 +94,24 @@ class ShapedWind:
         gust = None if self.gust is None else self.gust * (peak / self.peak)
         return ShapedWind(self.shape, peak, self.duration, gust=gust)
 
+    def of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
+        """Return it with the peak angle that a vehicle meets at a wind speed [m/s], by eq (B1e).
+
+        With a heading that is the size of the vector of both planes.
+
+        Raises
+        ------
+        InputError
+            For a batch of vehicles, an unknown plane, and as `angle_in_plane`.
+        """
+        instance("vehicle", vehicle, Vehicle, "see load_vehicle")
+        flies = number("velocity", vehicle.velocity), number("attitude", vehicle.attitude)
+        at = number("speed", speed, unit="m/s"), *flies
+        one_of("plane", plane, PLANES)
+        if self.heading is None:
+            return replace(self, peak=float(angle_in_plane(*at, plane)))
+        return replace(self, peak=math.hypot(*angles_from_speed(*at, self.heading)))
+
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane that a flight of an attitude [rad] meets.
 
@@ -107,6 +126,14 @@ class ShapedWind:
                 " azimuth of the flight"
             )
         return dict(zip(PLANES, angles_of_vector(self.peak, self.heading, attitude), strict=True))
+
+    @property
+    def gust_words(self) -> str:
+        """What is to be said of the gust; nothing where there is none."""
+        gust = self.gust
+        if gust is None:
+            return ""
+        return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
 
     @property
     def nominal(self) -> dict[str, float]:

@@ -149,13 +149,13 @@ def _vehicle(source: Any, folder: Path, where: str, recorded: bool) -> Vehicle:
         return of_record(Vehicle, source)
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(f"vehicle must be a name or a path; got {shown(source)}")
-    return load_vehicle(_beside(source, folder))
+    return load_vehicle(beside(source, folder))
 
 
-def _beside(source: str, folder: Path) -> str | Path:
+def beside(source: str, folder: Path) -> str | Path:
     """The name of a vehicle of the package, or the path of a file, in the folder if it is there."""
-    beside = folder / source
-    return beside if source not in list_vehicles() and exists(beside) else source
+    path = folder / source
+    return path if source not in list_vehicles() and exists(path) else source
 
 
 def design_of(document: Mapping[str, Any]) -> AutopilotDesign | None:

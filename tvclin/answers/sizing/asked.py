@@ -3,7 +3,6 @@
 Model, planes, limit and stop are those of the case, and so is the first of its pulses.
 """
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -41,7 +40,6 @@ from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
 from tvclin.winds.soundings.profile import WindProfile
-from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
 SIZE_TABLE = Table(
     "[size]",
@@ -306,15 +304,11 @@ class SizingAsked:
 
     def _meets(self, case: Case, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
         """A pulse as a vehicle meets it: its part in the plane, or for both planes the vector."""
-        velocity, attitude = (float(np.asarray(x)) for x in (vehicle.velocity, vehicle.attitude))
         if self.peak_speed is not None:
-            at = self.peak_speed, velocity, attitude
-            if pulse.heading is None:
-                peak = float(angle_in_plane(*at, case.plane))
-            else:
-                peak = math.hypot(*angles_from_speed(*at, pulse.heading))
-            pulse = replace(pulse, peak=peak)
-        return pulse if case.planes == BOTH else pulse.in_plane(case.plane, attitude)
+            pulse = pulse.of_speed(self.peak_speed, vehicle, case.plane)
+        if case.planes == BOTH:
+            return pulse
+        return pulse.in_plane(case.plane, float(np.asarray(vehicle.attitude)))
 
     def _met(self, case: Case, pulse: ShapedWind) -> WindOf:
         def met(vehicle: Vehicle) -> History | PlaneWind:

@@ -32,6 +32,8 @@ from tvclin.vehicle.vehicle import Vehicle
 
 _WIDEST = 1e9
 """Deflections beyond this [rad] mean nothing."""
+_SMALL = float(np.radians(0.001))
+"""A shortfall below it [rad] would be nothing in three digits behind the point."""
 KINDS = ("systematic", "random")
 
 
@@ -117,7 +119,10 @@ class DeflectionTotal:
                 known = "NOT KNOWN to be sufficient; where the winds are known "
                 line = (known, *line[1:])
             if self.sufficient is False:
-                short = degrees("total.short", self.required - self.limit, unit="deg")
+                lacks = self.required - self.limit
+                short = degrees("total.short", lacks, unit="deg")
+                if lacks < _SMALL:
+                    short = significant("total.short_deg", np.degrees(lacks), unit="deg")
                 of = " of the limit that keeps the reserve" if self.reserve else ""
                 line = ("NOT SUFFICIENT, short by ", *short, of)
             limit = degrees("total.limit", self.limit, unit="deg")

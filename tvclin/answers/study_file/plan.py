@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
-from tvclin.answers.study import Study
+from tvclin.answers.study import Study, pulse_of
 from tvclin.base.errors import (
     InputError,
     between,
@@ -18,8 +18,8 @@ from tvclin.base.errors import (
     whole_number,
 )
 from tvclin.linear.deflections import SWITCHES
-from tvclin.linear.models import USUAL_MODEL, flexible_model
-from tvclin.winds.shaped import PULSES, ShapedWind
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.asked import AvailabilityAsked
@@ -62,10 +62,10 @@ class StudyPlan(Case):
     Raises
     ------
     InputError
-        As `Case`, and for a wind that is not of one shape.
+        As `Case`, and for an ensemble of winds.
     """
 
-    wind: ShapedWind = DEFAULT_WIND
+    wind: ShapedWind | History = DEFAULT_WIND
     dead_band: float = 1.0
     switch: str = "literal"
     laws: LawsAsked | None = None
@@ -81,11 +81,8 @@ class StudyPlan(Case):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.wind, ShapedWind):
-            raise InputError(
-                "a study needs a wind of one shape: give shape, peak and duration in [wind]"
-            )
-        one_of("shape of the wind of a study", self.wind.shape, PULSES)
+        if not isinstance(self.wind, History):
+            pulse_of(self)
         one_of("switch", self.switch, SWITCHES)
         number("dead_band", self.dead_band, between(0.0, 1.0))
         self._check_parts()
@@ -130,16 +127,6 @@ class StudyPlan(Case):
         from tvclin.control.margins.criteria import CRITERIA
 
         return self.criteria or CRITERIA["classic"]
-
-    @property
-    def loop_model(self) -> str:
-        """The model that the autopilot controls."""
-        return flexible_model(self.vehicle, self.model)
-
-    @property
-    def law_model(self) -> str:
-        """The model that laws fly; they are not shown a speed, and without it drift-exact is it."""
-        return USUAL_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @property
     def _modes(self) -> bool:

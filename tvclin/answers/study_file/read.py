@@ -98,6 +98,33 @@ def load_sizing(
     return StudyPlan(vehicle=flight.vehicle, sizing=asked)
 
 
+def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
+    """Return the name or the file of the vehicle of a study file, or a vehicle as it is.
+
+    Raises
+    ------
+    InputError
+        For a study file that has the numbers of its vehicle itself.
+    """
+    text, name = vehicle_text(source)
+    document = tables_of(text, name)
+    named = [
+        document[table]["vehicle"]
+        for table in ("study", "campaign")
+        if "vehicle" in document.get(table, {})
+    ]
+    if not named:
+        return source
+    if not isinstance(named[0], str):
+        raise InputError(
+            f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
+            " vehicle file with a table [flight]"
+        )
+    from tvclin.answers.campaign.tables import beside
+
+    return beside(named[0], Path(name).parent)
+
+
 def _is_study(source: str | PathLike[str]) -> bool:
     """Whether a file is a study, or neither that nor anything that has a flight."""
     if str(path("source", source, "a name or a path")).lower().endswith(".csv"):

@@ -7,10 +7,11 @@ from typing import Any
 
 from tvclin.answers.availability.asked import AVAILABILITY_TABLE, AvailabilityAsked
 from tvclin.answers.availability.growth import PairGrowth
+from tvclin.answers.campaign.tables import beside
 from tvclin.answers.sizing.asked import SIZE_TABLE, SizingAsked, SoundingAsked
 from tvclin.answers.sizing.schedule_file import SOURCE_TABLE, load_schedule, schedule_of
 from tvclin.base.errors import InputError, shown
-from tvclin.base.files import exists, tables_of
+from tvclin.base.files import tables_of
 from tvclin.vehicle.file import vehicle_text
 from tvclin.winds.file import SOUNDING, SOUNDING_TABLE, wind_tables, winds_of
 from tvclin.winds.shaped import ShapedWind
@@ -104,10 +105,10 @@ def _flight(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
             "[schedule] needs a source: a CSV file, or a vehicle with a table [flight]; got"
             f" {shown(source)}"
         )
-    found = {"schedule": load_schedule(_beside(folder, source)), "source": source}
+    found = {"schedule": load_schedule(beside(source, folder)), "source": source}
     named = isinstance(own, str)
-    same = named and Path(_beside(folder, source)) == Path(_beside(folder, own))
-    if same or not _is_vehicle(_beside(folder, source)):
+    same = named and Path(beside(source, folder)) == Path(beside(own, folder))
+    if same or not _is_vehicle(beside(source, folder)):
         return found
     return found | {"another": own if named else own.get("name") or "given by its numbers"}
 
@@ -129,8 +130,3 @@ def _sounding(table: dict[str, Any], folder: Path) -> tuple[str, SoundingAsked]:
     profile = read_sounding(folder / file, table.get("format"), time=table.get("time"))
     named = Path(file).name
     return table.get("name") or named, SoundingAsked(replace(profile, source=named), azimuth)
-
-
-def _beside(folder: Path, source: str) -> str | Path:
-    beside = folder / source
-    return beside if exists(beside) else source

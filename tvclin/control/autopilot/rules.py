@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from tvclin.base.errors import (
@@ -42,13 +42,16 @@ DESIGNS = (
     "lqr",
     LEAST_NOZZLE,
 )
-_BY_POLES: dict[str, Callable[..., Autopilot]] = {
+BY_POLES: dict[str, Callable[..., Autopilot]] = {
     "poles": design_gains,
     "drift-minimum": drift_minimum_gains,
     "load-minimum": load_minimum_gains,
 }
 _DAMPING = 0.7
 _RULE = {"natural_frequency": "natural frequency", "damping": "number"}
+RULE_KEYS = ("design", *_RULE, "crossover")
+OWN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
+"""Gains that stand in place of a rule."""
 AUTOPILOT_TABLE = Table(
     "[autopilot]",
     {
@@ -130,6 +133,16 @@ class AutopilotDesign:
         chains: dict[str, Any] = filter_chains(found.pop("filter", ()))
         return cls(**found, **chains)
 
+    @property
+    def chains(self) -> dict[str, tuple[Filter, ...]]:
+        """The filters, by where they stand."""
+        return {name: getattr(self, name) for name in CHAINS}
+
+    @property
+    def bare(self) -> Self:
+        """The same without delay and filters."""
+        return replace(self, delay=0.0, filters=(), attitude_filters=(), rate_filters=())
+
     def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
         """Return the autopilot for a plant, with the actuator of its nozzle.
 
@@ -148,10 +161,10 @@ class AutopilotDesign:
             "integral_gain": self.integral_gain,
             "delay": self.delay,
             "sample_rate": self.sample_rate,
-            **{name: getattr(self, name) for name in CHAINS},
+            **self.chains,
         }
         rule = self.design, self.natural_frequency, self.damping
-        if all(gain is None for gain in (self.attitude_gain, self.rate_gain, self.alpha_gain)):
+        if all(getattr(self, name) is None for name in OWN_GAINS):
             return _by_rule(plant, *rule, options)
         if any(part is not None for part in rule):
             raise InputError("give gains or a rule for them (design, natural_frequency), not both")
@@ -179,7 +192,7 @@ def _by_rule(
             f"design {LEAST_NOZZLE} needs a wind: tvclin autopilot and study files have one; in"
             " Python see least_deflection_gains"
         )
-    if rule not in _BY_POLES and asked:
+    if rule not in BY_POLES and asked:
         raise InputError(f"design {rule} takes no natural_frequency and no damping")
     if rule == "lqr":
         return lqr_gains(plant, **options)
@@ -194,7 +207,7 @@ def _by_rule(
         return canonical_gains(plant.coefficients, **options)
     if natural_frequency is None:
         raise InputError(f"design {rule} needs natural_frequency, in rad/s")
-    return _BY_POLES[rule](
+    return BY_POLES[rule](
         plant.coefficients,
         natural_frequency=natural_frequency,
         damping=_DAMPING if damping is None else damping,

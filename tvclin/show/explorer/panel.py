@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.answers.case import Case
 from tvclin.answers.parts import told
 from tvclin.base.errors import InputError, missing
 from tvclin.control.autopilot.gains import canonical_gains
@@ -204,7 +205,9 @@ def _named(vehicle: str | Vehicle) -> tuple[str, Vehicle]:
 
 def _bends(vehicle: Vehicle, plane: str) -> tuple[str, ...]:
     """What is to be said of a vehicle with a structure: that all here is rigid."""
-    return tuple(f"{one[0].upper()}{one[1:]}." for one in told("explore", vehicle, plane))
+    return tuple(
+        f"{one[0].upper()}{one[1:]}." for one in told(Case(vehicle=vehicle, plane=plane), "explore")
+    )
 
 
 def _controls(widgets: Any, first: str, vehicles: dict[str, Vehicle]) -> dict[str, Any]:

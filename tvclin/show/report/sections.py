@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.findings import Findings
+from tvclin.answers.study import pulse_of
 from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER, WHOLE, Point, extremes, shown_until
@@ -34,7 +35,7 @@ LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind know
 
 def inputs(found: Findings) -> Section:
     """Return what went in, each number with its unit."""
-    s, plan = found.study, found.plan
+    s, plan, wind = found.study, found.plan, pulse_of(found.plan)
     vehicle = [
         (label, significant(f"vehicle.{key}", value, 6, unit))
         for key, label, value, unit in s.vehicle.quantities()
@@ -42,14 +43,14 @@ def inputs(found: Findings) -> Section:
     case: list[tuple[str, Line]] = [
         ("plane", ("pitch and yaw, one stop" if s.in_both else plan.plane,)),
         ("model of the verdict", (plan.model,)),
-        ("wind shape", (plan.wind.shape,)),
-        ("peak wind angle", _typed("wind.peak_deg", plan.wind.peak)),
-        ("wind duration", significant("wind.duration", plan.wind.duration, 6, "s")),
+        ("wind shape", (wind.shape,)),
+        ("peak wind angle", _typed("wind.peak_deg", wind.peak)),
+        ("wind duration", significant("wind.duration", wind.duration, 6, "s")),
         ("dead band of the verdict, K", significant("question.dead_band", plan.dead_band)),
         ("left when K times the limit is", (_SWITCHES[plan.switch],)),
     ]
-    if plan.wind.heading is not None:
-        heading = _typed("wind.heading_deg", float(plan.wind.heading) % (2.0 * np.pi))
+    if wind.heading is not None:
+        heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         case.insert(4, ("it blows from, off the flight", heading))
     if s.gust is not None:
         case += [
@@ -94,7 +95,7 @@ def boundaries(found: Findings) -> Section:
     part = f", its part in the {s.plane} plane" if s.slanting is not None else ""
     caption = (
         f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg{part}, for"
-        f" {tau:g} s{s.gust_words}"
+        f" {tau:g} s{s.blows.gust_words}"
     )
     label = f"Required deflection over the duration of the wind, for {' and '.join(names)}"
     figure = Figure(

@@ -95,7 +95,7 @@ def basis(found: Findings) -> Line:
         *significant("basis.peak_deg", np.degrees(_peak(s)), unit="deg"),
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
-        f"{s.gust_words}.",
+        f"{s.blows.gust_words}.",
         *_meets_the_stop(found),
     )
     if s.required_deflection and s.governs != BOUNDARY:

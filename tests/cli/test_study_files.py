@@ -1,0 +1,251 @@
+"""One case, whoever asks: a study file in any command, options over it, and the same in Python."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tvclin as tv
+from tvclin.answers.findings import find
+from tvclin.answers.parts import told
+from tvclin.cli.app import app
+from tvclin.flights.flexible import fly_sampled
+
+STUDY = """
+[study]
+vehicle = "configuration-i"
+model = "drift"
+plane = "yaw"
+dead_band = 0.5
+[wind]
+shape = "rectangular"
+peak_deg = 4.0
+duration_s = 5.0
+direction_deg = 250
+azimuth_deg = 45
+[gust]
+peak_deg = 0.5
+duration_s = 1.0
+[nozzle]
+limit_deg = 2.0
+rate_limit_deg_per_s = 20
+actuator_frequency_rad_per_s = 30
+[autopilot]
+natural_frequency_rad_per_s = 1.2
+delay_ms = 10
+sample_rate_Hz = 80
+[[autopilot.filter]]
+kind = "low-pass"
+frequency_Hz = 9.0
+[criteria]
+name = "aircraft"
+[laws]
+names = ["trim", "autopilot"]
+winds = ["triangle"]
+"""
+CASE = tv.Case(
+    vehicle=tv.load_vehicle("configuration-i"),
+    model="drift",
+    plane="yaw",
+    wind=tv.ShapedWind(
+        "rectangular",
+        np.radians(4.0),
+        5.0,
+        np.radians(205.0),
+        tv.OneMinusCosineGust(peak=np.radians(0.5), duration=1.0).shift(2.0),
+    ),
+    nozzle=tv.Nozzle(
+        limit=np.radians(2.0),
+        rate_limit=np.radians(20.0),
+        actuator=tv.Actuator(natural_frequency=30.0),
+    ),
+    design=tv.AutopilotDesign(
+        natural_frequency=1.2,
+        delay=0.01,
+        sample_rate=80.0,
+        filters=(tv.Filter.low_pass(2.0 * np.pi * 9.0),),
+    ),
+)
+AS_OPTIONS = (
+    *("configuration-i", "--plane", "yaw", "--wind", "rectangular", "--peak-deg", "4"),
+    *("--duration", "5", "--wind-direction-deg", "250", "--azimuth-deg", "45"),
+    *("--gust", "0.5", "1"),
+)
+LOOP = (
+    *("--natural-frequency", "1.2", "--actuator-frequency", "30", "--delay-ms", "10"),
+    *("--sample-rate", "80", "--low-pass-hz", "9"),
+)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text(STUDY)
+    return str(path)
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [*arguments, "--json"])
+
+
+def asked(*arguments):
+    found = run(*arguments)
+    assert found.exit_code in (0, 1), found.output
+    return json.loads(found.stdout)
+
+
+def test_a_study_file_and_python_make_the_same_case(file):
+    plan = tv.load_study(file)
+    assert plan.history.peak == pytest.approx(CASE.history.peak, rel=1e-15)
+    for one in (plan, CASE):
+        assert (one.model, one.plane, one.loop_model) == ("drift", "yaw", "drift")
+    assert plan.autopilot == CASE.autopilot
+    assert plan.hardware == CASE.hardware
+
+
+def test_every_command_answers_for_the_case_of_the_study(file):
+    found, study = find(tv.load_study(file)), tv.Study.of(CASE, 0.5)
+    required = np.degrees(study.required_deflection)
+    assert np.degrees(found.study.required_deflection) == pytest.approx(required, rel=1e-13)
+    assert asked("study", file)["verdict"]["required_deflection_deg"] == pytest.approx(required)
+    responded = asked("respond", file)
+    assert (responded["required_deg"], responded["limit_deg"]) == pytest.approx(
+        (required, 2.0), rel=1e-13
+    )
+    least = np.degrees(study.minima["drift"])
+    assert asked("optimum", file)["peak_deg"] == pytest.approx(least, rel=1e-9)
+    controlled = asked("autopilot", file)
+    comparison = found.comparison
+    assert controlled["peak_deflection_deg"] == np.degrees(comparison.peak_deflection)
+    margins = asked("margins", file, "--flown")
+    whole = comparison.margins
+    assert margins["margins"]["phase_margin_deg"] == whole.phase_margin_deg
+    assert margins["criteria"]["name"] == controlled["criteria"]["name"] == "aircraft"
+    assert margins["flown"]["spare"] == found.flown.spare
+    flown = fly_sampled(
+        CASE.plant,
+        tv.SaturatedLaw.of(CASE.autopilot),
+        CASE.history,
+        np.linspace(0.0, 10.0, 401),
+        deflection_limit=CASE.nozzle.limit,
+        **CASE.hardware,
+    )
+    flight = asked("fly", file, "--engine", "linear")
+    peak = np.degrees(flown.peaks("attitude")[0])
+    assert flight["peaks_over_the_wind_deg"]["attitude"]["flown"] == pytest.approx(peak, rel=1e-12)
+
+
+def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
+    calm = tmp_path / "calm.toml"
+    calm.write_text(STUDY.replace("[gust]\npeak_deg = 0.5\nduration_s = 1.0\n", ""))
+    trials = find(tv.load_study(calm)).trials
+    found = asked("laws", str(calm))
+    assert found["sample_rate_Hz"] == 50
+    assert {one["law"]: one["limit"] for one in found["trials"]} == {
+        one.law: one.limit for one in trials
+    }
+
+
+@pytest.mark.parametrize("command", ["respond", "optimum", "autopilot", "margins", "fly"])
+def test_a_study_file_and_options_give_the_same_answer(command, file):
+    own = {
+        "respond": ("--model", "drift", "--limit-deg", "2", "--dead-band", "0.5"),
+        "optimum": ("--model", "drift", "--rate-limit-deg", "20"),
+        "autopilot": ("--model", "drift", "--limit-deg", "2", "--criteria", "aircraft", *LOOP),
+        "margins": (
+            *("--model", "drift", "--criteria", "aircraft", "--flown", *LOOP),
+            *("--limit-deg", "2", "--rate-limit-deg", "20"),
+        ),
+        "fly": ("--limit-deg", "2", "--dead-band", "0.5"),
+    }[command]
+    same = ("--flown",) if command == "margins" else ()
+    assert asked(command, file, *same) == asked(command, *AS_OPTIONS, *own)
+
+
+def test_a_model_that_is_not_flown_is_told():
+    drift = tv.Case(vehicle=tv.load_vehicle("made-up-launcher"), model="drift")
+    assert drift.plant.model == "drift-exact"
+    assert "the model is drift-exact: drift leaves out the structure" in told(drift, "margins")
+    assert "the model is drift-exact" not in " ".join(told(drift, "respond"))
+    fast = tv.Case(vehicle=tv.load_vehicle("configuration-i"), model="drift-and-speed")
+    (sentence,) = told(fast, "laws")
+    assert sentence.startswith("the model is drift-exact: drift-and-speed has a speed")
+    assert not list(told(fast, "margins"))
+
+
+def test_an_option_counts_more_than_the_file(file):
+    over = ("--natural-frequency", "1.5", "--delay-ms", "0", "--limit-deg", "3", "--plane", "pitch")
+    found = asked("autopilot", file, *over)
+    gains = found["autopilot"]
+    assert (gains["delay_s"], found["limit_deg"], found["plane"]) == (
+        0.0,
+        pytest.approx(3),
+        "pitch",
+    )
+    given = asked("autopilot", file, "--attitude-gain", "1", "--rate-gain", "2")["autopilot"]
+    assert (given["attitude_gain"], given["rate_gain_s"]) == (1.0, 2.0)
+    lqr = asked("margins", file, "--design", "lqr")["autopilot"]
+    assert lqr["attitude_gain"] != gains["attitude_gain"]
+    capable = asked("respond", file, "--capability", "1.5")
+    assert capable["limit_deg"] == pytest.approx(1.5 * capable["required_deg"], rel=1e-12)
+
+
+def test_gains_for_the_least_nozzle_in_a_file_are_those_of_the_study(tmp_path):
+    path = tmp_path / "least.toml"
+    path.write_text(
+        """
+[study]
+vehicle = "configuration-i"
+[wind]
+peak_deg = 5
+duration_s = 7.5
+[autopilot]
+design = "least-nozzle"
+crossover_rad_per_s = 2
+delay_ms = 20
+"""
+    )
+    sought = find(tv.load_study(path)).comparison.autopilot
+    for command in ("autopilot", "margins"):
+        gains = asked(command, str(path))["autopilot"]
+        assert (gains["attitude_gain"], gains["rate_gain_s"]) == (
+            sought.attitude_gain,
+            sought.rate_gain,
+        )
+    other = asked("autopilot", str(path), "--design", "canonical")["autopilot"]
+    assert other["attitude_gain"] != sought.attitude_gain
+
+
+def test_a_sounding_meets_the_flight_of_the_study_file(tmp_path):
+    sounding = ("--winds", "tests/soundings/wyoming.txt", "--azimuth-deg", "90")
+    path = tmp_path / "my.toml"
+    path.write_text(STUDY.partition("[wind]")[0] + "[wind]\npeak_deg = 4\nduration_s = 5\n")
+    beside = ("--model", "drift", "--plane", "yaw", "--dead-band", "0.5")
+    found = asked("respond", str(path), *sounding)
+    assert found == asked("respond", "configuration-i", *sounding, *beside)
+    flight = asked("fly", str(path), *sounding, "--along-trajectory", "--dead-band", "1")
+    assert flight == asked(
+        "fly", "configuration-i", *sounding, "--along-trajectory", "--plane", "yaw"
+    )
+
+
+def test_a_vehicle_with_its_numbers_in_the_study_file_has_no_flight(tmp_path):
+    path = tmp_path / "my.toml"
+    lines = "\n".join(
+        f"{key} = {value}"
+        for key, value in {
+            **{"weight_N": 1.48e6, "moment_of_inertia_kg_m2": 3e7, "thrust_N": 2.1e6},
+            **{"aerodynamic_arm_m": 9.0, "control_arm_m": 20.0, "velocity_m_per_s": 500.0},
+            **{"attitude_deg": 60.0, "time_s": 66.0, "axial_force_N": 2e5},
+            "normal_force_slope_N_per_rad": 2e6,
+        }.items()
+    )
+    wind = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+    path.write_text(f"[study.vehicle]\n{lines}\n{wind}")
+    result = run("fly", str(path), "--along-trajectory")
+    assert (result.exit_code, "name a vehicle file with a table [flight]" in result.output) == (
+        2,
+        True,
+    )
+    assert asked("poles", str(path))["plane"] == "pitch"
