@@ -252,7 +252,7 @@ class Structure:
         parts = (self.engine, self.attitude_sensor, self.rate_gyro)
         return not (self.bending or self.slosh) and all(part is None for part in parts)
 
-    @property
+    @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one structure."""
         return _batch(self)
