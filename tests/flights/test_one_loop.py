@@ -172,8 +172,8 @@ def agreed(plant, autopilot):
     margins = autopilot.exact_loop(plant).closed_loop_poles
     flight = np.linalg.eigvals(flown_step(plant, autopilot))
     other = np.linalg.eigvals(independent_step(plant, autopilot))
-    assert same_spectrum(margins, other, 1e-7)
-    assert same_spectrum(flight, other, 1e-7)
+    assert same_spectrum(margins, other, 1e-9)
+    assert same_spectrum(flight, other, 1e-9)
     sizes = [np.abs(one).max() for one in (margins, flight, other)]
     # A multiple root at the edge moves by the root of the rounding.
     assert np.ptp(sizes) < 1e-6 * max(sizes)
