@@ -226,9 +226,12 @@ def test_every_part_of_a_study_file_is_computed_or_told(question, files):
     base = found(STUDY | {"nozzle": {"limit_deg": 2.0}})
     assert base.exit_code in (0, 1), base.output
     wrong = {}
-    in_files = dict(IN_FILES)
+    in_files = IN_FILES | {"shape of the stop": {"nozzle": {"stop": "square"}}}
     if question == "margins":  # with less the flight is lost
-        in_files["rate limit"] = {"nozzle": {"rate_limit_deg_per_s": 1.0}}
+        in_files |= {
+            "rate limit": {"nozzle": {"rate_limit_deg_per_s": 1.0}},
+            "limit": {"nozzle": {"limit_deg": 3.0}},
+        }
     for part, change in in_files.items():
         result = found(changed_by(STUDY | {"nozzle": {"limit_deg": 2.0}}, change))
         changed = result.exit_code in (0, 1) and result.stdout != base.stdout

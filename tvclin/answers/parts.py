@@ -60,6 +60,7 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "margins without --flown": ("rate limit", "limit"),
     "margins without --flown and --box": ("gust", "head wind", "heading"),
     "laws of a rigid vehicle": _LAW,
+    "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
 }

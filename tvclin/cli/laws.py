@@ -98,6 +98,7 @@ def laws(
     asked, hardware = case.laws, case.hardware
     if asked is not None and sample_rate is None:
         hardware["sample_rate"] = asked.sample_rate
+        note_left_out(case, "laws with a rate in [laws]")
     loaded, flying = case.vehicle, plant_of(case.vehicle, case.law_model, case.plane)
     plant, rate = flying.rigid, hardware["sample_rate"]
     peak, duration, every = _winds(blows, wind, case)
