@@ -155,17 +155,27 @@ def away():
             os.chdir(here)
 
 
-def found(count: int) -> Callable:
-    """Return the settings of a search of so many cases."""
-    return settings(
-        max_examples=MORE or count,
-        derandomize=not MORE,
-        deadline=None,
-        database=None,
-        phases=[Phase.explicit, Phase.generate],
-        suppress_health_check=list(HealthCheck),
-        print_blob=True,
-    )
+def found(count: int, *strategies: Any) -> Callable:
+    """Return what searches among so many cases where it is thorough, else among a quarter."""
+
+    def searching(check_one: Callable) -> Callable:
+        @pytest.mark.parametrize(
+            "cases", [-(-count // 4), pytest.param(count, marks=pytest.mark.thorough)]
+        )
+        def search(cases: int) -> None:
+            settings(
+                max_examples=MORE or cases,
+                derandomize=not MORE,
+                deadline=None,
+                database=None,
+                phases=[Phase.explicit, Phase.generate],
+                suppress_health_check=list(HealthCheck),
+                print_blob=True,
+            )(given(*strategies)(check_one))()
+
+        return search
+
+    return searching
 
 
 CHEAP = ("study", "boundary", "optimum", "respond", "poles", "margins", "vehicles", "doctor")
@@ -223,15 +233,13 @@ sources = st.one_of(
 )
 
 
-@given(command_lines(list(CHEAP), sources))
-@found(120)
+@found(120, command_lines(list(CHEAP), sources))
 def test_no_option_is_a_traceback_or_no_number(line: list[str]) -> None:
     with away():
         check(*line)
 
 
-@given(command_lines(list(DEAR), st.just([])))
-@found(25)
+@found(25, command_lines(list(DEAR), st.just([])))
 def test_no_option_of_a_long_command_is_a_traceback_or_an_endless_wait(line: list[str]) -> None:
     with away():
         check(*line)
@@ -277,12 +285,12 @@ def _written(name: str, text: str) -> None:
 VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins", "size", "fly"]
 
 
-@given(
+@found(
+    100,
     mutated(VEHICLE),
     st.sampled_from(VEHICLE_COMMANDS),
     st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
 )
-@found(100)
 def test_no_vehicle_file_is_a_traceback_or_no_number(text: str, name: str, model: str) -> None:
     with away():
         _written("my.toml", text)
@@ -308,13 +316,13 @@ def far_off(draw: Callable) -> str:
     return re.sub(r"(?m)^(\w+ = )([0-9.e+]+)", changed, text)
 
 
-@given(
+@found(
+    100,
     far_off(),
     st.sampled_from([*VEHICLE_COMMANDS, "respond", "optimum", "autopilot"]),
     st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
     st.sampled_from([[], ["--plane", "yaw"], ["--duration", "0.1"], ["--duration", "60"]]),
 )
-@found(100)
 def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more) -> None:
     with away():
         _written("my.toml", text)
@@ -324,24 +332,21 @@ def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more)
         check(name, "my.toml", *options.get(name, ["--model", model]), *more)
 
 
-@given(mutated(VEHICLE))
-@found(10)
+@found(10, mutated(VEHICLE))
 def test_no_flight_along_the_trajectory_is_a_traceback(text: str) -> None:
     with away():
         _written("my.toml", text)
         check("fly", "my.toml", "--along-trajectory")
 
 
-@given(st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "study", "size"]))
-@found(60)
+@found(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "study", "size"]))
 def test_no_study_file_is_a_traceback_or_no_number(text: str, name: str) -> None:
     with away():
         _written("my.toml", text)
         check(name, "my.toml")
 
 
-@given(st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
-@found(30)
+@found(30, st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
 def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> None:
     with away():
         name = "my.toml" if text.startswith("[") else "my.csv"
@@ -349,8 +354,7 @@ def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> No
         check("size", name, "--every", "10", *["--varying"] * varying)
 
 
-@given(st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
-@found(40)
+@found(40, st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
 def test_no_sounding_is_a_traceback(file: Path, data) -> None:
     text = "\n".join(file.read_text(errors="replace").splitlines()[:60])
     with away():
@@ -358,8 +362,7 @@ def test_no_sounding_is_a_traceback(file: Path, data) -> None:
         check("size", "--every", "60", "--winds", file.name, "--azimuth-deg", "90")
 
 
-@given(mutated(CAMPAIGN))
-@found(40)
+@found(40, mutated(CAMPAIGN))
 def test_no_campaign_file_is_a_traceback(text: str) -> None:
     pytest.importorskip("pyarrow")
     with away():
