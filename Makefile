@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test suite rest test-all other-processor coverage lint bench notebooks docs packages clean help
+.PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -21,11 +21,11 @@ SUITE = $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
 suite:
 	$(SUITE) -m "not thorough"
 
-rest: export PYTHONDONTWRITEBYTECODE =
-rest: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
+thorough: export PYTHONDONTWRITEBYTECODE =
+thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
 	$(SUITE) -m thorough
 
-test-all: test rest other-processor  ## pass all tests there are, half an hour
+test-all: test thorough other-processor  ## pass all tests there are, half an hour
 
 # By turns, a day each; PROCESSOR=Prescott takes that one.
 NUMBERS := kernels linear boundary control flights
