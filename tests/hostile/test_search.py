@@ -1,7 +1,8 @@
 """A search for files and options that end in a traceback, in no number, or never.
 
 Every case is one command, run here with mutated files and random options. It takes some hundred
-cases in a run, always the same; TVCLIN_HOSTILE=5000 looks at so many of each kind, at random.
+cases, always the same, a quarter of them in a usual run; TVCLIN_HOSTILE=5000 looks at so many of
+each kind, at random.
 """
 
 import os
@@ -15,13 +16,14 @@ from typing import Any, get_args
 
 import pytest
 import typer
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.clock import THERE, ending
 from tests.studies import FLIGHT as FLIGHT_STUDY
+from tests.turns import drawn
 from tvclin.answers.campaign.file import template as campaign_template
 from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app, function_of
@@ -157,25 +159,17 @@ def away():
 
 def found(count: int, *strategies: Any) -> Callable:
     """Return what searches among so many cases where it is thorough, else among a quarter."""
-
-    def searching(check_one: Callable) -> Callable:
-        @pytest.mark.parametrize(
-            "cases", [-(-count // 4), pytest.param(count, marks=pytest.mark.thorough)]
-        )
-        def search(cases: int) -> None:
-            settings(
-                max_examples=MORE or cases,
-                derandomize=not MORE,
-                deadline=None,
-                database=None,
-                phases=[Phase.explicit, Phase.generate],
-                suppress_health_check=list(HealthCheck),
-                print_blob=True,
-            )(given(*strategies)(check_one))()
-
-        return search
-
-    return searching
+    more = {"max_examples": MORE, "derandomize": False} if MORE else {}
+    return drawn(
+        -(-count // 4),
+        count,
+        *strategies,
+        database=None,
+        phases=[Phase.explicit, Phase.generate],
+        suppress_health_check=list(HealthCheck),
+        print_blob=True,
+        **more,
+    )
 
 
 CHEAP = ("study", "boundary", "optimum", "respond", "poles", "margins", "vehicles", "doctor")
