@@ -2,6 +2,7 @@
 
 import pytest
 
+from tvclin.control.comparison import duration
 from tvclin.vehicle.file import vehicle_text
 
 
@@ -14,9 +15,7 @@ def stable_vehicle(tmp_path):
     return file
 
 
-@pytest.fixture
-def few_swings(monkeypatch):
-    """Look for the worst duration of a wind at 50 in the swings of a mode, not at 2000."""
-    from tvclin.control.comparison import duration
-
+@pytest.fixture(autouse=True)
+def _few_swings(monkeypatch):
+    """Look for the worst duration at 50 in the swings of a mode: tests/control look at 2000."""
     monkeypatch.setattr(duration, "_MOST_IN_A_SWING", 50)

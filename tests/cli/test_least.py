@@ -106,7 +106,6 @@ def test_what_is_asked_wrongly_is_said_in_a_sentence(arguments, words):
     assert words in " ".join(found.output.split())
 
 
-@pytest.mark.usefixtures("few_swings")
 def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
     """Gains found for the rigid vehicle miss the criteria on the same file, by every command."""
     given = ("autopilot", "made-up-launcher", "--delay-ms", "10")
@@ -120,7 +119,6 @@ def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
         assert (answer.exit_code, json.loads(answer.stdout)["criteria"]["met"]) == (1, False)
 
 
-@pytest.mark.usefixtures("few_swings")
 def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
     notch = ("made-up-launcher", "--notch-hz", "5.6,0.05,0.7", "--json")
     found = json.loads(run("autopilot", "--least", "--crossover", "2", *notch).stdout)
