@@ -606,7 +606,9 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Loop.from_system, {"system": autopilot.loop(plant), "delay": 0.1}
         ),
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
-        "MeasuredWind": Door(tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust}),
+        "MeasuredWind": Door(
+            tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust, "notes": ("calm",)}
+        ),
         "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
         "MeasuredWind.samples": Door(tv.MeasuredWind(sampled).samples, {"vehicle": booster}),
         "MeasuredWind.to_both_sides": Door(

@@ -9,6 +9,7 @@ import numpy as np
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import (
     InputError,
+    each,
     instance,
     number,
     one_of,
@@ -62,6 +63,7 @@ class MeasuredWind:
         if self.window is not None:
             number("window", self.window, positive, "s")
         checked_gust(self.gust)
+        object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
 
     @property
     def known(self) -> tuple[float, float]:
