@@ -25,7 +25,7 @@ thorough: export PYTHONDONTWRITEBYTECODE =
 thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
 	$(SUITE) -m thorough
 
-test-all: test thorough other-processor  ## pass all tests there are, half an hour
+test-all: test thorough other-processor  ## pass the tests, the thorough ones, and those as on an older processor
 
 # By turns, a day each; PROCESSOR=Prescott takes that one.
 NUMBERS := kernels linear boundary control flights
