@@ -58,8 +58,10 @@ def test_a_command_that_is_told_to_end_leaves_nothing_half_written(tmp_path) -> 
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
-def test_a_figure_on_a_full_disk_is_one_sentence(tmp_path, kind) -> None:
+def test_a_figure_on_a_full_disk_is_one_sentence(tmp_path, kind, monkeypatch) -> None:
     resource = pytest.importorskip("resource")
+    # Else what is first imported here leaves its bytecode cut short.
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
     plot = plots.boundary_chart([0.5, 1.0], (1.0,))
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
