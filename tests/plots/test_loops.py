@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import by_turns
 from tvclin import plots
 from tvclin.plots.bode_and_nichols import box_sides
 from tvclin.plots.locus import LocusPoles
@@ -114,8 +115,7 @@ def heading(plot):
     return suptitle or plot.axes[0, 0].get_title()
 
 
-@pytest.mark.parametrize("name", CHARTS)
-@pytest.mark.parametrize("make", [course, drifting, integrating, weak])
+@by_turns("name,make", CHARTS, [course, drifting, integrating, weak], each=2)
 def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name, make):
     _, plant = make()
     plot = chart(name, make)
