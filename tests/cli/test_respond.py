@@ -167,7 +167,7 @@ def test_the_csv_is_the_exact_response(tmp_path):
     end = document(*asked)["shown_until"]["time_s"]
     expected = tv.attitude_responses(plant, deflection, wind, np.linspace(0.0, end, 31))
     assert "Configuration I" in comment
-    assert "model drift, K = 1, limit 0.3912 deg" in comment
+    assert "model drift, K = 1, limit 0.391 deg" in comment
     assert headings == (
         "time [s],attitude [deg],attitude_rate [deg/s],flight_path_angle [deg],"
         "angle_of_attack [deg],deflection [deg],wind [deg]"

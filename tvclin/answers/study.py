@@ -22,7 +22,7 @@ from tvclin.answers.study_notes import (
     slow_or_paired,
     undamped,
 )
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import table
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
@@ -32,6 +32,7 @@ from tvclin.base.errors import (
     one_of,
     single,
 )
+from tvclin.base.lines import Row, degrees, least, quantities, significant
 from tvclin.base.tables import Table
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
@@ -378,17 +379,17 @@ class Study:
     def _repr_html_(self) -> str:
         deg, wind = np.degrees, self.wind
         rows: list[Row] = [
-            ("model, plane", f"{self.model}, {self.plane}", ""),
-            ("wind", f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s", ""),
-            ("dead band", self.dead_band, "-"),
-            ("required deflection", deg(self.required_deflection), "deg"),
-            ("governed by", self.governs, ""),
-            ("ideal trim", deg(self.trim_deflection), "deg"),
+            ("model, plane", (f"{self.model}, {self.plane}",)),
+            ("wind", (f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s",)),
+            ("dead band", significant("dead_band", self.dead_band)),
+            ("required deflection", least(degrees("", self.required_deflection, unit="deg"))),
+            ("governed by", (self.governs,)),
+            ("ideal trim", degrees("trim", self.trim_deflection, unit="deg")),
         ]
         if self.limit is not None:
-            word = "sufficient" if self.sufficient else "NOT sufficient"
-            rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
-        return card(self.vehicle.name or "Study", rows)
+            rows.append(("limit", degrees("limit", self.limit, unit="deg")))
+            rows.append(("verdict", ("sufficient" if self.sufficient else "NOT sufficient",)))
+        return table(quantities(self.vehicle.name or "Study", rows))
 
 
 def _needed(

@@ -20,9 +20,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.base import lines
 from tvclin.base.cards import card
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
+from tvclin.base.lines import Line, Table, number, significant
 from tvclin.boundary.after_trim import least_after_trim
 from tvclin.boundary.closed_forms import (
     TriangularLimit,
@@ -103,6 +105,15 @@ class BoundaryLimit:
     status: Any
 
     as_dict = keyed("limit deflection_deg=|deflection| switch_time_s status")
+
+    def table(self, caption: str, axis: str, places: FloatArray, dead_bands: FloatArray) -> Table:
+        """Return limits ``(n, k)`` at n places along an axis, for each of k dead bands."""
+        rows: list[tuple[Line, ...]] = []
+        for place, limits in zip(places, self.limit, strict=True):
+            named = zip(dead_bands, limits, strict=True)
+            cells = (lines.least(number(f"limit.{place:g}.{K:g}", one)) for K, one in named)
+            rows.append((significant(f"limit.{place:g}", place), *cells))
+        return Table(caption, (axis, *(f"K = {K:g}" for K in dead_bands)), tuple(rows))
 
     def _repr_html_(self) -> str:
         rows = [

@@ -12,6 +12,7 @@ from tvclin.base.errors import (
     fraction,
     whole_number,
 )
+from tvclin.base.lines import Line, number
 
 FloatArray = NDArray[np.float64]
 
@@ -90,6 +91,15 @@ class Success:
     lower: float
     upper: float
     confidence: float
+
+    def line(self, name: str) -> Line:
+        """Return the probability and its interval in percent, as a line with that name."""
+        percent = (
+            number(f"{name}{end}", 100.0 * part, 2)
+            for end, part in (("", self.estimate), ("_lower", self.lower), ("_upper", self.upper))
+        )
+        estimate, lower, upper = percent
+        return (*estimate, " % (", *lower, " to ", *upper, " %)")
 
     _repr_html_ = shows(
         "Probability of success", "estimate [-]", "lower [-]", "upper [-]", "confidence [-]"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tvclin.answers.least_gains.question import Question
 from tvclin.base.cards import card
 from tvclin.base.documents import keyed
+from tvclin.base.lines import Table, degrees, number
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins
 
@@ -69,6 +70,20 @@ class LeastGains:
         "meaning deflection_deg part_of_trim=relative worst_wind each_deg active"
         " unseen_stops_deg=unseen notes"
     )
+
+    def table(self) -> Table:
+        """Return what each wind asks."""
+        words = {
+            "peak": "largest deflection of the linear loop",
+            "boundary": "least limit with which flights survive",
+        }
+        q = self.question
+        rows = tuple(
+            ((name,), degrees(f"least.{name}", one), number(f"least.{name}.part", one / trim))
+            for name, one, trim in zip(q.names, self.each, q.trims, strict=True)
+        )
+        caption = f"Least nozzle: {words[self.meaning]}"
+        return Table(caption, ("wind", "[deg]", "of trim"), rows)
 
     def _repr_html_(self) -> str:
         a = self.autopilot
