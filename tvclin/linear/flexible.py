@@ -139,7 +139,7 @@ class FlexiblePlant:
                 warnings.warn(f"{name} has no damping", stacklevel=2)
         return plant
 
-    @property
+    @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one vehicle."""
         return broadcast(vehicle=self.vehicle.batch, structure=self.structure.batch)

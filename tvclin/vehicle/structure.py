@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -252,7 +253,7 @@ class Structure:
         parts = (self.engine, self.attitude_sensor, self.rate_gyro)
         return not (self.bending or self.slosh) and all(part is None for part in parts)
 
-    @property
+    @cached_property
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one structure."""
         return _batch(self)

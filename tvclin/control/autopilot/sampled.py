@@ -65,18 +65,22 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
     batch = np.broadcast_shapes(vehicle.batch, law.batch, period.shape, delay.shape)
     h, late = (np.broadcast_to(one, batch) for one in (period, delay))
 
-    def later(delays: FloatArray, cases: NDArray[np.intp]) -> StateLoop:
+    def steps_later(delays: FloatArray, cases: NDArray[np.intp]) -> LinearSystem:
         own, seen = (one.some(cases, batch) for one in (vehicle, law))
-        return _looped(own, seen, h.ravel()[cases], delays)
+        return own.to_steps(h.ravel()[cases], delays).series(seen)
 
-    return SampledLoop(_looped(vehicle, law, h, late), batch, h, late, later)
+    def later(delays: FloatArray, cases: NDArray[np.intp]) -> StateLoop:
+        return _in_plane(steps_later(delays, cases), h.ravel()[cases])
+
+    def closed_later(delays: FloatArray, cases: NDArray[np.intp]) -> NDArray[np.complex128]:
+        return steps_later(delays, cases).feedback(RETURNED, COMMAND).poles
+
+    open_loop = _in_plane(vehicle.to_steps(h, late).series(law), h)
+    return SampledLoop(open_loop, batch, h, late, later, closed_later)
 
 
-def _looped(
-    vehicle: LinearSystem, law: LinearSystem, period: FloatArray, delay: FloatArray
-) -> StateLoop:
-    """The loops in w of a vehicle, in continuous time, and a law in steps; of periods ``(...)``."""
-    steps = vehicle.to_steps(period, delay).series(law)
+def _in_plane(steps: LinearSystem, period: FloatArray) -> StateLoop:
+    """The loops in w of what goes round in steps of periods ``(...)``."""
     found = state_space.from_steps(steps.matrices(), 0.5 * period)
     A, B, C, D = (
         np.broadcast_to(m, (*period.shape, *m.shape[-2:])).reshape(period.size, *m.shape[-2:])

@@ -45,11 +45,14 @@ class SampledLoop(Loop):
     later : callable
         Takes delays below h [s] ``(k,)`` and the positions ``(k,)`` of loops in the flattened
         batch, and gives these loops with those delays.
+    closed_later : callable
+        Takes delays [s] and positions alike, and gives the closed-loop poles z ``(k, n)``.
     """
 
     period: FloatArray
     late: FloatArray
     later: Callable[[FloatArray, NDArray[np.intp]], StateLoop]
+    closed_later: Callable[[FloatArray, NDArray[np.intp]], ComplexArray]
 
     def __init__(
         self,
@@ -58,9 +61,11 @@ class SampledLoop(Loop):
         period: FloatArray,
         late: FloatArray,
         later: Callable[[FloatArray, NDArray[np.intp]], StateLoop],
+        closed_later: Callable[[FloatArray, NDArray[np.intp]], ComplexArray],
     ) -> None:
         self._hold(form, batch)
-        for name, value in (("period", period), ("late", late), ("later", later)):
+        own = {"period": period, "late": late, "later": later, "closed_later": closed_later}
+        for name, value in own.items():
             object.__setattr__(self, name, value)
 
     def response(self, omega: ArrayLike) -> ComplexArray:
@@ -150,9 +155,9 @@ class SampledLoop(Loop):
 
     def _grows(self, case: int, more: FloatArray) -> NDArray[np.bool_]:
         """Whether a loop grows with so much more delay [s], ``(m,)``."""
-        h, late = self.period.ravel()[case], self.late.ravel()[case]
-        w = 0.5 * h * self.later(late + more, np.full(more.size, case)).closed_poles()
-        return np.asarray(np.any(np.abs(1.0 + w) > (1.0 + _NEAR) * np.abs(1.0 - w), axis=-1))
+        late = self.late.ravel()[case]
+        z = self.closed_later(late + more, np.full(more.size, case))
+        return np.asarray(np.any(np.abs(z) > 1.0 + _NEAR, axis=-1))
 
     def _grows_within(self, case: int, most: float) -> float:
         """The delay [s] below `most` with which a loop begins to grow; `most` where it does not.
