@@ -120,12 +120,12 @@ def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
     return _shown(name, value, shown, unit)
 
 
-def upper_pole(name: str, pole: complex, digits: int = 6) -> Line:
+def upper_pole(name: str, pole: complex, digits: int = 5) -> Line:
     """Return a pole; one that is not real stands for its pair."""
     return complex_number(name, pole, digits, "±")
 
 
-def complex_number(name: str, value: complex, digits: int = 6, sign: str = "") -> Line:
+def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:
     """Return a complex number; the sign of its imaginary part, where it has one, may be given."""
     real = significant(f"{name}.real", value.real, digits)
     if not value.imag:
