@@ -7,6 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Row, Table, degrees, least, number, quantities, significant
 from tvclin.boundary.limit import boundary_limit
@@ -20,7 +21,7 @@ _FEW = 6
 
 
 @dataclass(frozen=True, eq=False)
-class KnownWind:
+class KnownWind(Shown):
     """The least deflection in a wind that is known beforehand, and what stands beside it.
 
     Attributes

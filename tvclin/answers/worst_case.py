@@ -14,10 +14,10 @@ from tvclin.answers.campaign.dispersions import KINDS, MODES, WIND
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.search import least
 from tvclin.base import lines
-from tvclin.base.cards import table
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -41,7 +41,7 @@ LOOP = {
 """Numbers of the loop that are no gains of the autopilot, each of a kind of `UNITS`; `gain` is a
 factor on all of them."""
 _VEHICLE = tuple(name for name in KINDS if name not in {*WIND, *GAINS, *MODES})
-BOX_TABLE = Table("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
+BOX_TABLE = FileTable("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
 """The numbers of a box around a `Vehicle`, as the command line names them."""
 _COEFFICIENTS = tuple(one.name for one in fields(Coefficients))
 _MOST = 10
@@ -87,7 +87,7 @@ class Worst:
 
 
 @dataclass(frozen=True, eq=False)
-class WorstCase:
+class WorstCase(Shown):
     """The worst margins and the worst required deflection in a box.
 
     Attributes
@@ -109,6 +109,8 @@ class WorstCase:
     stable: bool
     deflection: Worst | None
     tried: int
+
+    _keys = "stable tried"
 
     as_dict = keyed("box margins stable required_deflection_rad=deflection tried")
 

@@ -88,11 +88,9 @@ class Compared:
         return [None if one is None else float(np.degrees(one)) for one in self.boundary]
 
     def _print(self) -> None:
-        for line in self.heads:
-            say(line)
+        say("\n".join(self.heads))
         print_tables(self.flight.table(self.title, self.columns, self.boundary))
-        for line in self.ends:
-            say(line)
+        say("\n".join(self.ends))
 
     def _document(self) -> dict[str, Any]:
         from tvclin.base.documents import picked

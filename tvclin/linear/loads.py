@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base import errors
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, nonnegative
 from tvclin.base.lines import Table, degrees, number
 from tvclin.linear.extremes import Extremes, Point, probe_times, summit
@@ -22,7 +22,7 @@ _NAMES = ("angle_of_attack", "attitude")
 
 
 @dataclass(frozen=True)
-class Loads:
+class Loads(Shown):
     """Largest sizes while the wind blows, with their signs.
 
     Attributes
@@ -43,13 +43,7 @@ class Loads:
     peak_attitude: float
     relative: float
 
-    _repr_html_ = shows(
-        "Loads while the wind blows",
-        "peak_angle_of_attack [deg]",
-        "peak_time [s]",
-        "peak_attitude [deg]",
-        "relative [-]",
-    )
+    _keys = "peak_angle_of_attack_deg peak_time_s peak_attitude_deg relative"
 
     def bending_indicator(self, normal_force_slope: float) -> float:
         """Return the peak normal force N alpha [N], to which the bending moment is proportional."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
 from tvclin.base.lines import Line, Table, complex_number, upper_pole
 from tvclin.kernels import polynomials
@@ -21,7 +21,7 @@ _TOGETHER = 2e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Shown):
     """Poles, and the residues of the attitude transfer functions there.
 
     All have shape ``(..., N)``, sorted from the fastest growing pole down; real when every pole
@@ -41,13 +41,7 @@ class Modes:
     deflection_residues: NDArray[Any]
     wind_residues: NDArray[Any]
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("poles", self.poles, "1/s"),
-            ("residues from the deflection", self.deflection_residues, "1/s"),
-            ("residues from the wind", self.wind_residues, "1/s"),
-        ]
-        return card("Modes", rows)
+    _keys = "poles_per_s deflection_residues_per_s wind_residues_per_s"
 
 
 def mode_table(caption: str, found: Mapping[str, Modes]) -> Table:

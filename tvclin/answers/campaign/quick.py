@@ -20,7 +20,7 @@ from tvclin.answers.campaign.statistics import (
 )
 from tvclin.answers.requirement import covers
 from tvclin.answers.study import Study
-from tvclin.base.cards import table
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
@@ -39,7 +39,7 @@ _MOST_CASES = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class DispersedStudy:
+class DispersedStudy(Shown):
     """A study with its vehicle and wind dispersed.
 
     Attributes
@@ -74,6 +74,11 @@ class DispersedStudy:
     required: Quantile
     success: Success | None
     drivers: dict[str, float]
+
+    _keys = (
+        "cases=required.cases seed median_deg estimate_deg=required.estimate"
+        " upper_deg=required.upper drivers"
+    )
 
     as_dict = keyed(
         "cases=required.cases seed probability=required.probability confidence=required.confidence"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card, shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
     fraction,
@@ -27,7 +27,7 @@ def shares(probability: float, confidence: float) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Quantile:
+class Quantile(Shown):
     """A quantile of a sample with its confidence bounds, by order statistics.
 
     Attributes
@@ -52,16 +52,7 @@ class Quantile:
     lower: float
     cases: int
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("probability", self.probability, "-"),
-            ("estimate", self.estimate, ""),
-            ("no larger than", self.upper, ""),
-            ("no smaller than", self.lower, ""),
-            ("confidence of each bound", self.confidence, "-"),
-            ("cases", self.cases, ""),
-        ]
-        return card("Quantile", rows)
+    _keys = "probability estimate upper lower confidence cases"
 
     @property
     def converged(self) -> bool:
@@ -76,7 +67,7 @@ class Quantile:
 
 
 @dataclass(frozen=True)
-class Success:
+class Success(Shown):
     """A probability of success, or of loss, with its Clopper-Pearson interval.
 
     Attributes
@@ -101,9 +92,7 @@ class Success:
         estimate, lower, upper = percent
         return (*estimate, " % (", *lower, " to ", *upper, " %)")
 
-    _repr_html_ = shows(
-        "Probability of success", "estimate [-]", "lower [-]", "upper [-]", "confidence [-]"
-    )
+    _keys = "estimate lower upper confidence"
 
 
 @dataclass(frozen=True)

@@ -9,17 +9,18 @@ import numpy as np
 
 from tvclin.answers.campaign.outputs import required_name
 from tvclin.answers.campaign.results import CampaignResults
-from tvclin.answers.campaign.statistics import Driver, Quantile, Success, shares
+from tvclin.answers.campaign.statistics import Quantile, Success, shares
+from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.lines import Line, Row, Table, degrees, number, quantities, significant
 
-_WORST, _DRIVERS = 5, 5
+_MOST = 5
 """So many cases and drivers are shown."""
 _SURE = 0.999
 
 
 @dataclass(frozen=True, eq=False)
-class CampaignSummary:
+class CampaignSummary(Shown):
     """One output of a campaign, over all finished cases; make it with `of`.
 
     Attributes
@@ -46,6 +47,8 @@ class CampaignSummary:
     success: Success | None
     survival: Success | None
     loss: Success | None
+
+    _keys = "output median_deg required success survival"
 
     @classmethod
     def of(
@@ -75,11 +78,6 @@ class CampaignSummary:
         return bands.get(self.output, 1.0) < 1.0
 
     @property
-    def nominal(self) -> float | None:
-        """The output without any dispersion [rad]; None for a wind ensemble."""
-        return self.found.nominal.get(self.output)
-
-    @property
     def median(self) -> float:
         """The median of the answers [rad]."""
         return float(np.median(self.answers))
@@ -87,28 +85,26 @@ class CampaignSummary:
     @property
     def worst(self) -> dict[int, float]:
         """The cases that need the most [rad], the worst first."""
-        cases = self.found.worst(_WORST, self.output).tolist()
+        cases = self.found.worst(_MOST, self.output).tolist()
         return dict(zip(cases, np.sort(self.answers)[::-1].tolist(), strict=False))
-
-    @property
-    def loss_drivers(self) -> dict[str, Driver]:
-        """What drives the loss of flights, the strongest first."""
-        return self.found.loss_drivers()
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         found, flights = self.found, self.found.flights
+        nominal = found.nominal.get(self.output)
         return {
             **picked(found.campaign, "vehicle=vehicle.name model"),
             **picked(self, "output trusts_a_forecast"),
             **picked(found, "cases cases_planned=campaign.cases complete"),
             "statuses": found.statuses(),
             **picked(self.required, "probability confidence"),
-            **picked(self, "nominal_deg median_deg"),
+            "nominal_deg": None if nominal is None else np.degrees(nominal),
+            **picked(self, "median_deg"),
             **picked(self.required, "estimate_deg lower_deg upper_deg"),
             **picked(self, "limit_deg success survival"),
             "flights": flights and dict(zip(("survived", "lost"), flights, strict=True)),
-            **picked(self, "loss loss_drivers"),
+            "loss": self.loss,
+            "loss_drivers": found.loss_drivers(),
             "drivers": found.drivers(self.output),
             "worst": [{"case": k, "deg": np.degrees(v)} for k, v in self.worst.items()],
             "convergence": [
@@ -140,8 +136,8 @@ class CampaignSummary:
         done = f"{found.cases} of {found.campaign.cases}"
         rows: list[Row] = [("cases", (done if found.complete else f"{done}, unfinished",))]
         rows += [(f"  {k.split(';')[0]}", (str(count),)) for k, count in found.statuses().items()]
-        if self.nominal is not None:
-            rows.append(("nominal", _angle("nominal", self.nominal)))
+        if found.nominal:
+            rows.append(("nominal", _angle("nominal", found.nominal[self.output])))
         rows += [
             ("median", _angle("median", self.median)),
             (of_cases, _angle("estimate", self.required.estimate)),
@@ -156,7 +152,7 @@ class CampaignSummary:
         if self.trusts_a_forecast:
             said = "trusts a forecast of the wind; K = 1 needs none"
             rows.append(("this dead band", (said,)))
-        drivers = list(found.drivers(self.output).items())[:_DRIVERS]
+        drivers = list(found.drivers(self.output).items())[:_MOST]
         worst = [_of(str(k), _angle(f"worst.{k}", one)) for k, one in self.worst.items()]
         driven = [_of(k, (*number(f"driver.{k}", one, 2),)) for k, one in drivers]
         return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
@@ -173,9 +169,11 @@ class CampaignSummary:
         """What drives the loss of flights, as far as the confidence asked for reaches."""
         if not lost or not survived:
             return "nothing: every flight is lost" if lost else "nothing: no flight is lost"
-        known = {k: v for k, v in self.loss_drivers.items() if v.sure >= self.required.confidence}
+        known = {
+            k: v for k, v in self.found.loss_drivers().items() if v.sure >= self.required.confidence
+        }
         shown = [f"{k} ({v.rank:+.2f}, {_sure(v.sure)} sure)" for k, v in known.items()]
-        return ", ".join(shown[:_DRIVERS]) or "nothing that stands out from chance"
+        return ", ".join(shown[:_MOST]) or "nothing that stands out from chance"
 
 
 _BOUNDS = ("lower", "estimate", "upper")

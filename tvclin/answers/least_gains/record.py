@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.least_gains.question import Question
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Table, degrees, number
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -20,7 +20,7 @@ PEAK, BOUNDARY = "peak", "boundary"
 
 
 @dataclass(frozen=True, eq=False)
-class LeastGains:
+class LeastGains(Shown):
     """Of all gains that have the margins asked for, those that need the least deflection.
 
     Attributes
@@ -85,16 +85,8 @@ class LeastGains:
         caption = f"Least nozzle: {words[self.meaning]}"
         return Table(caption, ("wind", "[deg]", "of trim"), rows)
 
-    def _repr_html_(self) -> str:
-        a = self.autopilot
-        rows = [
-            ("attitude gain a0", a.attitude_gain, "-"),
-            ("rate gain a1", a.rate_gain, "s"),
-            ("alpha gain b0", a.alpha_gain, "-"),
-            (f"{self.meaning} deflection", np.degrees(self.deflection), "deg"),
-            ("over trim", self.relative, "-"),
-            ("held by", ", ".join(self.active) or "no constraint: a flat minimum", ""),
-            ("disk margin", self.margins.disk_margin, "-"),
-            *(("note", one, "") for one in self.notes),
-        ]
-        return card("Gains for the least nozzle", rows)
+    _keys = (
+        "attitude_gain=autopilot.attitude_gain rate_gain_s=autopilot.rate_gain"
+        " alpha_gain=autopilot.alpha_gain meaning deflection_deg over_trim=relative"
+        " disk_margin=margins.disk_margin held_by=active notes"
+    )

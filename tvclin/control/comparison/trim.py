@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base import lines
-from tvclin.base.cards import table
+from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, ending, instance
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -32,7 +32,7 @@ DEAD_BANDS = (1.0, 0.5, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class TrimComparison:
+class TrimComparison(Shown):
     """What an autopilot does in a wind, beside trim and the least deflections of the theory.
 
     Angles are sizes [rad]. Where the closed loop is unstable the autopilot's are infinite.
@@ -80,6 +80,11 @@ class TrimComparison:
     minimum: float
     wind_gain: float
     notes: tuple[str, ...] = ()
+
+    _keys = (
+        "model=plant.model status=margins.status peak_deflection_deg trim_deflection_deg"
+        " minimum_deg notes"
+    )
 
     def deflections(self, caption: str = "", stop: float | None = None) -> lines.Table:
         """Return the largest deflection beside trim, the boundaries and the minimum.
