@@ -235,18 +235,24 @@ def test_a_moment_that_turns_while_the_wind_blows_is_said(configuration_i) -> No
     assert "B changes its sign" in " ".join(found.notes)
 
 
-def test_a_stable_end_of_the_flight_is_refused(configuration_i) -> None:
-    schedule = tv.FlightSchedule(
-        configuration_i.replace(time=[40.0, 120.0], aerodynamic_arm=[9.45, -2.0])
+def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:
+    """A centre of pressure that moves behind that of gravity at the end of a flight."""
+    arms = [9.45, 9.45, 1.0, -2.0]
+    whole = tv.FlightSchedule(
+        configuration_i.replace(time=[40.0, 80.0, 100.0, 120.0], aerodynamic_arm=arms)
     )
-    with pytest.raises(tv.InputError, match="real unstable pole at the end of the flight"):
-        tv.size(
-            schedule,
-            tv.TriangularWind(peak=0.05, duration=5.0),
-            times=[60.0],
-            model="fixed-path",
-            varying=True,
-        )
+    cut = tv.FlightSchedule(
+        configuration_i.replace(time=[40.0, 80.0, 100.0, 106.5], aerodynamic_arm=[*arms[:3], 0.025])
+    )
+    wind = tv.TriangularWind(peak=0.05, duration=5.0)
+    asked = {"times": [60.0, 85.0], "model": "fixed-path", "varying": True}
+    for name, most in (("K = 1, varying", 1e-6), ("minimum, varying", 1e-6)):
+        found, held = (tv.size(one, wind, **asked).required[name] for one in (whole, cut))
+        assert found == pytest.approx(held, rel=most)
+
+    stable = tv.FlightSchedule(configuration_i.replace(time=[40.0, 120.0], aerodynamic_arm=-2.0))
+    with pytest.raises(tv.InputError, match="need a real unstable pole, which this flight has at"):
+        tv.size(stable, wind, **asked)
 
 
 def test_a_gust_behind_one_from_the_other_side_is_survived_with_what_is_said() -> None:

@@ -1,6 +1,6 @@
 """The needs of a flight in any wind, integrated once: a wind is a sum over its straight lines.
 
-With p = m l of `GrowingMode`, m' = -l_1 m, the wind still to come at the time a is
+With p = m l of `GrowingMode`, m' = -mu m, the wind still to come at the time a is
 
     m(a) future(a) = U(a) = integral from a on of m (l.w) alpha_w dt,
 
@@ -120,7 +120,7 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
         changes its sign.
     """
     start, stop = mode.span
-    fastest = float(np.max(mode.at(np.linspace(start, stop, 1000))[0][0]))
+    fastest = float(np.max(mode.rate(np.linspace(start, stop, 1000))))
     count = max(math.ceil((stop - start) * fastest / _STEP), 2)
     times = np.linspace(start, stop, count + 1)
     step = (stop - start) / count
@@ -134,7 +134,7 @@ def flight_tables(mode: GrowingMode) -> FlightTables:
         )
     looks = np.linspace(start, stop, _LOOKS)
     held = Plant.from_vehicle(mode.schedule.held(looks), mode.model, mode.plane)
-    growth = np.exp(_from_the_end(row[0], step))
+    growth = np.exp(_from_the_end(mode.rate(times), step))
     driven = np.asarray(np.einsum("jt,tj->t", row, inputs[:, :, 1]), dtype=float)
     ahead = _from_the_end(growth * driven, step)
     Psi = _path_under_trim(mode, times)

@@ -3,8 +3,9 @@
     delta = -(A_2.x + w_2 alpha_w + gain mu_alpha z)/b_2,    z = theta + theta' l_2/l_1,
 
 within the limit, for x' = A x + b delta + w alpha_w and the row l of `GrowingMode`: the moment is
-trimmed, and the growing part of the attitude brought back. Many winds and limits at once, by Heun's
-rule.
+trimmed, and the growing part of the attitude brought back. Where parameters change so fast that
+l_2/l_1 is not of the size of 1/sqrt(mu_alpha), it counts as three times that at the most. Many
+winds and limits at once, by Heun's rule.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ FloatArray = NDArray[np.float64]
 
 _GAIN = 10.0
 """Of the attitude feedback over that of trim; as of `TrimLaw`."""
+_MOST_RATE = 3.0
 _STEP = 0.03
 """Between steps, over the time in which the fastest mode grows by e; the rule is off by a part of
 (_GAIN _STEP)^2/6 in the feedback, a sixtieth of what it settles in."""
@@ -33,7 +35,7 @@ _TINY = 1e-12
 def flight_steps(mode: GrowingMode) -> FloatArray:
     """Return the times [s] of a flight at which `trim_law_needs` asks for winds, ``(t,)``."""
     start, stop = mode.span
-    fastest = float(np.max(mode.at(np.linspace(start, stop, 200))[0][0]))
+    fastest = float(np.max(mode.rate(np.linspace(start, stop, 200))))
     return np.linspace(start, stop, max(math.ceil((stop - start) * fastest / _STEP), 2) + 1)
 
 
@@ -69,13 +71,17 @@ def trim_law_lost(
     A, inputs = mode.matrices(times)
     row, reach = mode.at(times)
     to, moved = A[:, 1] / inputs[:, 1, :1], np.swapaxes(A, -1, -2)
-    back = _GAIN * A[:, 1, 0] / inputs[:, 1, 0]
+    stiffness = np.abs(A[:, 1, 0])
+    back = _GAIN * stiffness / inputs[:, 1, 0]
+    with np.errstate(divide="ignore"):
+        longest = _MOST_RATE / np.sqrt(stiffness)
+        ahead = np.minimum(np.where(row[0] > 0.0, row[1] / row[0], np.inf), longest)
     felt = inputs[:, 1, 1] / inputs[:, 1, 0]
     step = float(times[1] - times[0])
 
     def rates(k: int, x: FloatArray) -> FloatArray:
         wind = winds[:, k, np.newaxis]
-        z = x[..., 0] + x[..., 1] * (row[1, k] / row[0, k])
+        z = x[..., 0] + x[..., 1] * ahead[k]
         command = -(x @ to[k] + felt[k] * wind + back[k] * z)
         delta = np.clip(command, -limits, limits)
         driven = delta[..., np.newaxis] * inputs[k, :, 0] + wind[..., np.newaxis] * inputs[k, :, 1]

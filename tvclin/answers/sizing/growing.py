@@ -7,9 +7,12 @@ p.x is the part of the state that grows. It goes to zero in the end exactly when
     integral of p.b delta + p.w alpha_w dt = 0,
 
 which for constant parameters, p = e^(-s t) times the left eigenvector, is eq (4b). Integrated
-backwards, every solution turns into the one of the growing direction. It is kept as
-p = m(t) (s, s/(s + d), ...) with m' = -s m, so that nothing overflows: s is the pole of the moment,
-and d its damping.
+backwards, every solution turns into the one of the growing direction. It is kept as p = m(t) l(t)
+of the length |l| = 1, so that nothing overflows:
+
+    l' = -A^T l + mu l,    m' = -mu m,    mu = l.A l,
+
+where mu is the growth rate: the pole itself while parameters do not change.
 """
 
 from __future__ import annotations
@@ -26,7 +29,6 @@ from numpy.typing import NDArray
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import left_vector
-from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 
 FloatArray = NDArray[np.float64]
@@ -68,6 +70,12 @@ class GrowingMode:
         _, inputs = self.matrices(t)
         return np.asarray(inputs[..., 1, 1] / inputs[..., 1, 0])
 
+    def rate(self, t: Any) -> FloatArray:
+        """Return the growth rate mu [1/s] at times [s]."""
+        row, _ = self.at(t)
+        A, _ = self.matrices(t)
+        return np.asarray(np.einsum("i...,...ij,j...->...", row, A, row))
+
     def at(self, t: Any) -> tuple[FloatArray, Any]:
         """Return l = p/m, ``(n,) + t.shape``, and the reach of a unit deflection held from t on.
 
@@ -76,10 +84,17 @@ class GrowingMode:
         found = self._solution(np.clip(t, *self.span))
         return found[:-1], found[-1]
 
-    @cached_property
-    def _table(self) -> Any:
-        from scipy.interpolate import PchipInterpolator
+    @property
+    def held_from(self) -> float:
+        """The last time [s] with a real unstable pole, after which parameters are taken as there.
 
+        Beyond it the vehicle is stable, or oscillates; that it grows for ever asks for no less.
+        """
+        return float(self._rows[0][-1])
+
+    @cached_property
+    def _rows(self) -> tuple[FloatArray, FloatArray]:
+        """Times [s], and A beside the columns of the inputs; up to the last real unstable pole."""
         rows = self.schedule.times
         between = [
             np.linspace(a, b, math.ceil((b - a) / _STEP), endpoint=False) for a, b in pairwise(rows)
@@ -88,7 +103,20 @@ class GrowingMode:
         plant = Plant.from_vehicle(self.schedule.held(times), self.model, self.plane)
         A, inputs, _, _ = plant.matrices()
         both = np.concatenate([A, inputs], axis=-1)
-        rows = np.broadcast_to(both, (times.size, *both.shape[-2:]))
+        both = np.broadcast_to(both, (times.size, *both.shape[-2:]))
+        grows = np.flatnonzero(_fastest(both[..., : both.shape[-2]]) > 0.0)
+        if not grows.size or times[grows[-1]] <= times[0]:
+            raise InputError(
+                "varying parameters need a real unstable pole, which this flight has at none of its"
+                " times"
+            )
+        return times[: grows[-1] + 1], both[: grows[-1] + 1]
+
+    @cached_property
+    def _table(self) -> Any:
+        from scipy.interpolate import PchipInterpolator
+
+        times, rows = self._rows
         table = PchipInterpolator(times, rows, axis=0)
         return lambda t: table(np.clip(t, times[0], times[-1]))
 
@@ -98,33 +126,25 @@ class GrowingMode:
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
-        vehicle = self.schedule.held(stop)
-        plant = Plant.from_vehicle(vehicle, self.model, self.plane)
-        poles = unstable_modes(plant).poles
-        real = np.real(poles[np.imag(poles) == 0.0])
-        if not real.size:
+        A, inputs = self.matrices(stop)
+        pole = float(_fastest(A))
+        if pole * (stop - start) > _LONGEST:
             raise InputError(
-                "varying parameters need a real unstable pole at the end of the flight, at"
-                f" {stop:.6g} s"
-            )
-        A, inputs, _, _ = plant.matrices()
-        damping = float(plant.coefficients.damping)
-        fastest = float(real.max())
-        if fastest * (stop - start) > _LONGEST:
-            raise InputError(
-                f"varying parameters can be followed for at most {_LONGEST / fastest:.4g} s,"
+                f"varying parameters can be followed for at most {_LONGEST / pole:.4g} s,"
                 f" {_LONGEST:g} times that of the fastest mode; schedule and winds together last"
                 f" {stop - start:.4g} s: shorten the winds"
             )
-        row = left_vector(A, fastest)
-        row = row / row[1] * (fastest / (fastest + damping))  # its first part is the pole
-        end = np.append(row, row @ inputs[:, 0] / row[0])
+        row = left_vector(A, pole)
+        row = row * np.sign(row[1])
+        end = np.append(row, row @ inputs[:, 0] / pole)
+        quickest = math.sqrt(float(np.abs(self._rows[1][:, 1, 0]).max()))
 
         def rates(t: float, y: FloatArray) -> FloatArray:
             A, inputs = self.matrices(t)
             row, reach = y[:-1], y[-1]
-            turned = row[0] * row - row @ A
-            return np.append(turned, row[0] * reach - row @ inputs[:, 0])
+            back = row @ A
+            mu = back @ row / (row @ row)
+            return np.append(mu * row - back, mu * reach - row @ inputs[:, 0])
 
         return solve_ivp(
             rates,
@@ -133,6 +153,12 @@ class GrowingMode:
             method="DOP853",
             rtol=RTOL,
             atol=ATOL,
-            max_step=0.5 / row[0],
+            max_step=0.5 / quickest,
             dense_output=True,
         ).sol
+
+
+def _fastest(A: FloatArray) -> FloatArray:
+    """The largest real eigenvalue of ``(..., n, n)``; minus infinity where there is none."""
+    values = np.linalg.eigvals(A).astype(complex)
+    return np.max(np.where(values.imag == 0.0, values.real, -np.inf), axis=-1)

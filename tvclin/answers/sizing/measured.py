@@ -20,7 +20,7 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.sampled import SampledWind
-from tvclin.winds.soundings.passage import angles_along
+from tvclin.winds.soundings.passage import LARGEST_ANGLE, angles_along
 from tvclin.winds.soundings.profile import WindProfile
 
 _ROUNDING = 1e-12
@@ -47,11 +47,14 @@ class MeasuredWind:
     gust : History, optional
         Added to it, on the wind's side if its peak is positive; its middle meets the flight time.
         Nothing is added to a calm.
+    notes : tuple of str
+        Where the wind is not known for another reason than that the sounding ends.
     """
 
     wind: SampledWind
     window: float | None = None
     gust: History | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         instance("wind", self.wind, SampledWind, "see fly_through")
@@ -112,10 +115,13 @@ class MeasuredPlanes:
         out.
     gust : History, optional
         As of `MeasuredWind`, along the vector of the wind where that is largest.
+    notes : tuple of str
+        As of `MeasuredWind`.
     """
 
     parts: Mapping[str, MeasuredWind]
     gust: History | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def known(self) -> tuple[float, float]:
@@ -171,7 +177,13 @@ def fly_through(
     Raises
     ------
     InputError
-        For a schedule without altitude, and as `WindProfile.to_wind`.
+        For a schedule without altitude, a wind that meets the flight at more than 30 deg all
+        the way, and as `WindProfile.to_wind`.
+
+    Notes
+    -----
+    Where the wind meets the flight at more than 30 deg, as on the pad, it is not known: the longest
+    time without is kept.
 
     Examples
     --------
@@ -185,19 +197,46 @@ def fly_through(
     """
     instance("profile", profile, WindProfile, "see read_sounding")
     checked_gust(gust)
-    if one_of("plane", plane, (*PLANES, BOTH)) != BOTH:
-        wind = profile.to_wind(schedule, azimuth=azimuth, plane=plane)
-        return MeasuredWind(wind, window, gust)
-    profile.to_winds(schedule, azimuth=azimuth)  # refused where it is zero in both
     across = {"pitch": profile.in_plane(azimuth), "yaw": profile.cross_plane(azimuth)}
-    met = {k: angles_along(schedule, profile.height, one, k) for k, one in across.items()}
-    most = max(np.abs(angle).max() for _, angle in met.values())
-    parts = {
-        k: MeasuredWind(SampledWind(time=time, angle=angle), window)
+    planes = PLANES if one_of("plane", plane, (*PLANES, BOTH)) == BOTH else (plane,)
+    met = {k: angles_along(schedule, profile.height, across[k], k, LARGEST_ANGLE) for k in planes}
+    first, last = (f(time[k] for time, _ in met.values()) for f, k in ((max, 0), (min, -1)))
+    most = max(float(np.abs(angle).max()) for _, angle in met.values())
+    blows = {
+        k: SampledWind(time=time[(inside := (time >= first) & (time <= last))], angle=angle[inside])
         for k, (time, angle) in met.items()
-        if np.abs(angle).max() > _ROUNDING * most
+        if plane != BOTH or np.abs(angle).max() > _ROUNDING * most
     }
-    return MeasuredPlanes(parts, gust)
+    if not blows:
+        raise InputError("the wind must blow along the flight; it is zero throughout there")
+    notes = _steep(profile, schedule, float(first), float(last))
+    if plane != BOTH:
+        return MeasuredWind(blows[plane], window, gust, notes)
+    return MeasuredPlanes({k: MeasuredWind(one, window) for k, one in blows.items()}, gust, notes)
+
+
+def _steep(
+    profile: WindProfile, schedule: FlightSchedule, first: float, last: float
+) -> tuple[str, ...]:
+    """Where a sounding is left out although it was measured."""
+    low, high = np.interp([first, last], schedule.time, schedule.height)
+    bottom = max(float(profile.height[0]), float(schedule.height[0]))
+    top = min(float(profile.height[-1]), float(schedule.height[-1]))
+    slack = 1e-9 * (top - bottom)
+    where = [
+        f"{word} {height / 1e3:.3g} km"
+        for word, height, out in (
+            ("below", low, low > bottom + slack),
+            ("above", high, high < top - slack),
+        )
+        if out
+    ]
+    if not where:
+        return ()
+    return (
+        f"{' and '.join(where)} the wind meets the flight at more than"
+        f" {np.degrees(LARGEST_ANGLE):.3g} deg, of which linear aerodynamics says nothing",
+    )
 
 
 def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:

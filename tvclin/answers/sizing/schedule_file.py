@@ -84,6 +84,7 @@ Row = tuple[str, dict[str, Any]]
 
 def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     source = called(source)
+    rows, notes = _moving(rows)
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
@@ -104,7 +105,19 @@ def _from_rows(rows: list[Row], source: str) -> FlightSchedule:
     }
     nominal, altitude = zip(*others, strict=True)
     known = None if altitude[0] is None else altitude
-    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known)
+    return FlightSchedule(Vehicle(name=first.name, **columns), nominal, known, notes)
+
+
+def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
+    """The rows from the first that moves on, as no wind angle is defined before; and a note."""
+    speeds = [key for key, (name, _) in VEHICLE_TABLE.keys.items() if name == "velocity"]
+    still = 0
+    while still < len(rows) and any(rows[still][1].get(key) == 0.0 for key in speeds):
+        still += 1
+    if not still or still == len(rows):
+        return rows, ()
+    after = f"{rows[still - 1][0]}, after which it begins"
+    return rows[still:], (f"the vehicle does not move before {after}",)
 
 
 def _with_inertia_rates(rows: list[Row]) -> list[Row]:

@@ -150,7 +150,8 @@ def size(
         known = np.array([known_times(wind) for wind in named.values()])
         parts[one] = _sized(asked, vehicles, in_plane, known, varying, told)
     found = parts[plane] if plane in parts else in_both_planes(parts, vehicles, placed, shape, told)
-    return replace(found, notes=notes_of(found))
+    steep = [f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())]
+    return replace(found, notes=(*steep, *notes_of(found)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,15 +231,18 @@ def _frozen(plant: Plant, wind: PlacedWind, bands: FloatArray, law: str) -> Froz
 
 
 def _varying(
-    mode: GrowingMode, wind: PlacedWind, frozen: FrozenNeed, bands: FloatArray
+    met: Callable[[PlacedWind], VaryingNeed],
+    wind: PlacedWind,
+    frozen: FrozenNeed,
+    bands: FloatArray,
 ) -> VaryingNeed:
     """With varying parameters; for K < 1 what exceeds (4b) is taken in the frozen proportion."""
     if wind.calm:
         needs = 0.0 if wind.known else np.nan
         return VaryingNeed(needs, np.full(bands.shape, needs), needs)
-    along = varying_need(mode, wind.in_flight, bands, wind.whole)
+    along = met(wind)
     beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
-    required = np.maximum(along.required * beyond, along.minimum)
+    required = np.maximum(along.required * beyond, np.nan_to_num(along.minimum))
     if frozen.paired:
         with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
             required = np.where(bands == 1.0, required, along.trim / bands)
@@ -279,8 +283,17 @@ def _varying_columns(
     bands: FloatArray,
     told: Callable[[VaryingNeed], VaryingNeed],
 ) -> dict[str, FloatArray]:
+    along: dict[bytes, VaryingNeed] = {}  # without a window one wind meets every flight time
+
+    def met(wind: PlacedWind) -> VaryingNeed:
+        both = (wind.in_flight, *([wind.whole] if wind.whole else []))
+        key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
+        if key not in along:
+            along[key] = varying_need(mode, wind.in_flight, bands, wind.whole)
+        return along[key]
+
     needs = [
-        [told(_varying(mode, wind, need, bands)) for wind, need in zip(*row, strict=True)]
+        [told(_varying(met, wind, need, bands)) for wind, need in zip(*row, strict=True)]
         for row in zip(placed, frozen, strict=True)
     ]
     return {

@@ -59,7 +59,8 @@ class VaryingNeed:
         What the control needs at each dead band, ``(k,)``: for K = 1 of a law that lets go, for the
         others what (4b) asks for; NaN for a wind that changes its sign.
     minimum : float
-        The whole wind being known: least peak that leaves nothing of the fastest growing part.
+        The whole wind being known: least peak that leaves nothing of the fastest growing part; NaN
+        where a deflection pushes that to either side, as with two modes that swing together.
     """
 
     trim: float
@@ -91,7 +92,7 @@ def varying_need(
     times = _times(wind)
     course = _Course.of(mode, wind)
     trim = np.abs(mode.trim_per_wind(times) * wind(times))
-    minimum = abs(float(course.demand(wind.onset)))
+    minimum = abs(float(course.demand(wind.onset))) if _pushes_one_way(mode, times) else np.nan
     side = -float(np.sign(wind.peak * mode.trim_per_wind(times[0])))
     blows = side * -mode.trim_per_wind(times) * wind(times)
     if np.any(blows < -_EDGE * trim.max()):
@@ -99,6 +100,9 @@ def varying_need(
     else:
         driver = side * course.trim(times)
         required = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
+        if np.any(leading_pole(_held(mode, times))[1]):  # the dead band must never be left
+            with np.errstate(divide="ignore"):
+                required = np.maximum(required, trim.max() / dead_bands)
         flown = _flown(course, times, (side,))
         if whole is not None:
             flown = max(flown, _flown(_Course.of(mode, whole), _times(whole), (side, -side)))
@@ -125,8 +129,7 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
         return float(course.trim(t) - course.demand(t))
 
     mode = course.mode
-    held = Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
-    paired = leading_pole(held)[1]  # there trim must never be limited
+    paired = leading_pole(_held(mode, times))[1]  # there trim must never be limited
     both = [np.where(paired, s * trim, np.minimum(s * trim, s * demand)) for s in sides]
     most = float(np.max(both))
     turns = np.flatnonzero((trim[:-1] - demand[:-1]) * (trim[1:] - demand[1:]) < 0.0)
@@ -144,9 +147,19 @@ def _flown(course: _Course, times: FloatArray, sides: tuple[float, ...]) -> floa
 
 
 def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
-    some = np.linspace(times[0], times[-1], _LOOKS)
-    held = Plant.from_vehicle(mode.schedule.held(some), mode.model, mode.plane)
-    return bool(np.any(path_counts(held)))
+    return bool(np.any(path_counts(_held(mode, np.linspace(times[0], times[-1], _LOOKS)))))
+
+
+def _held(mode: GrowingMode, times: FloatArray) -> Plant:
+    """The plants with the parameters of these times."""
+    return Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
+
+
+def _pushes_one_way(mode: GrowingMode, times: FloatArray) -> bool:
+    """Whether a deflection pushes the growing part to one side from the onset of a wind on."""
+    later = np.append(times, np.linspace(times[-1], mode.span[1], _LOOKS))
+    pushed = np.einsum("jt,tj->t", mode.at(later)[0], mode.matrices(later)[1][..., 0])
+    return bool(np.all(pushed * pushed[-1] > 0.0))
 
 
 def _boundary(
@@ -200,7 +213,7 @@ class _Course:
 
         def ahead(t: float, x: FloatArray, blows: Callable[[float], float]) -> FloatArray:
             row, _ = mode.at(t)
-            return np.asarray(row[0] * x - row @ mode.matrices(t)[1][:, 1] * blows(t))
+            return np.asarray(mode.rate(t) * x - row @ mode.matrices(t)[1][:, 1] * blows(t))
 
         pieces = list(pairwise(knots))
         return cls(

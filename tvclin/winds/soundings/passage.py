@@ -14,6 +14,8 @@ FloatArray = NDArray[np.float64]
 
 _FIELDS = {"time": "s", "height": "m", "speed": "m/s", "flight_path_angle": "rad"}
 _FAR = 1e9
+LARGEST_ANGLE = np.radians(30.0)
+"""At a larger wind angle [rad] no slope of a normal force holds: what it asks is not known."""
 
 
 class Flown(Protocol):
@@ -37,11 +39,12 @@ class Flown(Protocol):
 
 
 def angles_along(
-    flight: Flown, height: FloatArray, wind: FloatArray, plane: str
+    flight: Flown, height: FloatArray, wind: FloatArray, plane: str, largest: float | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and wind angles [rad] of a flight through a wind [m/s] over heights [m].
 
-    The flight is straight between its times. In yaw the wind meets it at right angles.
+    The flight is straight between its times. In yaw the wind meets it at right angles. With a
+    `largest` angle [rad], the longest time that stays below it alone.
 
     Raises
     ------
@@ -63,14 +66,30 @@ def angles_along(
     when, known = when[apart], known[apart]
     angle = np.pi / 2 if plane == "yaw" else np.interp(when, time, climb)
     flown = np.interp(when, time, speed)
-    across = np.abs(known * np.sin(angle)) >= flown
-    if np.any(across):
-        slow = met[apart][across]
+    sine = np.abs(known * np.sin(angle)) / flown
+    if largest is not None:
+        flat = _longest_run(when, sine <= np.sin(largest))
+        if flat.stop - flat.start < 2:
+            raise InputError(
+                f"the wind meets the flight at more than {np.degrees(largest):.3g} deg all the way,"
+                " of which linear aerodynamics says nothing"
+            )
+        angle = np.broadcast_to(angle, when.shape)
+        return when[flat], angle_from_speed(known[flat], flown[flat], angle[flat])
+    if np.any(sine >= 1.0):
+        slow = met[apart][sine >= 1.0]
         raise InputError(
             f"the wind is faster than the flight can meet, first at {slow[0]:.6g} m; leave out the"
             f" slow part of the flight with profile.between({slow[-1]:.6g}, ...)"
         )
     return when, angle_from_speed(known, flown, angle)
+
+
+def _longest_run(times: FloatArray, good: NDArray[np.bool_]) -> slice:
+    """The places of the longest time in which all is good."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
+    runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]
+    return max(runs, key=lambda one: times[one.stop - 1] - times[one.start], default=slice(0, 0))
 
 
 def checked_flight(flight: Flown) -> list[FloatArray]:
