@@ -14,6 +14,11 @@ from tvclin.flights.closed_loop.edges import ABOVE, ALWAYS, NEVER, OK, PARTS, ST
 from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 
+LEGEND = (
+    "Any law: lower bound for all laws without a forecast that also survive if the wind stops for"
+    " good at any instant; - where the wind changes its sign."
+)
+
 
 class Bounds(NamedTuple):
     """What stands beside the laws in a wind: its trim [deg], and two bounds over that.

@@ -72,7 +72,7 @@ def laws(
 
     from tvclin.answers.case import Case
     from tvclin.answers.flexible import with_filters
-    from tvclin.answers.trial_tables import bounds, doubts, loads, needed, tried
+    from tvclin.answers.trial_tables import LEGEND, bounds, doubts, loads, needed, tried
     from tvclin.answers.trials import law_trials, standard_laws
     from tvclin.base.errors import one_of, within
     from tvclin.cli.output import print_json
@@ -131,10 +131,7 @@ def laws(
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
         say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
         print_tables(*needed(found, beside), loads(found))
-        say(
-            "any law: lower bound for all laws without a forecast that also survive if"
-            " the wind stops for good at any instant (--cuts); - where the wind changes its sign."
-        )
+        say(LEGEND)
         say(tried(found))
         say_notes(doubts(found))
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.trial_tables import bounds, doubts, needed
+from tvclin.answers.trial_tables import LEGEND, bounds, doubts, needed
 from tvclin.answers.trials import standard_winds
 from tvclin.base.lines import Table, number, quantities
 from tvclin.control.comparison.trim import TrimComparison
@@ -39,7 +39,7 @@ def _laws(found: Findings) -> list[Block]:
         f"Each law is flown with a stop on {flown}, sampled at {rate:g} Hz, in winds with the peak"
         " and duration of this study. The number is the least stop above which every one that was"
         " tried survives. The laws trim and dead band hold the attitude, and are designed on a"
-        " fixed path." + (" The gust is left out here." if s.gust is not None else "")
+        f" fixed path. {LEGEND}" + (" The gust is left out here." if s.gust is not None else "")
     )
     plant = Plant(s.coefficients, found.plan.law_model)
     every = standard_winds(s.wind.peak, s.wind.duration)
