@@ -487,6 +487,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "FlightSchedule.at": Door(schedule.at, {"time": 66.0}),
+        "FlightSchedule.between": Door(schedule.between, {"start": 60.0, "stop": 70.0}),
         "FlightSchedule.from_flight": Door(
             tv.FlightSchedule.from_flight,
             {
@@ -1119,6 +1120,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "years": (2024, 2024),
                 "station": None,
                 "times": None,
+                "in_order": False,
                 "utc_offset": 0.0,
                 "progress": None,
             },

@@ -69,7 +69,7 @@ def test_a_schedule_is_written_with_a_comment_on_every_column(tmp_path: Path) ->
 
 def test_mu_alpha_and_b_are_printed_at_three_times(tmp_path: Path) -> None:
     """Those at 5 s are worked out by hand: N l_a/I and N l_a/(T l_c)."""
-    result = run("openrocket", OPENROCKET, *GIVEN, "-o", tmp_path / "my.csv", "--start", "1")
+    result = run("openrocket", OPENROCKET, *GIVEN, "-o", tmp_path / "my.csv", "--from", "1")
     rows = [line.split() for line in result.output.splitlines() if re.match(r" *[135] +\d", line)]
     assert rows == [
         ["1", "2.7816", "119.7931", "0.02322"],
@@ -260,7 +260,7 @@ ASKED: dict[str, tuple[tuple[object, ...], str]] = {
         for site in ("-500", "20000")
     },
     "ground that is no number": ((*GIMBAL, *SLOPE, "--ground-m=nan"), "ground must be finite"),
-    "start beyond": ((*GIVEN, "--start", "9"), "no thrust between start and stop"),
+    "start beyond": ((*GIVEN, "--from", "9"), "no thrust between start and stop"),
     "one row for all": ((*GIVEN, "--most-rows", "1"), "most_rows must be 2 or more"),
 }
 

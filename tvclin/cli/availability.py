@@ -47,9 +47,27 @@ def availability(
     station: Annotated[
         str | None, typer.Option(help="Only this station, where there are several.")
     ] = None,
+    in_order: Annotated[
+        bool,
+        typer.Option(
+            "--in-order",
+            help="Take files without a date in the order of their names, one a day from 2000-01-01"
+            " on; of what month they are is then not known.",
+        ),
+    ] = False,
     utc_offset: Annotated[
         float, typer.Option(help="Local time minus UTC, in h: months are those of local time.")
     ] = 0.0,
+    begin: Annotated[
+        float | None,
+        typer.Option(
+            "--from", help="First flight time that counts, in s.", show_default="the first"
+        ),
+    ] = None,
+    end: Annotated[
+        float | None,
+        typer.Option("--to", help="Last flight time that counts, in s.", show_default="the last"),
+    ] = None,
     plane: Annotated[str, typer.Option(help="Plane that counts: both, pitch or yaw.")] = "both",
     stop: Annotated[
         str,
@@ -116,7 +134,7 @@ def availability(
     limit = np.radians(within("--limit-deg", limit_deg, 0.0, 90.0))
     azimuths = np.radians(within("--azimuth-deg", azimuth_deg, -360.0, 360.0))
     note_source(source, "availability")
-    flight = load_schedule(source)
+    flight = load_schedule(source).between(begin, end)
     balloon = None
     if today is None:
         only_with("--today", today_time=today_time)
@@ -131,6 +149,7 @@ def availability(
             years=years,
             station=station,
             utc_offset=utc_offset,
+            in_order=in_order,
             progress=progress,
         )
     with bar("soundings") as progress:

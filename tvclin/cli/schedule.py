@@ -45,8 +45,8 @@ Ground = Annotated[
 class Rows:
     """The options of which rows are taken."""
 
-    start: Annotated[float | None, typer.Option(help="Earliest time, in s.")] = None
-    stop: Annotated[float | None, typer.Option(help="Latest time, in s.")] = None
+    start: Annotated[float | None, typer.Option("--from", help="Earliest time, in s.")] = None
+    stop: Annotated[float | None, typer.Option("--to", help="Latest time, in s.")] = None
     most_rows: Annotated[
         int,
         typer.Option(help="Most rows to write; a longer flight is thinned to straight lines."),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -28,6 +29,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.gusts import checked_gust
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.passage import LARGEST_ANGLE
 
 FloatArray = NDArray[np.float64]
 
@@ -158,7 +160,7 @@ def availability(
         confidence=trusted,
         notes=(
             *(*soundings.notes, *told, *near),
-            *_too_fast(judge, needs.why),
+            *_too_fast(judge, soundings, needs.why),
             *_seasons(soundings, needs.why),
         ),
         reasons=tuple(needs.why),
@@ -188,16 +190,21 @@ def _added(
     return np.full(least.shape[0], growth), told
 
 
-def _too_fast(judge: Judge, why: list[str]) -> list[str]:
-    """How many soundings have a wind that the flight cannot meet, and where it is slowest."""
-    count, slowest = why.count(TOO_FAST), int(np.argmin(judge.path.speed))
+def _too_fast(judge: Judge, soundings: Soundings, why: list[str]) -> list[str]:
+    """How many soundings meet the flight at too large an angle, and from when on none does."""
+    count, path = why.count(TOO_FAST), judge.path
     if not count:
         return []
-    speed, time = judge.path.speed[slowest], judge.path.time[slowest]
+    height, wind = soundings.height, np.hypot(soundings.east, soundings.north)
+    steep = wind > np.sin(LARGEST_ANGLE) * np.interp(height, path.height, path.speed)
+    above = height[np.minimum(np.flatnonzero(steep) + 1, height.size - 1)]
+    above = above[(above > path.height[0]) & (above < path.height[-1])]
+    time = math.ceil(10.0 * np.interp(np.max(above, initial=0.0), path.height, path.time)) / 10.0
+    begin = f", so begin at {time:g} s (--from {time:g})" if time < path.time[-1] else ""
     return [
-        f"{count} of {len(why)} soundings are unknown: somewhere their wind is faster than the"
-        f" vehicle, which has {speed:.4g} m/s at {time:.4g} s; near lift-off any wind is faster, so"
-        " begin the schedule later"
+        f"{count} of {len(why)} soundings are unknown: somewhere their wind meets the flight at"
+        f" more than {np.degrees(LARGEST_ANGLE):.3g} deg, of which linear aerodynamics says"
+        f" nothing; near lift-off any wind does{begin}"
     ]
 
 

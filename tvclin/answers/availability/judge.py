@@ -35,7 +35,7 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT = (
     "it cannot be used",
     "it ends below the height of the largest dynamic pressure",
     "it begins above the height of the largest dynamic pressure",
-    "its wind is faster than the vehicle",
+    "its wind meets the flight at more than 30 deg",
     "it ends below known_to",
 )
 _AT_ONCE, _FLOWN_AT_ONCE = 40_000, 200_000

@@ -13,7 +13,7 @@ from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.winds.histories import History
 from tvclin.winds.soundings.archive import Soundings, gathered
-from tvclin.winds.soundings.passage import checked_flight
+from tvclin.winds.soundings.passage import LARGEST_ANGLE, checked_flight
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -75,10 +75,10 @@ class FlownPath:
         return np.sort(np.concatenate([times, more], axis=1), axis=1)
 
     def angle(self, wind: FloatArray, time: FloatArray, plane: str) -> FloatArray:
-        """Return wind angles [rad], eq (B1e), of winds [m/s] at times; NaN for winds too fast."""
+        """Return angles [rad], eq (B1e), of winds [m/s] at times; NaN above `LARGEST_ANGLE`."""
         across = 1.0 if plane == "yaw" else np.sin(np.interp(time, self.time, self.climb))
         sine = wind * across / np.interp(time, self.time, self.speed)
-        return np.asarray(np.arcsin(np.where(np.abs(sine) < 1.0, sine, np.nan)))
+        return np.asarray(np.arcsin(np.where(np.abs(sine) <= np.sin(LARGEST_ANGLE), sine, np.nan)))
 
 
 @dataclass(frozen=True, eq=False)

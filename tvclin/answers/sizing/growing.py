@@ -82,7 +82,14 @@ class GrowingMode:
         That is the integral from t on of m(r)/m(t) l(r).b(r) dr.
         """
         found = self._solution(np.clip(t, *self.span))
-        return found[:-1], found[-1]
+        return found[:-2], found[-2]
+
+    def farthest(self, t: Any) -> FloatArray:
+        """Return the most that a deflection of size one can reach from times [s] on.
+
+        That is the integral of m(r)/m(t) |l(r).b(r)| dr: where l.b turns, the deflection turns.
+        """
+        return np.asarray(self._solution(np.clip(t, *self.span))[-1])
 
     @property
     def held_from(self) -> float:
@@ -122,7 +129,7 @@ class GrowingMode:
 
     @cached_property
     def _solution(self) -> Any:
-        """(l, reach) over the span, integrated backwards from a constant end."""
+        """(l, reach, farthest) over the span, integrated backwards from a constant end."""
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
@@ -136,20 +143,21 @@ class GrowingMode:
             )
         row = left_vector(A, pole)
         row = row * np.sign(row[1])
-        end = np.append(row, row @ inputs[:, 0] / pole)
+        held = row @ inputs[:, 0] / pole
         quickest = math.sqrt(float(np.abs(self._rows[1][:, 1, 0]).max()))
 
         def rates(t: float, y: FloatArray) -> FloatArray:
             A, inputs = self.matrices(t)
-            row, reach = y[:-1], y[-1]
+            row, reaches = y[:-2], y[-2:]
             back = row @ A
             mu = back @ row / (row @ row)
-            return np.append(mu * row - back, mu * reach - row @ inputs[:, 0])
+            pushed = row @ inputs[:, 0]
+            return np.append(mu * row - back, mu * reaches - [pushed, abs(pushed)])
 
         return solve_ivp(
             rates,
             (stop, start),
-            end,
+            [*row, held, abs(held)],
             method="DOP853",
             rtol=RTOL,
             atol=ATOL,

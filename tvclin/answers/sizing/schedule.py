@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
+    between,
     each,
     finite,
     instance,
@@ -169,6 +170,25 @@ class FlightSchedule(Shown):
             for name, values in _numbers(self.vehicle).items()
         }
         return self.vehicle.replace(**numbers, time=times)
+
+    def between(self, start: float | None = None, stop: float | None = None) -> FlightSchedule:
+        """Return the part of the flight from one time [s] to another; to its ends without them.
+
+        Raises
+        ------
+        InputError
+            For times outside the schedule, or not in order.
+        """
+        first, last = self.span
+        low = first if start is None else number("start", start, between(first, last), "s")
+        high = last if stop is None else number("stop", stop, between(first, last), "s")
+        if not low < high:
+            raise InputError(f"start must lie before stop; got {low:.6g} and {high:.6g} s")
+        times = np.concatenate(
+            [[low], self.times[(self.times > low) & (self.times < high)], [high]]
+        )
+        altitude = None if self.altitude is None else np.interp(times, self.times, self.height)
+        return FlightSchedule(self.held(times), self.nominal_at(times), altitude, self.notes)
 
     def nominal_at(self, time: ArrayLike) -> Any:
         """Return the nominal deflection [rad] at times [s]; outside that of the nearer end."""

@@ -242,7 +242,7 @@ def _varying(
         return VaryingNeed(needs, np.full(bands.shape, needs), needs)
     along = met(wind)
     beyond = np.where(bands == 1.0, 1.0, frozen.beyond)
-    required = np.maximum(along.required * beyond, np.nan_to_num(along.minimum))
+    required = np.maximum(along.required * beyond, along.minimum)
     if frozen.paired:
         with np.errstate(divide="ignore"):  # with K = 0 no limit is enough
             required = np.where(bands == 1.0, required, along.trim / bands)

@@ -59,8 +59,7 @@ class VaryingNeed:
         What the control needs at each dead band, ``(k,)``: for K = 1 of a law that lets go, for the
         others what (4b) asks for; NaN for a wind that changes its sign.
     minimum : float
-        The whole wind being known: least peak that leaves nothing of the fastest growing part; NaN
-        where a deflection pushes that to either side, as with two modes that swing together.
+        The whole wind being known: least peak that leaves nothing of the fastest growing part.
     """
 
     trim: float
@@ -92,7 +91,7 @@ def varying_need(
     times = _times(wind)
     course = _Course.of(mode, wind)
     trim = np.abs(mode.trim_per_wind(times) * wind(times))
-    minimum = abs(float(course.demand(wind.onset))) if _pushes_one_way(mode, times) else np.nan
+    minimum = abs(float(course.future(wind.onset)[0] / mode.farthest(wind.onset)))
     side = -float(np.sign(wind.peak * mode.trim_per_wind(times[0])))
     blows = side * -mode.trim_per_wind(times) * wind(times)
     if np.any(blows < -_EDGE * trim.max()):
@@ -100,9 +99,10 @@ def varying_need(
     else:
         driver = side * course.trim(times)
         required = np.array([_boundary(course, times, driver, side, K) for K in dead_bands])
-        if np.any(leading_pole(_held(mode, times))[1]):  # the dead band must never be left
-            with np.errstate(divide="ignore"):
-                required = np.maximum(required, trim.max() / dead_bands)
+        paired = leading_pole(_held(mode, times))[1]  # there the dead band must never be left
+        with np.errstate(divide="ignore", invalid="ignore"):
+            kept = np.where(paired, driver, 0.0).max() / dead_bands
+        required = np.where(dead_bands < 1.0, np.fmax(required, kept), required)
         flown = _flown(course, times, (side,))
         if whole is not None:
             flown = max(flown, _flown(_Course.of(mode, whole), _times(whole), (side, -side)))
@@ -153,13 +153,6 @@ def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
 def _held(mode: GrowingMode, times: FloatArray) -> Plant:
     """The plants with the parameters of these times."""
     return Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
-
-
-def _pushes_one_way(mode: GrowingMode, times: FloatArray) -> bool:
-    """Whether a deflection pushes the growing part to one side from the onset of a wind on."""
-    later = np.append(times, np.linspace(times[-1], mode.span[1], _LOOKS))
-    pushed = np.einsum("jt,tj->t", mode.at(later)[0], mode.matrices(later)[1][..., 0])
-    return bool(np.all(pushed * pushed[-1] > 0.0))
 
 
 def _boundary(

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.errors import InputError, callable_for, shown
+from tvclin.base.errors import InputError, callable_for, flag, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists
 from tvclin.winds.soundings import columns
@@ -30,7 +30,11 @@ _NAMED = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?(\d\d)[-_.]?(\d\d)[-_T. ]?(\d\
 _WRITTEN = re.compile(r"((?:19|20)\d\d-\d\d-\d\d)[ T](\d\d:\d\d)")
 _LOOKED_AT = 50
 """Lines below a header, in which a time may stand."""
-_NO_TIME = "no date in it: name the file by it, as 2024-02-15_12.csv, or give times"
+_NO_TIME = (
+    "no date in it: name the file by it, as 2024-02-15_12.csv, give times, or take the files in"
+    " their order (--in-order)"
+)
+_FIRST_DAY = np.datetime64("2000-01-01T00:00", "m")
 
 
 def read_soundings(
@@ -40,6 +44,7 @@ def read_soundings(
     years: tuple[int, int] | None = None,
     station: str | None = None,
     times: Any = None,
+    in_order: bool = False,
     utc_offset: float = 0.0,
     progress: Progress | None = None,
 ) -> Soundings:
@@ -59,6 +64,9 @@ def read_soundings(
     times : array_like of datetime64, optional
         Times [UTC] of files of one sounding, one for each; without it the list or the file's first
         level says them, or the name of the file.
+    in_order : bool
+        Whether files of one sounding that have no time count by the order of their names, one a day
+        from 2000-01-01 on.
     utc_offset : float
         Local time less UTC [h], by which months and years are counted.
     progress : callable, optional
@@ -88,12 +96,15 @@ def read_soundings(
     given = None if times is None else minutes("times", times)
     if given is not None and given.shape != (len(files),):
         raise InputError(f"times must hold one for each of {len(files)} files; got {given.shape}")
+    if flag("in_order", in_order) and given is not None:
+        raise InputError("give times or in_order=True, not both")
     found = Collected()
     for i, file in enumerate(files):
+        day = _FIRST_DAY + np.timedelta64(i, "D") if in_order else None
         if is_station(file):
             found.add(read_station(file, wanted, progress if len(files) == 1 else None))
         else:
-            _add_single(found, file, wanted, None if given is None else given[i])
+            _add_single(found, file, wanted, None if given is None else given[i], day)
         if progress is not None and len(files) > 1:
             progress(i + 1, len(files))
     if not found.pieces and not found.stations and found.counted:
@@ -117,7 +128,7 @@ def _files(source: Any) -> list[Path]:
     return files
 
 
-def _add_single(found: Collected, file: Path, wanted: Wanted, given: Any) -> None:
+def _add_single(found: Collected, file: Path, wanted: Wanted, given: Any, day: Any) -> None:
     """Add the soundings of a file of its own; a page that says there is none is no sounding."""
     name = called(file.name)
     try:
@@ -128,6 +139,9 @@ def _add_single(found: Collected, file: Path, wanted: Wanted, given: Any) -> Non
         return
     for one in those:
         time = _time(text, one, file, given if len(those) == 1 else None)
+        if time is None and day is not None and len(those) == 1:
+            time = day
+            found.count("files without a date, taken in their order as one a day")
         if time is None:
             found.count(f"files with {_NO_TIME}", name)
         elif wanted.takes(None, time):
