@@ -67,7 +67,8 @@ class Carded:
 
         A value in a value is one that has a card too.
         """
-        found = picked(self, self._keys) if self._keys else vars(type(self))["as_dict"](self)
+        record: Any = self
+        found = picked(record, self._keys) if self._keys else record.as_dict()
         for key, value in found.items():
             yield from _parts(*_named(key), value)
 
