@@ -387,7 +387,7 @@ def test_figures_show_the_margins_and_the_map():
     texts = [text.get_text() for text in plot.figure.legends[0].get_texts()]
     assert texts == ["boundary, of full trim", "limit, 1 of full trim", "grows near rest"]
     assert "limit over boundary" in found[0]._repr_html_()
-    assert "boundaries, of full trim" in chart._repr_html_()
+    assert "limit over trim" in chart._repr_html_()
     with pytest.raises(tv.InputError, match="two or more gains"):
         tv.plots.boundary_map(replace(chart, limit=chart.limit[:1]))
     plt.close("all")

@@ -7,7 +7,7 @@ import typer
 
 from tvclin.cli.inputs import gust_of, note_source, only_with
 from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -207,7 +207,6 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     import numpy as np
 
     from tvclin.answers.availability import answer_tables
-    from tvclin.cli.output import print_tables
 
     name = found.judge.flight.vehicle.name or source
     say(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
@@ -225,8 +224,7 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     )
     for azimuth, one in zip(azimuths, launch, strict=False):
         say(f"Today towards {azimuth} deg: {_said(one)}")
-    for note in found.notes:
-        say(f"Note: {note}.")
+    say_notes(found.notes)
 
 
 def _said(one: "Today") -> str:

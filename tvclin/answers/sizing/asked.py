@@ -34,7 +34,7 @@ from tvclin.base.errors import (
     text,
     within,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -43,7 +43,7 @@ from tvclin.winds.shaped import PULSES, ShapedWind, part_in
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.speed import angle_in_plane, angles_from_speed
 
-SIZE_TABLE = Table(
+SIZE_TABLE = FileTable(
     "[size]",
     {
         **dict.fromkeys(("start", "stop", "every", "window"), "time"),

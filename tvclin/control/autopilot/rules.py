@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     positive,
     single,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
@@ -49,7 +49,7 @@ _BY_POLES: dict[str, Callable[..., Autopilot]] = {
 }
 _DAMPING = 0.7
 _RULE = {"natural_frequency": "natural frequency", "damping": "number"}
-AUTOPILOT_TABLE = Table(
+AUTOPILOT_TABLE = FileTable(
     "[autopilot]",
     {
         **_RULE,
