@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Of these the tests are run with all that have a wheel; EXTRAS=campaign,sixdof leaves numba out.
 EXTRAS ?= fast,campaign,sixdof
 
-.PHONY: study test suite other-processor coverage lint bench notebooks docs packages clean help
+.PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
 	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
@@ -16,8 +16,16 @@ test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.installed-dev  ## set everything up and pass the tests, with lint beside them
 	$(MAKE) --no-print-directory -j2 lint suite
 
+SUITE = $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
+
 suite:
-	$(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q
+	$(SUITE) -m "not thorough"
+
+thorough: export PYTHONDONTWRITEBYTECODE =
+thorough: $(VENV)/.installed-dev  ## what `make test` leaves out: more draws of its claims, every notebook
+	$(SUITE) -m thorough
+
+test-all: test thorough other-processor  ## pass the tests, the thorough ones, and those as on an older processor
 
 # By turns, a day each; PROCESSOR=Prescott takes that one.
 NUMBERS := kernels linear boundary control flights
@@ -27,7 +35,7 @@ PROCESSOR ?= $(word $(shell $(PYTHON) -c 'import time; print(1 + time.gmtime().t
 other-processor: export PYTHONDONTWRITEBYTECODE =
 other-processor: $(VENV)/.installed-dev  ## pass the chapters with numbers as on an older processor
 	OPENBLAS_CORETYPE=$(PROCESSOR) NUMBA_CPU_NAME=generic \
-	  $(BIN)/pytest -n auto --dist loadfile --no-loadscope-reorder -q $(addprefix tests/,$(NUMBERS))
+	  $(SUITE) -m "not thorough" $(addprefix tests/,$(NUMBERS))
 
 coverage: $(VENV)/.installed-dev  ## pass the tests and list the lines that none of them runs
 	$(BIN)/python -m pip install --quiet --no-compile --group coverage

@@ -9,6 +9,7 @@ import pytest
 import tvclin as tv
 from tests.answers.test_sizing_varying import trim_law_is_lost
 from tests.archives import Balloon, days, jet, write
+from tests.turns import usual
 from tvclin.answers.availability.confidence import effective_number, part_of
 from tvclin.answers.availability.needs import needs_of_winds
 from tvclin.answers.availability.tables import flight_tables
@@ -66,13 +67,16 @@ def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST):
 
 @pytest.mark.parametrize(
     ("model", "plane", "seed"),
-    [
-        ("fixed-path", "yaw", 0),
-        ("drift", "pitch", 1),
-        ("drift-exact", "pitch", 2),
-        ("drift-exact", "yaw", 3),
-        ("drift-and-speed", "pitch", 4),
-    ],
+    usual(
+        [
+            ("fixed-path", "yaw", 0),
+            ("drift", "pitch", 1),
+            ("drift-exact", "pitch", 2),
+            ("drift-exact", "yaw", 3),
+            ("drift-and-speed", "pitch", 4),
+        ],
+        *(0, 4),
+    ),
 )
 def test_many_winds_at_once_need_what_each_needs_alone(flight, model, plane, seed) -> None:
     """`varying_need` integrates each wind by itself."""

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.answers.least_gains import least as search_of
 from tvclin.answers.least_gains.question import MISSES, Question
 from tvclin.answers.least_gains.race import needs, stopped
@@ -59,10 +60,13 @@ def hasty(monkeypatch):
 
 @pytest.mark.parametrize(
     ("model", "gains", "crossover", "tau_beta", "peak", "held"),
-    [
-        ("fixed-path", TWO, None, (4,), 1.0353, (10.41, 3.544, 0.0)),
-        ("drift-exact", THREE, 2.0, (2, 4, 8, 16), 0.8952, (0.983, 0.507, 0.292)),
-    ],
+    usual(
+        [
+            ("fixed-path", TWO, None, (4,), 1.0353, (10.41, 3.544, 0.0)),
+            ("drift-exact", THREE, 2.0, (2, 4, 8, 16), 0.8952, (0.983, 0.507, 0.292)),
+        ],
+        0,
+    ),
 )
 def test_least_gains_are_those_of_another_search(model, gains, crossover, tau_beta, peak, held):
     """Found before the package, by differential evolution; gains of flat minima to 3 percent."""

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tests.turns import drawn
 from tvclin.answers.requirement import NOTHING
 from tvclin.boundary.limit import AFTER_TRIM, BOUNDARY, MINIMUM, NO_FORECAST, PAIR
 from tvclin.cli.app import app
@@ -315,8 +316,9 @@ def blowing(rng: np.random.Generator, count: int) -> tv.History:
     return tv.SampledWind(time=time, angle=angle)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
-@given(
+@drawn(
+    7,
+    25,
     st.integers(0, 2**32 - 1),
     st.sampled_from(["fixed-path", "drift", "drift-exact"]),
     st.sampled_from([1.0, 1.0, 0.75, 0.5, 0.1, 0.0]),

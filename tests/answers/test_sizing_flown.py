@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.flights.condition import load_flight_condition
 
 SOUNDINGS = 40
@@ -39,7 +40,7 @@ def sounding(rng: np.random.Generator) -> tv.WindProfile:
     )
 
 
-@pytest.mark.parametrize("name", ["configuration-i", "configuration-ii", "launcher"])
+@pytest.mark.parametrize("name", usual(["configuration-i", "configuration-ii", "launcher"], 2))
 def test_flown_trim_laws_survive_at_the_sized_limit(name: str) -> None:
     schedule = launcher() if name == "launcher" else tv.load_schedule(name, step=20.0)
     rng, flown = np.random.default_rng(7), 0

@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 import tvclin
 from tests.optima import NAMES, plant_of, solved, triangle
+from tests.turns import by_turns
 from tvclin import Coefficients, InputError, Plant, TriangularWind, optimum_deflection
 from tvclin.boundary.optimum import minimum_peak
 from tvclin.boundary.optimum.constraints import Constraints
@@ -164,9 +165,7 @@ def test_fourth_order_with_its_complex_pair(name, tau_beta, peak):
     assert scaled_peak(plant_of(name, "drift-and-speed"), tau_beta) == pytest.approx(peak, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("horizon", [None, 90.0, 400.0])
+@by_turns("name,model,horizon", NAMES, MODELS, [None, 90.0, 400.0], each=3)
 def test_every_result_proves_itself(name, model, horizon):
     plant = plant_of(name, model)
     for wind in (

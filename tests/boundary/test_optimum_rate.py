@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 import tvclin
+from tests.turns import by_turns
 from tvclin import Coefficients, InputError, Plant, TriangularWind
 from tvclin import optimum_deflection as without_limit
 from tvclin import optimum_with_rate_limit as with_limit
@@ -47,9 +48,13 @@ def test_one_pole_is_a_ramp_and_a_hold(rate):
     assert best.deflection.final_value == pytest.approx(best.peak, rel=1e-12)
 
 
-@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
-@pytest.mark.parametrize("tau_beta", [4.0, 20.0])
-@pytest.mark.parametrize("horizon", [None, 120.0])
+@by_turns(
+    "model,tau_beta,horizon",
+    ["fixed-path", "drift", "drift-exact", "drift-and-speed"],
+    [4.0, 20.0],
+    [None, 120.0],
+    each=2,
+)
 def test_what_it_returns_keeps_every_promise(model, tau_beta, horizon):
     plant = configuration(model)
     wind = triangle(plant, tau_beta)

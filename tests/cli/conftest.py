@@ -2,6 +2,7 @@
 
 import pytest
 
+from tvclin.control.comparison import duration
 from tvclin.vehicle.file import vehicle_text
 
 
@@ -12,3 +13,9 @@ def stable_vehicle(tmp_path):
     text = vehicle_text("configuration-i")[0]
     file.write_text(text.replace("aerodynamic_arm_m = 9.45", "aerodynamic_arm_m = -2"))
     return file
+
+
+@pytest.fixture(autouse=True)
+def _few_swings(monkeypatch):
+    """Look for the worst duration at 50 in the swings of a mode: tests/control look at 2000."""
+    monkeypatch.setattr(duration, "_MOST_IN_A_SWING", 50)

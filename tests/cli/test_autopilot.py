@@ -8,9 +8,10 @@ import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.answers.trial_tables import _limit
 from tvclin.answers.trials import law_trials, standard_laws
+from tvclin.base.lines import text
 from tvclin.cli.app import app
-from tvclin.cli.laws import _limit
 
 
 def run(*arguments):
@@ -231,7 +232,7 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
     assert found.growth == pytest.approx(0.0129, abs=1e-4)
     assert found.status == "near rest a real mode grows with +0.0129 1/s"
     assert (found.lowest, found.highest) == (0.02, 4.0)
-    assert _limit(found) == f"{found.limit:.3f}!"
+    assert text(_limit("", found, 1.0)) == f"{found.limit:.3f}!"
     for one in law_trials(
         booster("drift-exact"),
         standard_laws(booster("drift-exact"), 0.08),

@@ -46,7 +46,7 @@ def test_show_says_what_the_library_finds(place):
     assert [row["cases"] for row in document["convergence"]] == [37, 75, 150, 300, 600]
     text = run("show", place / "results").output
     assert "too few cases to say" in text
-    assert f"{document['median_deg']:.4f} deg" in text
+    assert f"{document['median_deg']:.3f} deg" in text
 
 
 def test_show_answers_other_questions(place):

@@ -73,11 +73,11 @@ def test_the_study_prints_the_report_numbers() -> None:
     for number in (
         "0.5293",
         "0.1072",
-        "0.510204, 0.012854",
-        "0.6885",
-        "0.5588",
-        "0.3738",
-        "0.6649",
+        "0.5102, 0.012854",
+        "0.688",
+        "0.559",
+        "0.374",
+        "0.665",
     ):
         assert number in result.output
 
@@ -153,7 +153,7 @@ def test_poles_prints_every_model() -> None:
     result = run("poles", "configuration-i")
 
     assert result.exit_code == 0
-    for number in ("-0.548119", "+0.510204", "+0.012854", "+0.00642+0.01121j"):
+    for number in ("-0.54812", "0.5102", "0.012854", "0.0064156±0.011214j"):
         assert number in result.output
 
 
@@ -170,7 +170,8 @@ def test_poles_in_json_are_beta_and_its_residues() -> None:
 
 
 def test_a_gust_on_top_is_told() -> None:
-    assert ", with a gust of 1 deg and 2 s" in run("study", "--gust", "1", "2").output
+    said = " ".join(run("study", "--gust", "1", "2").output.split())
+    assert ", with a gust of 1 deg and 2 s" in said
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="a device of POSIX")
@@ -365,7 +366,7 @@ def test_python_m_is_the_command_line() -> None:
     command = [sys.executable, "-m", "tvclin", "boundary", "--tau-beta", "4"]
     out = subprocess.run(command, capture_output=True, text=True, check=True)
 
-    assert "0.6885" in out.stdout
+    assert "0.688" in out.stdout
 
 
 def test_no_help_holds_square_brackets_which_would_vanish() -> None:

@@ -29,11 +29,11 @@ def test_the_vehicle_is_repeated_in_the_units_of_its_file_beside_si(tmp_path: Pa
         ("moment_of_inertia_kg_m2", "moment_of_inertia_slug_ft2"),
     )
 
-    assert "1.53e+06 kg (1.5004e+07 N)" in said
-    assert "5.62e+06 lbf (2.4999e+07 N)" in said
-    assert "2.2e+08 slug ft2 (2.9828e+08 kg m²)" in said
-    assert "7.9e+05 N " in said
-    assert "(7.9e+05 N)" not in said  # nothing twice
+    assert "1.53·10⁶ kg (1.50042·10⁷ N)" in said
+    assert "5.62·10⁶ lbf (2.4999·10⁷ N)" in said
+    assert "2.2·10⁸ slug ft2 (2.9828·10⁸ kg m²)" in said
+    assert "790000 N " in said
+    assert "(790000 N)" not in said  # nothing twice
 
 
 def test_a_mass_typed_as_a_weight_is_doubted(tmp_path: Path) -> None:
@@ -70,9 +70,9 @@ def test_every_command_doubts_the_numbers_of_a_vehicle(tmp_path: Path, doubt: st
 def test_each_row_says_which_peak_the_limit_survives() -> None:
     asked = ["study", "--limit-deg", "0.3", "--model", "drift"]
     rows = {
-        cells[0]: cells
+        line.split()[2]: line.split()
         for line in CliRunner().invoke(app, asked).output.splitlines()
-        if len(cells := line.split()) in (6, 7)
+        if line.startswith("  K = ")
     }
     for K in ("0.75", "0.5", "0.25", "0"):
         found = tv.Study.from_vehicle(

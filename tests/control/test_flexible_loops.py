@@ -169,7 +169,7 @@ def test_the_bands_of_the_booster():
     assert distances == [to_margin(0.640864), to_margin(0.535212)]
     assert one.closed_pole == pytest.approx(-0.97433769 + 14.72192906j, abs=1e-8)
     assert found.rigid.gain_increase_dB == found.whole.gain_increase_dB
-    assert "bending 3, stabilised by" in found._repr_html_()
+    assert "bending 3, stabilised" in found._repr_html_()
     with pytest.raises(tv.InputError, match="name must be one of bending 1, bending 2"):
         found.mode("bending")
 

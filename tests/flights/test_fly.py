@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import tvclin as tv
 from tests.flying import BETA, COEFFICIENTS, GAINS, LAG, LAWS, MORE, PEAK, SERVO, WIND, B, plant_of
+from tests.turns import usual
 from tvclin import Actuator, Autopilot, InputError, Plant, SampledWind, TriangularWind
 from tvclin.flights.closed_loop import continuous
 from tvclin.flights.closed_loop.equations import LinearEquations
@@ -37,7 +38,9 @@ CORNERS = 10.0 * np.sqrt(24) * PROMISED
 """The same where a limit or the end of a lean leaves a corner inside a step, which only the error
 control sees. A corner costs the polynomial of a step about one more decimal, and flights here have
 up to two dozen of them, whose errors add as squares."""
-EACH_CASE = pytest.mark.parametrize(("name", "model", "part", "hardware"), CASES)
+EACH_CASE = pytest.mark.parametrize(
+    ("name", "model", "part", "hardware"), usual(CASES, 1, 2, 4, 8, 10, 11)
+)
 
 
 def asked(name, law, x, memory, wind, limit):

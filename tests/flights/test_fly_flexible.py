@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin import Actuator, Autopilot, InputError
 from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.sampled import one_flight
@@ -102,7 +103,9 @@ def test_without_limits_a_flight_is_the_integral_of_its_equations():
 
 
 @pytest.mark.parametrize(
-    ("limit", "rate_limit"), [(0.0075, np.inf), (0.05, 0.008), (0.0075, 0.008)], ids=str
+    ("limit", "rate_limit"),
+    usual([(0.0075, np.inf), (0.05, 0.008), (0.0075, 0.008)], 2),
+    ids=str,
 )
 def test_a_heavy_engine_moves_the_vehicle_where_limits_hold_it(limit, rate_limit):
     """A nozzle that is stopped is an impulse on the vehicle; without it 2e-3 would be missing.

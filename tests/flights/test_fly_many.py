@@ -9,6 +9,7 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.flying import BETA, GAINS, LAG, MORE, PEAK, SERVO, WIND, B, plant_of
 from tests.flying import LAWS as FLOWN
+from tests.turns import by_turns
 from tvclin import Autopilot, Coefficients, InputError, SampledWind, TriangularWind
 from tvclin.kernels.choice import available, pinned
 
@@ -42,9 +43,13 @@ def numbers(flown):
 
 
 @EACH_WAY
-@pytest.mark.parametrize("hardware", [*HARDWARE, {"rate_limit": 0.006}])
-@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
-@pytest.mark.parametrize("name", LAWS)
+@by_turns(
+    "name,model,hardware",
+    LAWS,
+    ["fixed-path", "drift-exact"],
+    [*HARDWARE, {"rate_limit": 0.006}],
+    each=3,
+)
 def test_one_sampled_flight_is_that_of_fly(name, model, hardware, compiled):
     plant, rate, start = plant_of(model), 50.0, float(WIND.onset)
     law, limit, stop = LAWS[name](plant), 0.8 * B * PEAK, start + 600 / rate

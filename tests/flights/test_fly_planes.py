@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
+from tests.turns import by_turns
 
 BETA, B = 0.5, 0.1
 PLANT = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=BETA, B=B))
@@ -31,8 +32,7 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("nozzle", ["at once", "late"])
+@by_turns("name,nozzle", LAWS, ["at once", "late"], each=2)
 def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
     """In any direction; rates are limited in each plane, so that none is here."""
     law, limits = LAWS[name], np.array([0.35, 0.6, 0.75, 0.95])
@@ -50,8 +50,7 @@ def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
             assert getattr(both, key)[saved] == pytest.approx(values, rel=1e-9), key
 
 
-@pytest.mark.parametrize("stop", ["round", "square"])
-@pytest.mark.parametrize("saturate", ["radial", "each plane"])
+@by_turns("stop,saturate", ["round", "square"], ["radial", "each plane"], each=2)
 def test_a_flight_is_the_solution_of_its_equations(stop, saturate) -> None:
     """In both planes theta'' = beta^2 alpha - (beta^2/B) delta, with delta held over a sample."""
     wind, limit, gain = veering(180.0), 0.75 * TRIM, 10.0

@@ -11,6 +11,7 @@ import pytest
 
 import tvclin as tv
 from tests.planar import random_vehicle
+from tests.turns import by_turns
 from tvclin.base.units import FOOT
 from tvclin.boundary.closed_forms import rectangular_limit, triangular_limit
 from tvclin.flights.condition import load_flight_condition
@@ -68,8 +69,7 @@ OTHERS = {
 }
 
 
-@pytest.mark.parametrize("plane", ["pitch", "yaw"])
-@pytest.mark.parametrize("name", ["I", "II"])
+@by_turns("plane,name", ["pitch", "yaw"], ["I", "II"], each=2)
 def test_the_boundary_with_drift_is_that_of_the_cubic_model(
     configuration_i, configuration_ii, name, plane
 ):

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tests.flexible import BOOSTER, MODES, TANKS
+from tests.turns import usual
 from tvclin.flights.closed_loop.sampled import flights, one_flight
 
 PEAK = np.radians(5.0)
@@ -54,15 +55,18 @@ def by_small_steps(actuator, rate, delay, limit, most, last, parts=800):
 
 @pytest.mark.parametrize(
     ("rate", "hertz", "damping", "delay", "part", "most"),
-    [
-        (50.0, 8.0, 0.7, 0.0, 1.1, 1.2),
-        (50.0, 20.0, 0.7, 0.013, 1.05, np.inf),
-        (25.0, 8.0, None, 0.03, 1.2, 0.6),
-        (25.0, 20.0, 0.7, 0.0, 1.2, 0.8),
-        (10.0, 4.0, 0.7, 0.1, 1.3, 0.9),
-        (10.0, 8.0, 0.6, 0.045, 1.2, 0.8),
-        (10.0, 20.0, None, 0.0, 1.05, 1.5),
-    ],
+    usual(
+        [
+            (50.0, 8.0, 0.7, 0.0, 1.1, 1.2),
+            (50.0, 20.0, 0.7, 0.013, 1.05, np.inf),
+            (25.0, 8.0, None, 0.03, 1.2, 0.6),
+            (25.0, 20.0, 0.7, 0.0, 1.2, 0.8),
+            (10.0, 4.0, 0.7, 0.1, 1.3, 0.9),
+            (10.0, 8.0, 0.6, 0.045, 1.2, 0.8),
+            (10.0, 20.0, None, 0.0, 1.05, 1.5),
+        ],
+        *(1, 2, 5),
+    ),
 )
 def test_a_nozzle_meets_its_limits_between_samples(rate, hertz, damping, delay, part, most):
     """Within what substeps state, 3e-4 of the largest attitude, beside 5e-5 of the small steps."""

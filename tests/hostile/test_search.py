@@ -1,7 +1,8 @@
 """A search for files and options that end in a traceback, in no number, or never.
 
 Every case is one command, run here with mutated files and random options. It takes some hundred
-cases in a run, always the same; TVCLIN_HOSTILE=5000 looks at so many of each kind, at random.
+cases, always the same, a quarter of them in a usual run; TVCLIN_HOSTILE=5000 looks at so many of
+each kind, at random.
 """
 
 import os
@@ -15,13 +16,14 @@ from typing import Any, get_args
 
 import pytest
 import typer
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.clock import THERE, ending
 from tests.studies import FLIGHT as FLIGHT_STUDY
+from tests.turns import drawn
 from tvclin.answers.campaign.file import template as campaign_template
 from tvclin.answers.study_file.read import example as study_example
 from tvclin.cli.app import app, function_of
@@ -155,16 +157,18 @@ def away():
             os.chdir(here)
 
 
-def found(count: int) -> Callable:
-    """Return the settings of a search of so many cases."""
-    return settings(
-        max_examples=MORE or count,
-        derandomize=not MORE,
-        deadline=None,
+def found(count: int, *strategies: Any) -> Callable:
+    """Return what searches among so many cases where it is thorough, else among a quarter."""
+    more = {"max_examples": MORE, "derandomize": False} if MORE else {}
+    return drawn(
+        -(-count // 4),
+        count,
+        *strategies,
         database=None,
         phases=[Phase.explicit, Phase.generate],
         suppress_health_check=list(HealthCheck),
         print_blob=True,
+        **more,
     )
 
 
@@ -223,15 +227,13 @@ sources = st.one_of(
 )
 
 
-@given(command_lines(list(CHEAP), sources))
-@found(120)
+@found(120, command_lines(list(CHEAP), sources))
 def test_no_option_is_a_traceback_or_no_number(line: list[str]) -> None:
     with away():
         check(*line)
 
 
-@given(command_lines(list(DEAR), st.just([])))
-@found(25)
+@found(25, command_lines(list(DEAR), st.just([])))
 def test_no_option_of_a_long_command_is_a_traceback_or_an_endless_wait(line: list[str]) -> None:
     with away():
         check(*line)
@@ -277,12 +279,12 @@ def _written(name: str, text: str) -> None:
 VEHICLE_COMMANDS = ["study", "respond", "optimum", "poles", "boundary", "margins", "size", "fly"]
 
 
-@given(
+@found(
+    100,
     mutated(VEHICLE),
     st.sampled_from(VEHICLE_COMMANDS),
     st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
 )
-@found(100)
 def test_no_vehicle_file_is_a_traceback_or_no_number(text: str, name: str, model: str) -> None:
     with away():
         _written("my.toml", text)
@@ -308,13 +310,13 @@ def far_off(draw: Callable) -> str:
     return re.sub(r"(?m)^(\w+ = )([0-9.e+]+)", changed, text)
 
 
-@given(
+@found(
+    100,
     far_off(),
     st.sampled_from([*VEHICLE_COMMANDS, "respond", "optimum", "autopilot"]),
     st.sampled_from(["fixed-path", "drift", "drift-exact", "drift-and-speed"]),
     st.sampled_from([[], ["--plane", "yaw"], ["--duration", "0.1"], ["--duration", "60"]]),
 )
-@found(100)
 def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more) -> None:
     with away():
         _written("my.toml", text)
@@ -324,24 +326,21 @@ def test_no_vehicle_far_off_is_a_traceback_or_no_number(text, name, model, more)
         check(name, "my.toml", *options.get(name, ["--model", model]), *more)
 
 
-@given(mutated(VEHICLE))
-@found(10)
+@found(10, mutated(VEHICLE))
 def test_no_flight_along_the_trajectory_is_a_traceback(text: str) -> None:
     with away():
         _written("my.toml", text)
         check("fly", "my.toml", "--along-trajectory")
 
 
-@given(st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "study", "size"]))
-@found(60)
+@found(60, st.one_of(mutated(STUDY), mutated(FLIGHT)), st.sampled_from(["study", "study", "size"]))
 def test_no_study_file_is_a_traceback_or_no_number(text: str, name: str) -> None:
     with away():
         _written("my.toml", text)
         check(name, "my.toml")
 
 
-@given(st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
-@found(30)
+@found(30, st.one_of(mutated(SCHEDULE), mutated_cells(CSV)), st.booleans())
 def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> None:
     with away():
         name = "my.toml" if text.startswith("[") else "my.csv"
@@ -349,8 +348,7 @@ def test_no_schedule_is_a_traceback_or_no_number(text: str, varying: bool) -> No
         check("size", name, "--every", "10", *["--varying"] * varying)
 
 
-@given(st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
-@found(40)
+@found(40, st.sampled_from(sorted(SOUNDINGS.iterdir())), st.data())
 def test_no_sounding_is_a_traceback(file: Path, data) -> None:
     text = "\n".join(file.read_text(errors="replace").splitlines()[:60])
     with away():
@@ -358,8 +356,7 @@ def test_no_sounding_is_a_traceback(file: Path, data) -> None:
         check("size", "--every", "60", "--winds", file.name, "--azimuth-deg", "90")
 
 
-@given(mutated(CAMPAIGN))
-@found(40)
+@found(40, mutated(CAMPAIGN))
 def test_no_campaign_file_is_a_traceback(text: str) -> None:
     pytest.importorskip("pyarrow")
     with away():

@@ -11,6 +11,7 @@ import pytest
 
 import tvclin as tv
 from tests.sixty_digits import carried
+from tests.turns import by_turns
 from tvclin.kernels.choice import pinned
 from tvclin.kernels.pieces import Pieces
 from tvclin.kernels.threads import VARIABLE
@@ -137,8 +138,7 @@ def exact_piece(pieces: Pieces, i: int) -> Callable[[Any], Any]:
     )
 
 
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("name", ["lost", "gust", "exponentials", "high powers", "resonant"])
+@by_turns("model,name", MODELS, ["lost", "gust", "exponentials", "high powers", "resonant"], each=3)
 def test_whatever_drives_it_the_attitude_is_its_integral(model: str, name: str, run: None) -> None:
     plant = dispersed(model, 1)
     inputs, times = histories(plant)[name], (0.9, 2.8, 5.5, 9.0)

@@ -20,6 +20,8 @@ from tvclin.plots.style import COLOURS
 
 ROOT = Path(__file__).parents[2]
 SOURCES = sorted((ROOT / "notebooks").glob("[0-9]*.py"))
+QUICK = ("03_edge_of_stability", "06_laws", "10_your_vehicle")
+"""Which a usual run executes; a thorough one all."""
 every = pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.stem)
 
 
@@ -46,7 +48,11 @@ def stored(source: Path):
     return nbformat.read(source.with_suffix(".ipynb"), as_version=4)
 
 
-@every
+@pytest.mark.parametrize(
+    "source",
+    [pytest.param(s, marks=() if s.stem in QUICK else pytest.mark.thorough) for s in SOURCES],
+    ids=lambda path: path.stem,
+)
 def test_a_notebook_says_what_it_said_when_it_was_stored(
     notebooks: ModuleType, executed: Callable[[Path], Any], source: Path
 ) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tvclin as tv
+from tests.turns import usual
 from tvclin.flights.condition import load_flight_condition
 
 pytest.importorskip("jsbsim", reason="the extra sixdof is not installed")
@@ -33,7 +34,7 @@ def triangle(vehicle: tv.Vehicle, degrees: float = 1.0) -> tv.TriangularWind:
     return tv.TriangularWind(peak=degrees * DEGREE, duration=4.0 / beta)
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", usual(LAWS, 1, 3))
 def test_the_laws_flown_on_both_pages(law: str) -> None:
     vehicle = FLIGHT[0]
     plant, found = tv.Plant.from_vehicle(vehicle, "drift-exact"), []
@@ -53,14 +54,17 @@ def test_the_laws_flown_on_both_pages(law: str) -> None:
 
 @pytest.mark.parametrize(
     ("label", "number", "options"),
-    [
-        ("flown without drift", 0, {"drift": False}),
-        ("flown without drift", 1, {"drift": False}),
-        ("flown with drift, I, pitch", 0, {}),
-        ("flown with drift, I, yaw", 0, {"plane": "yaw"}),
-        ("flown with drift, II, pitch", 1, {}),
-        ("flown with drift, II, yaw", 1, {"plane": "yaw"}),
-    ],
+    usual(
+        [
+            ("flown without drift", 0, {"drift": False}),
+            ("flown without drift", 1, {"drift": False}),
+            ("flown with drift, I, pitch", 0, {}),
+            ("flown with drift, I, yaw", 0, {"plane": "yaw"}),
+            ("flown with drift, II, pitch", 1, {}),
+            ("flown with drift, II, yaw", 1, {"plane": "yaw"}),
+        ],
+        *(0, 3, 4),
+    ),
 )
 def test_the_boundary_flown(label: str, number: int, options: dict[str, object]) -> None:
     vehicle, error = FLIGHT[number], 1e-5
@@ -89,12 +93,15 @@ def test_the_boundary_beside_it(label: str, number: int) -> None:
 
 @pytest.mark.parametrize(
     ("label", "degrees", "plane"),
-    [
-        ("tail wind of 1 degree", 1.0, "pitch"),
-        ("tail wind of 5 degrees", 5.0, "pitch"),
-        ("head wind of 5 degrees", -5.0, "pitch"),
-        ("across, 1 degree", 1.0, "yaw"),
-    ],
+    usual(
+        [
+            ("tail wind of 1 degree", 1.0, "pitch"),
+            ("tail wind of 5 degrees", 5.0, "pitch"),
+            ("head wind of 5 degrees", -5.0, "pitch"),
+            ("across, 1 degree", 1.0, "yaw"),
+        ],
+        *(2, 3),
+    ),
 )
 def test_along_the_trajectory(label: str, degrees: float, plane: str) -> None:
     """What the report's control needs, in JSBSim and planar, and laws in JSBSim."""

@@ -73,7 +73,7 @@ def test_every_figure_is_a_control_plot_of_its_numbers(name):
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_the_csv_reads_back_as_the_same_numbers(name):
+def test_the_csv_reads_back_as_the_same_numbers_but_for_what_rounding_leaves_of_a_zero(name):
     found = curves_of(figure(name))
     headings, rows = numbers(found.csv())
 
@@ -81,7 +81,10 @@ def test_the_csv_reads_back_as_the_same_numbers(name):
     assert all(heading.endswith("]") for heading in headings)
     np.testing.assert_array_equal(found.abscissa, rows[:, 0])
     for column, values in zip(found.columns, rows[:, 1:].T, strict=True):
-        np.testing.assert_array_equal(column.values, values)
+        there, rounding = values != 0.0, 16.0 * np.finfo(float).eps
+        np.testing.assert_array_equal(column.values[there], values[there])
+        left = np.abs(column.values[~there])
+        assert np.all(left <= rounding * np.nanmax(np.abs(column.values)))
 
 
 @pytest.mark.parametrize("name", [name for name in FIGURES if name != "figure-1"])

@@ -20,6 +20,7 @@ from tvclin.answers.study_file.read import example
 from tvclin.answers.trials import law_trials
 from tvclin.base.lines import Number
 from tvclin.cli.app import app
+from tvclin.linear.models import MODELS
 from tvclin.show.report import basis, flight, sections, verdict
 from tvclin.show.report.blocks import Section, as_sentence
 from tvclin.show.report.page import _template, page_of
@@ -123,7 +124,14 @@ def expected_boundaries(study: tv.Study) -> dict[str, float]:
         for key, value in (("trim", trim), ("forecast_free", free), ("minimum", least)):
             found[f"{key}.{name}.part"] = value / trim
             found[f"{key}.{name}_deg"] = np.degrees(value)
-    return found
+    name = study.model
+    needs = [found[f"trim.{name}_deg"]]
+    needs += [found[f"boundary.{name}.{i}_deg"] for i in range(5)]
+    needs += [found[f"{key}.{name}_deg"] for key in ("forecast_free", "minimum")]
+    needs[1:6] = [max(need, found[f"minimum.{name}_deg"]) for need in needs[1:6]]
+    needs[1] = np.degrees(study.required_deflection)
+    peak = np.degrees(study.wind.peak)
+    return found | {f"survived.{k}_deg": 0.4 * peak / need for k, need in enumerate(needs)}
 
 
 def expected_inputs(vehicle: tv.Vehicle) -> dict[str, float]:
@@ -131,7 +139,17 @@ def expected_inputs(vehicle: tv.Vehicle) -> dict[str, float]:
     coefficients = {
         f"coefficients.{k}": getattr(c, k) for k in ("beta", "K1", "B", "C1", "C2", "b1", "b2")
     }
-    return coefficients | {
+    poles = {
+        f"poles.{model}.{k}.{part}": getattr(pole, {"real": "real", "imaginary": "imag"}[part])
+        for model in MODELS
+        for k, pole in enumerate(
+            one
+            for one in tv.unstable_modes(tv.Plant.from_vehicle(vehicle, model)).poles
+            if one.imag >= 0.0
+        )
+        for part in (("real", "imaginary") if pole.imag else ("real",))
+    }
+    return (coefficients | poles) | {
         "vehicle.weight": 1.48e6,
         "vehicle.thrust": 2.495e6,
         "vehicle.inertia": 0.225e8,
@@ -175,14 +193,14 @@ def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
     plant = tv.Plant.from_vehicle(plan.vehicle, plan.model)
     laws = tv.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
-    parts = {"trim": 1.0, "no_forecast": tv.forecast_free_limit(plant, study.wind).limit}
+    parts = {"any": tv.forecast_free_limit(plant, study.wind).limit}
     parts["minimum"] = np.degrees(tv.optimum_deflection(plant, study.wind).peak) / trim
-    found: dict[str, float] = {}
-    for key, part in parts.items():
-        found |= {f"laws.{key}.0.part": part, f"laws.{key}.0_deg": part * trim}
-    for i, name in enumerate(plan.laws.names):
+    for name in plan.laws.names:
         (one,) = law_trials(plant, {name: laws[name]}, {"w": study.wind}, sample_rate=20.0)
-        found |= {f"laws.{i}.0.part": one.limit, f"laws.{i}.0_deg": one.limit * trim}
+        parts[name] = one.limit
+    found = {"laws.0.ideal_deg": trim}
+    for key, part in parts.items():
+        found |= {f"laws.0.{key}": part, f"laws.0.{key}_deg": part * trim}
     return found
 
 
@@ -216,15 +234,21 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
     found["margin.disk_margin.gain"] = m.disk_margin_dB
     found["margin.disk_margin.phase"] = m.disk_phase_deg
     angles = {
-        "deflection": c.peak_deflection,
         "deflection_rate": c.peak_deflection_rate,
         "angle_of_attack": c.peak_angle_of_attack,
         "attitude": c.peak_attitude,
+    }
+    beside = {
+        "deflection": c.peak_deflection,
+        "stop": np.radians(stop),
         "trim": c.trim_deflection,
         "minimum": c.minimum,
+        **{f"K{K:g}": one for K, one in c.boundaries.items()},
     }
     return (
         found
+        | {f"wind.{name}_deg": np.degrees(angle) for name, angle in beside.items()}
+        | {f"wind.{name}.part": angle / c.trim_deflection for name, angle in beside.items()}
         | {f"wind.{name}_deg": np.degrees(angle) for name, angle in angles.items()}
         | {
             "asked.autopilot_deg": np.degrees(c.peak_deflection),
@@ -233,9 +257,8 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
             "verdict.required_deg": stop,  # the autopilot needs most of all
             "verdict.surplus_deg": stop - 0.4,
             "verdict.surplus_percent": 100.0 * (1.0 - 0.4 / stop),
-            "wind.stop_deg": stop,
             "facts.survivable_peak_deg": min(survived, 5.0 * 0.4 / stop),
-            "wind.relative": c.relative,
+            "wind.gain": c.wind_gain,
             "gains.attitude": 2.0 * study.coefficients.B,
             "gains.rate": study.coefficients.B / study.coefficients.beta,
             "gains.actuator_frequency": 25.1,
@@ -736,7 +759,7 @@ def test_a_notebook_shows_a_short_table() -> None:
     page = Page(study._repr_html_())
 
     assert "<b>" in page.texts
-    assert {f"{np.degrees(study.required_deflection):.6g}", "NOT sufficient"} <= set(page.texts)
+    assert {f"{np.degrees(study.required_deflection):.3f}", "no"} <= set(page.texts)
 
 
 @pytest.mark.usefixtures("few_durations")

@@ -1,14 +1,20 @@
-"""Margins have the same digits in a terminal, on a page and in a notebook."""
+"""Numbers have the same digits in a terminal, on a page, in a notebook, and of a CSV."""
 
+import csv
+import json
+
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.answers.findings import find
+from tvclin.answers.study_tables import verdict
+from tvclin.answers.trial_tables import bounds, needed
 from tvclin.base.lines import Number, Table
 from tvclin.cli.app import app
 from tvclin.control.margins.tables import margin_table
-from tvclin.show.report import control
+from tvclin.show.report import control, sections
 
 TEXT = """
 [study]
@@ -53,3 +59,71 @@ def test_the_card_has_the_margins_of_the_table(found):
 
 def _is_number(part):
     return isinstance(part, Number)
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(one) for one in arguments]).output
+
+
+def shown(*tables):
+    """Return the numbers of tables as they are shown."""
+    rows = (row for table in tables for row in table.rows)
+    return [one.text for row in rows for line in row for one in line if _is_number(one)]
+
+
+def test_a_study_has_the_digits_of_the_page_in_the_terminal_and_in_a_notebook(found):
+    printed, card = run("study", "configuration-i"), found.study._repr_html_()
+    on_page = (*sections.boundaries(found).blocks, *sections.inputs(found).blocks)
+    tables = [one for one in on_page if isinstance(one, Table) and "question" not in one.caption]
+    (needed,) = [one for line in verdict(found.study) for one in line if _is_number(one)]
+
+    assert len(shown(*tables)) > 50
+    assert all(text in printed for text in shown(*tables))
+    assert f">{needed.text}</td>" in card
+    assert needed.text in printed
+
+
+def test_a_sizing_has_the_digits_of_its_csv_in_the_terminal(tmp_path):
+    printed = run("size", "configuration-i", "--csv", tmp_path / "s.csv")
+    heads, *rows = csv.reader((tmp_path / "s.csv").read_text().splitlines())
+    angles = [k for k, head in enumerate(heads) if head.endswith("_deg")]
+
+    assert len(rows) > 10
+    assert all(f"{float(row[k]):.3f}" in printed for row in rows for k in angles)
+
+
+def test_laws_have_the_digits_of_the_page_in_the_terminal_and_in_a_notebook():
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
+    winds = {"triangle": tv.TriangularWind(peak=np.radians(5.0), duration=3.0)}
+    laws = tv.standard_laws(plant, np.radians(5.0))
+    trials = tv.law_trials(plant, laws, winds, sample_rate=20.0)
+    options = ("--duration", 3, "--wind", "triangle", "--sample-rate", 20)
+    printed = run("laws", "configuration-i", "--model", "fixed-path", *options)
+    over_trim = needed(trials, bounds(plant, winds))[1]
+
+    assert all(text in printed for text in shown(*needed(trials, bounds(plant, winds))))
+    assert all(f"<td>{text}</td>" in trials._repr_html_() for text in shown(over_trim)[:-1])
+
+
+def test_a_flight_has_the_digits_of_its_json_in_the_terminal():
+    asked = ("fly", "configuration-i", "--limit-deg", 0.4, "--peak-deg", 2)
+    printed, document = run(*asked), json.loads(run(*asked, "--json"))
+
+    for peaks in document["peaks_over_the_wind_deg"].values():
+        assert all(f"{value:.3f}" in printed for value in peaks.values())
+
+
+def test_a_campaign_has_the_digits_of_its_json_in_the_terminal(tmp_path):
+    vehicle = tv.load_vehicle("configuration-i")
+    campaign = tv.Campaign(
+        vehicle=vehicle,
+        wind=tv.ShapedWind("triangular", peak=0.08, duration=7.5),
+        dispersions=tv.Dispersions((tv.Dispersion("thrust", "normal", 0.01),)),
+        cases=40,
+    )
+    tv.run_campaign(campaign, tmp_path / "results")
+    asked = ("campaign", "show", tmp_path / "results", "--limit-deg", 0.4)
+    printed, document = run(*asked), json.loads(run(*asked, "--json"))
+
+    assert all(f"{document[k]:.3f} deg" in printed for k in ("median_deg", "estimate_deg"))
+    assert f"{100 * document['success']['lower']:.2f} to" in printed

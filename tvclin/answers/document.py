@@ -8,9 +8,9 @@ from datetime import date
 from typing import Any, Self
 
 from tvclin.base.errors import InputError, shown
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 
-DOCUMENT_TABLE = Table("[document]", words=("project", "author", "date", "revision"))
+DOCUMENT_TABLE = FileTable("[document]", words=("project", "author", "date", "revision"))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,5 +1,7 @@
 """What the symbols and the terms of a study mean, each in one line."""
 
+from tvclin.base.lines import Table, quantities
+
 SYMBOLS = {
     "beta": "unstable pole on a fixed path: without control the error grows as exp(beta t), eq"
     " (B4)",
@@ -52,3 +54,8 @@ TERMS = {
     "rank correlation": "from -1 to 1, how strongly the answer follows a parameter",
 }
 """The terms of a study and its page."""
+
+
+def symbol_table() -> Table:
+    """Return what the symbols mean."""
+    return quantities("What the symbols mean", ((k, (words,)) for k, words in SYMBOLS.items()))

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from tvclin.base.errors import instance, number, positive, small_angle
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.boundary.stops import Stop, stop_of
 from tvclin.control.autopilot.actuator import Actuator
 
 _ACTUATOR = {"actuator_frequency": "natural frequency", "actuator_damping": "number"}
 USUAL_ACTUATOR = Actuator()
-NOZZLE_TABLE = Table(
+NOZZLE_TABLE = FileTable(
     "[nozzle]", {"limit": "angle", "rate_limit": "angular rate", **_ACTUATOR}, words=("stop",)
 )
 

@@ -182,7 +182,7 @@ def words_of(planes: PlanesNeeded | None, plane: str, judged: bool) -> Iterator[
     if not judged:
         yield (
             f"this wind blows in both planes: with a round stop they need"
-            f" {np.degrees(planes.deflection):.4f} deg, and the {plane} plane alone finds"
+            f" {np.degrees(planes.deflection):.3f} deg, and the {plane} plane alone finds"
             f" {missing:.0f} % too little (to judge both: --stop, or stop in [nozzle])"
         )
         return

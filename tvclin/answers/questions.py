@@ -1,6 +1,6 @@
 """What is asked of a limit and an autopilot, each question with its answer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,16 +9,7 @@ from tvclin.answers.findings import Findings
 from tvclin.answers.requirement import covers
 from tvclin.answers.study_file.plan import StudyPlan
 from tvclin.base.documents import keyed
-from tvclin.base.lines import Line, degrees, number, significant, text
-
-FLOWN = {
-    "survived": "survives",
-    "lost": "is lost",
-    "rings": "is brought back, and its nozzle keeps oscillating",
-    "undecided": "is neither lost nor settled",
-    "no flight": "cannot be flown",
-}
-"""What became of a flight, as of `FlownCases`, in words."""
+from tvclin.base.lines import Line, Table, degrees, number, significant, text
 
 
 @dataclass(frozen=True)
@@ -70,6 +61,12 @@ def questioned(plan: StudyPlan) -> StudyPlan:
 def questions(found: Findings) -> tuple[Question, ...]:
     """Return all that the plan of these findings asks, in its order, with the answers."""
     return tuple(_asked(found))
+
+
+def question_table(each: Sequence[Question]) -> Table:
+    """Return questions with their answers."""
+    rows = tuple(((one.name,), (one.answer,), one.line) for one in each)
+    return Table("Every question, and its answer", ("question", "enough?", "why"), rows)
 
 
 def sufficient(found: Findings) -> bool | None:
@@ -207,11 +204,10 @@ def _flexible(found: Findings) -> Question:
     if f is None or f.flight is None:
         return Question("flexible flight", None, (_reason(found, "flexible"),))
     part = f" with the {found.study.plane} plane's part of the stop" * found.study.in_both
-    line: Line = (
-        f"flown at {f.sample_rate:g} Hz{part} the flexible vehicle {FLOWN[f.flight.status[0]]}",
-    )
-    if f.flight.survived and f.flight.status[1] != f.flight.status[0]:
-        line += (f", the rigid one {FLOWN[f.flight.status[1]]}",)
+    flexible, rigid = f.flight.fates
+    line: Line = (f"flown at {f.sample_rate:g} Hz{part} the flexible vehicle {flexible}",)
+    if f.flight.survived and rigid != flexible:
+        line += (f", the rigid one {rigid}",)
     return Question("flexible flight", f.flight.survived, line)
 
 

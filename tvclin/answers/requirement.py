@@ -25,7 +25,7 @@ from tvclin.answers.trim_flown import (
     path_counts,
     trim_law_flown,
 )
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, nonzero, plain, small_angle, within
 from tvclin.boundary.limit import (
     AFTER_TRIM,
@@ -51,7 +51,7 @@ _LITTLE = 1.005
 
 
 @dataclass(frozen=True, eq=False)
-class RequiredDeflection:
+class RequiredDeflection(Shown):
     """The deflection limit that is required, of one case or a batch ``(...)``.
 
     Attributes
@@ -74,14 +74,7 @@ class RequiredDeflection:
     needs: dict[str, Any]
     status: Any
 
-    def _repr_html_(self) -> str:
-        rows: list[Row] = [
-            ("required limit, of full trim", self.limit, "-"),
-            ("deflection", np.degrees(self.deflection), "deg"),
-            ("governed by", self.governs, ""),
-        ]
-        rows += [(name, np.degrees(need), "deg") for name, need in self.needs.items()]
-        return card("Required deflection", rows)
+    _keys = "limit_over_trim=limit deflection_deg governs needs_deg"
 
 
 def required_deflection(

@@ -22,7 +22,7 @@ from tvclin.answers.study_notes import (
     slow_or_paired,
     undamped,
 )
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
@@ -32,7 +32,7 @@ from tvclin.base.errors import (
     one_of,
     single,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import BoundaryLimit, boundary_limit
 from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
@@ -49,11 +49,11 @@ from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-STUDY_TABLE = Table("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
+STUDY_TABLE = FileTable("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(Shown):
     """What a booster needs to survive a wind, and whether a given limit is enough.
 
     Attributes
@@ -113,6 +113,12 @@ class Study:
     blows: ShapedWind
     notes: tuple[str, ...] = ()
     planes: PlanesNeeded | None = None
+
+    _keys = (
+        "vehicle=vehicle.name model plane wind=shape peak_deg=wind.peak duration_s=wind.duration"
+        " dead_band required_deflection_deg governed_by=governs trim_deflection_deg limit_deg"
+        " sufficient survivable_peak_deg=|survivable_peak|"
+    )
 
     @classmethod
     def from_vehicle(
@@ -361,21 +367,6 @@ class Study:
                 " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of",
             ),
         }
-
-    def _repr_html_(self) -> str:
-        deg, wind = np.degrees, self.wind
-        rows: list[Row] = [
-            ("model, plane", f"{self.model}, {self.plane}", ""),
-            ("wind", f"{self.shape}, {deg(wind.peak):.4g} deg, {wind.duration:g} s", ""),
-            ("dead band", self.dead_band, "-"),
-            ("required deflection", deg(self.required_deflection), "deg"),
-            ("governed by", self.governs, ""),
-            ("ideal trim", deg(self.trim_deflection), "deg"),
-        ]
-        if self.limit is not None:
-            word = "sufficient" if self.sufficient else "NOT sufficient"
-            rows += [("limit", deg(self.limit), "deg"), ("verdict", word, "")]
-        return card(self.vehicle.name or "Study", rows)
 
 
 def pulse_of(case: Case) -> ShapedWind:

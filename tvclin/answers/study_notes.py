@@ -100,7 +100,7 @@ def forecast_trusted(
     if bound > abs(float(required.deflection)) * (1.0 + ROUNDING):
         yield (
             f"K = {dead_band:g} {TRUSTS}: any law that does not know when this wind will"
-            f" stop needs at least {np.degrees(bound):.4f} deg"
+            f" stop needs at least {np.degrees(bound):.3f} deg"
         )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.base import lines
-from tvclin.base.cards import shows, table
+from tvclin.base.cards import Shown, table
 from tvclin.base.errors import (
     callable_for,
     different,
@@ -24,7 +24,7 @@ from tvclin.base.errors import (
     one_of,
     positive,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law
@@ -39,7 +39,7 @@ from tvclin.winds.sampled import SampledWind
 
 FloatArray = NDArray[np.float64]
 
-LAWS_TABLE = Table("[laws]", {"sample_rate": "sample rate"}, lists=("names", "winds"))
+LAWS_TABLE = FileTable("[laws]", {"sample_rate": "sample rate"}, lists=("names", "winds"))
 _SPARE = 1.2
 """Loads are those at so many times the boundary, where every law is at its ease."""
 _POINTS = 801
@@ -75,7 +75,7 @@ class LawsAsked:
 
 
 @dataclass(frozen=True)
-class LawTrial:
+class LawTrial(Shown):
     """One law in one wind.
 
     Attributes
@@ -116,15 +116,7 @@ class LawTrial:
     peak_angle_of_attack: float
     peak_attitude: float
 
-    _repr_html_ = shows(
-        "Trial of a law",
-        "law",
-        "wind",
-        "limit [-]",
-        "status",
-        "peak_angle_of_attack [-]",
-        "peak_attitude [-]",
-    )
+    _keys = "law wind limit status peak_angle_of_attack peak_attitude"
 
 
 class LawTrials(tuple[LawTrial, ...]):

@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 from tvclin.answers.campaign.dispersions import KINDS, MODES, WIND
 from tvclin.answers.requirement import required_deflection
 from tvclin.answers.search import least
-from tvclin.base.cards import card
+from tvclin.base import lines
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins
+from tvclin.control.margins.record import MARGINS, Margins, factor_to, loop_margins, margin
 from tvclin.linear.models import usual_model
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients
@@ -40,7 +41,7 @@ LOOP = {
 """Numbers of the loop that are no gains of the autopilot, each of a kind of `UNITS`; `gain` is a
 factor on all of them."""
 _VEHICLE = tuple(name for name in KINDS if name not in {*WIND, *GAINS, *MODES})
-BOX_TABLE = Table("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
+BOX_TABLE = FileTable("--box", {name: KINDS[name] for name in _VEHICLE} | WIND | GAINS | LOOP)
 """The numbers of a box around a `Vehicle`, as the command line names them."""
 _COEFFICIENTS = tuple(one.name for one in fields(Coefficients))
 _MOST = 10
@@ -79,9 +80,14 @@ class Worst:
     corner: bool
     how: str
 
+    @property
+    def place(self) -> tuple[lines.Line, lines.Line]:
+        """Where it is and how it was found, in words."""
+        return ("a corner" if self.corner else "inside",), (self.how,)
+
 
 @dataclass(frozen=True, eq=False)
-class WorstCase:
+class WorstCase(Shown):
     """The worst margins and the worst required deflection in a box.
 
     Attributes
@@ -104,14 +110,26 @@ class WorstCase:
     deflection: Worst | None
     tried: int
 
+    _keys = "stable tried"
+
     as_dict = keyed("box margins stable required_deflection_rad=deflection tried")
 
+    def table(self) -> lines.Table:
+        """Return the worst of each number beside the nominal one, and where it is."""
+        rows: list[tuple[lines.Line, ...]] = []
+        for name, one in self.margins.items():
+            label, unit, _ = MARGINS[name]
+            both = (margin("", factor_to(unit) * x, unit) for x in (one.nominal, one.value))
+            rows.append(((label,), *both, *one.place))
+        if self.deflection is not None:
+            one = self.deflection
+            both = (lines.degrees("", x, unit="deg") for x in (one.nominal, one.value))
+            rows.append((("required deflection",), *both, *one.place))
+        head = ("", "nominal", "worst", "at", "how")
+        return lines.Table("Worst case in the box", head, tuple(rows))
+
     def _repr_html_(self) -> str:
-        rows = [
-            (MARGINS[name][0], factor_to(MARGINS[name][1]) * one.value, MARGINS[name][1])
-            for name, one in self.margins.items()
-        ]
-        return card("Worst case in a box", rows)
+        return table(self.table())
 
 
 def worst_case(

@@ -1,18 +1,24 @@
 """A record as a small table in a notebook: one line for each name, with value and unit."""
 
-from collections.abc import Callable, Iterable
-from functools import reduce
+import re
+from collections.abc import Iterable, Iterator
 from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tvclin.base.lines import Line, Table, text
+from tvclin.base.documents import picked
+from tvclin.base.lines import Line, Table, number, text
+from tvclin.base.units import UNITS, written
 
 _FEW = 6
 """An array of so many numbers at most is shown in full, a longer one by its range."""
 
-_DEGREES = float(np.degrees(1.0))
+_SUFFIXES = {suffix for kind in UNITS.values() for suffix in kind} | {"dB"}
+
+_LEAST = 1e-3
+"""Angles [deg] above their last digit are shown to it, smaller ones to six digits."""
 
 Row = tuple[str, Any, str]
 
@@ -35,11 +41,11 @@ def card(title: str, rows: Iterable[Row]) -> str:
         Stands above the table.
     rows : iterable of (str, object, str)
         Name, value and unit of each line. Numbers are shown to six digits, arrays of more than
-        six numbers by their range and shape.
+        six numbers by their range and shape, an angle to a thousandth of a degree.
     """
     lines = "".join(
         f'<tr><th scope="row" style="text-align:left">{escape(name)}</th>'
-        f'<td style="text-align:right">{escape(_shown(value))}</td>'
+        f'<td style="text-align:right">{escape(_shown(value, unit))}</td>'
         f'<td style="text-align:left">{escape(unit)}</td></tr>'
         for name, value, unit in rows
     )
@@ -47,38 +53,68 @@ def card(title: str, rows: Iterable[Row]) -> str:
     return f"<table>{caption}{lines}</table>"
 
 
-def shows(title: str, *names: str) -> Callable[[Any], str]:
-    """Return the method `_repr_html_` of a record with a line for each of some attributes.
+class Carded:
+    """A value that a notebook shows as a small table.
 
-    Parameters
-    ----------
-    title : str
-        Stands above the table.
-    *names : str
-        Attributes, of attributes too: "plant.model", each with its unit in brackets if it has
-        one: "peak_deflection [deg]". What is held in radians is shown in degrees where the unit
-        says so. What is None or empty is left out; of filters and the like there is the number.
+    What is shown are its `_keys`, as of `picked`, each with its unit at the end; of a value without
+    any its `as_dict`.
     """
 
-    def shown(record: Any) -> str:
-        rows = []
-        for name in names:
-            path, _, unit = name.rstrip("]").partition(" [")
-            value = reduce(_of, path.split("."), record)
-            if value is None or (isinstance(value, str | tuple) and not value):
-                continue
-            if isinstance(value, tuple) and not isinstance(value[0], str):
-                value = len(value)
-            if unit.startswith("deg"):
-                value = _DEGREES * np.asarray(value)  # may be complex
-            rows.append((path.replace(".", " ").replace("_", " "), value, unit))
-        return card(title, rows)
+    _keys = ""
 
-    return shown
+    def _quantities(self) -> Iterator[Row]:
+        """Yield names, values and units; of each part of a mapping. What is not there is left out.
+
+        A value in a value is one that has a card too.
+        """
+        record: Any = self
+        found = picked(record, self._keys) if self._keys else record.as_dict()
+        for key, value in found.items():
+            yield from _parts(*_named(key), value)
+
+    def _repr_html_(self) -> str:
+        return card(_title(type(self)), self._quantities())
 
 
-def _of(record: Any, name: str) -> Any:
-    return None if record is None else getattr(record, name)
+class Shown(Carded):
+    """An answer: `print` says in a few words what its card shows."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # ahead of a dataclass
+
+    def __repr__(self) -> str:
+        rows = (
+            " ".join((name, _shown(x, unit), unit)).strip() for name, x, unit in self._quantities()
+        )
+        return f"<{_title(type(self))}: {', '.join(rows)}>"
+
+
+def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
+    if isinstance(value, dict):
+        for part, one in value.items():
+            yield from _parts(f"{name}, {part}", unit, one)
+    elif isinstance(value, Carded):
+        yield from ((f"{name}, {part}", *rest) for part, *rest in value._quantities())
+    elif isinstance(value, tuple) and value and isinstance(value[0], Carded):
+        named = {one.name: one for one in value if hasattr(one, "name")}
+        yield from _parts(name, "", named or len(value))
+    elif value is not None and not (isinstance(value, str | tuple) and not value):
+        yield name, value, unit
+
+
+def _title(kind: type) -> str:
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind.__name__).lower()
+    return words[:1].upper() + words[1:]
+
+
+def _named(key: str) -> tuple[str, str]:
+    """The name in a key, and the unit at its end."""
+    for place in (k for k, one in enumerate(key) if one == "_"):
+        if key[place + 1 :] in _SUFFIXES:
+            return key[:place].replace("_", " "), written(key[place + 1 :])
+    return key.replace("_", " "), ""
 
 
 def table(shown: Table, said: Iterable[Line] = ()) -> str:
@@ -93,7 +129,7 @@ def table(shown: Table, said: Iterable[Line] = ()) -> str:
     return f"<table>{caption}<tr>{head}</tr>{lines}</table>{words}"
 
 
-def _shown(value: Any) -> str:
+def _shown(value: Any, unit: str = "") -> str:
     if isinstance(value, tuple) and all(isinstance(one, str) for one in value):
         value = "; ".join(value) or "none"
     if value is None or isinstance(value, str):
@@ -104,8 +140,15 @@ def _shown(value: Any) -> str:
     if array.dtype.kind == "b":
         return ", ".join("yes" if one else "no" for one in array.ravel()[:_FEW])
     if array.dtype.kind not in "iufc":
-        texts = np.unique(array.astype(str)).tolist()
-        return ", ".join(texts)
+        return ", ".join(np.unique(array.astype(str)).tolist())
+    return _numbers(array, unit)
+
+
+def _numbers(array: NDArray[Any], unit: str) -> str:
+    if array.size == 1 and unit == "deg" and np.isrealobj(array) and _LEAST <= abs(array) < np.inf:
+        return text(number("", array.item()))
     if array.size <= _FEW:
         return ", ".join(f"{one:.6g}" for one in array.ravel().tolist())
-    return f"{np.nanmin(array):.6g} to {np.nanmax(array):.6g}, shape {array.shape}"
+    known = array[~np.isnan(array)]
+    span = f"{known.min():.6g} to {known.max():.6g}" if known.size else "nan"
+    return f"{span}, shape {array.shape}"

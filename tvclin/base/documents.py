@@ -74,4 +74,4 @@ def _degrees(value: Any) -> Any:
         return None
     if isinstance(value, dict):
         return {name: _degrees(each) for name, each in value.items()}
-    return np.degrees(value)
+    return np.degrees(1.0) * np.asarray(value) if np.iscomplexobj(value) else np.degrees(value)

@@ -5,6 +5,7 @@ built, and flights are searched, to about a thousandth.
 """
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,6 +68,8 @@ class Table:
     kind = "table"
 
 
+QUANTITIES = ("quantity", "value")
+"""The head of a table of names and values."""
 _UNLIMITED = "unlimited"
 _SYMBOL = re.compile(r"(Theta|beta|[A-Za-z])(?:_([A-Za-z]+)|(\d))?")
 """Letter and index of a symbol, such as beta, K1 or F_A."""
@@ -89,6 +92,16 @@ def labelled(label: str) -> Line:
     return (words + space, Formula(tex + (f"_{{{index}}}" if index else ""), last))
 
 
+def quantities(caption: str, rows: Iterable[Row]) -> Table:
+    """Return a table of names and values; a symbol at the end of a name is a formula."""
+    return Table(caption, QUANTITIES, tuple((labelled(label), line) for label, line in rows))
+
+
+def words(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
+    """Return a table of words."""
+    return Table(caption, tuple(head), tuple(tuple((cell,) for cell in row) for row in rows))
+
+
 def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
     """Return a number with so many digits behind the point; a dash or "none" where it is none."""
     rounded = round(float(value), digits) or 0.0  # no minus before a zero
@@ -105,6 +118,20 @@ def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
     mantissa, _, power = f"{float(value):.{digits}g}".partition("e")
     shown = f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
     return _shown(name, value, shown, unit)
+
+
+def upper_pole(name: str, pole: complex, digits: int = 5) -> Line:
+    """Return a pole; one that is not real stands for its pair."""
+    return complex_number(name, pole, digits, "±")
+
+
+def complex_number(name: str, value: complex, digits: int = 4, sign: str = "") -> Line:
+    """Return a complex number; the sign of its imaginary part, where it has one, may be given."""
+    real = significant(f"{name}.real", value.real, digits)
+    if not value.imag:
+        return real
+    sign = sign or ("-" if value.imag < 0.0 else "+")
+    return (*real, sign, *significant(f"{name}.imaginary", abs(value.imag), digits), "j")
 
 
 def degrees(name: str, angle: Any, digits: int = 3, unit: str = "") -> Line:

@@ -15,7 +15,7 @@ from tvclin.base.units import UNITS, written
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class FileTable:
     """The keys of a table, of which numbers carry their unit: ``weight_N``, ``weight_lbf``.
 
     Attributes

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
@@ -53,7 +53,7 @@ _SECONDS, _COMPILED_SECONDS = 4e-5, 2e-7
 
 
 @dataclass(frozen=True)
-class ForecastFreeLimit:
+class ForecastFreeLimit(Shown):
     """Lower bound of the limit of all laws without a forecast; of a batch, numbers are ``(...)``.
 
     Attributes
@@ -80,15 +80,7 @@ class ForecastFreeLimit:
 
     as_dict = keyed("limit deflection_deg=|deflection| kind")
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("limit, of full trim", self.limit, "-"),
-            ("deflection", np.degrees(self.deflection), "deg"),
-            ("kind", self.kind, ""),
-            ("with foresight", self.foresight, "-"),
-            ("worst stop", self.worst_stop, "s"),
-        ]
-        return card("Least limit without a forecast", rows)
+    _keys = "limit_over_trim=limit deflection_deg kind foresight worst_stop_s"
 
 
 def forecast_free_limit(

@@ -20,9 +20,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card
+from tvclin.base import lines
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, within
+from tvclin.base.lines import Line, Table, number, significant
 from tvclin.boundary.after_trim import least_after_trim
 from tvclin.boundary.closed_forms import (
     TriangularLimit,
@@ -81,7 +83,7 @@ JUMP = "no limit meets (4b) exactly: every limit above this one is sufficient"
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryLimit:
+class BoundaryLimit(Shown):
     """The boundary of one plant in one wind, or of a batch; every field has the shape ``(...)``.
 
     Attributes
@@ -102,16 +104,17 @@ class BoundaryLimit:
     switch_time: Any
     status: Any
 
+    _keys = "limit_over_trim=limit deflection_deg switch_time_s status"
     as_dict = keyed("limit deflection_deg=|deflection| switch_time_s status")
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("limit, of full trim", self.limit, "-"),
-            ("deflection", np.degrees(self.deflection), "deg"),
-            ("dead band is left at", self.switch_time, "s"),
-            ("status", self.status, ""),
-        ]
-        return card("Boundary limit", rows)
+    def table(self, caption: str, axis: str, places: FloatArray, dead_bands: FloatArray) -> Table:
+        """Return limits ``(n, k)`` at n places along an axis, for each of k dead bands."""
+        rows: list[tuple[Line, ...]] = []
+        for place, limits in zip(places, self.limit, strict=True):
+            named = zip(dead_bands, limits, strict=True)
+            cells = (lines.least(number(f"limit.{place:g}.{K:g}", one)) for K, one in named)
+            rows.append((significant(f"limit.{place:g}", place), *cells))
+        return Table(caption, (axis, *(f"K = {K:g}" for K in dead_bands)), tuple(rows))
 
 
 def boundary_limit(

@@ -23,10 +23,13 @@ from tvclin.cli.options import (
     Source,
     grouped,
 )
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from tvclin.base.lines import Row
     from tvclin.control.comparison.duration import WorstDuration
     from tvclin.control.comparison.trim import TrimComparison
     from tvclin.control.margins.criteria import Criteria
@@ -178,23 +181,21 @@ def _print(
 ) -> None:
     import numpy as np
 
-    from tvclin.cli.output import print_pairs, print_table, shown
+    from tvclin.base.lines import quantities
 
-    title = f"{vehicle.name}, {found.plant.model}: {wind}"
-    pairs = shown(found.autopilot.rows())
+    rows = found.autopilot.rows()
     if found.plant.structure is not None:
         say(parts_line(found.plant.structure))
     elif found.autopilot.sample_rate is None:
-        pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
-    print_pairs(title, pairs, columns=1)
+        rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
+    print_tables(quantities(f"{vehicle.name}, {found.plant.model}: {wind}", rows))
     if not found.margins.stable:
         say(f"NO NUMBERS: {found.margins.reason}")
         return
-    print_table("", ["deflection", "[deg]", "of trim"], _deflections(document))
-    print_pairs("", _loads(document, worst), columns=1)
+    print_tables(found.deflections("Largest deflection in this wind"))
+    print_tables(quantities("In this wind", [*found.motions(), *_more(document, worst)]))
     print_bounds(found.autopilot, found.plant)
-    for note in found.notes:
-        say(f"Note: {note}")
+    say_notes(found.notes)
     word = "MET" if document["criteria"]["met"] else "NOT MET (tvclin margins says by how much)"
     say(f"Criteria {document['criteria']['name']}: {word}")
     if limit_deg is not None:
@@ -205,43 +206,18 @@ def _print(
         say(f"Limit {limit_deg:g} deg: {word}")
 
 
-def _deflections(document: dict[str, Any]) -> list[list[str]]:
-    from tvclin.cli.output import limit_cell
-
-    trim = document["trim_deg"]
-    rows = [
-        ("this autopilot", document["peak_deflection_deg"]),
-        ("ideal trim, |B alpha_w,max|", trim),
-        *(
-            (f"boundary, dead band K = {K}", limit)
-            for K, limit in document["boundaries_deg"].items()
-        ),
-        ("least of all, wind known beforehand", document["minimum_deg"]),
-    ]
-    return [
-        [name, limit_cell(value), limit_cell(value / trim, 3) if trim else "-"]
-        for name, value in rows
-    ]
-
-
-def _loads(document: dict[str, Any], worst: "WorstDuration | None") -> list[tuple[str, str]]:
+def _more(document: dict[str, Any], worst: "WorstDuration | None") -> "Iterator[Row]":
+    """Yield what takes the whole vehicle, and the wind that asks most."""
     import numpy as np
 
-    pairs = [
-        ("largest deflection rate", f"{document['peak_deflection_rate_deg_s']:.4g} deg/s"),
-        ("largest angle of attack", f"{document['peak_angle_of_attack_deg']:.4g} deg"),
-        ("largest attitude error", f"{document['peak_attitude_deg']:.4g} deg"),
-    ]
-    if np.isfinite(document["peak_normal_force_N"]):
-        pairs.insert(2, ("N times it", f"{document['peak_normal_force_N']:.4g} N"))
-    if np.isfinite(document["peak_flight_path_angle_deg"]):
-        drift = document["peak_lateral_speed_m_s"]
-        across = f", {drift:.4g} m/s across" if np.isfinite(drift) else ""
-        angle = f"{document['peak_flight_path_angle_deg']:.4g} deg"
-        pairs.append(("largest drift", f"{angle}{across}"))
-    pairs.append(("H-infinity, wind to deflection", f"{document['wind_gain']:.4g}"))
+    from tvclin.base.lines import degrees, significant
+
+    force, across = document["peak_normal_force_N"], document["peak_lateral_speed_m_s"]
+    if np.isfinite(force):
+        yield "N times the angle of attack", significant("wind.normal_force", force, 4, "N")
+    if np.isfinite(across):
+        yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
     if worst is not None:
-        asks = np.degrees(worst.peak_deflection)
-        end = ", an end of the range tried" if worst.at_the_end else ""
-        pairs.append(("worst duration", f"{worst.duration:.3g} s, {asks:.4g} deg{end}"))
-    return pairs
+        end = ", an end of the range tried" * worst.at_the_end
+        asks = degrees("wind.worst", worst.peak_deflection, unit="deg")
+        yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)

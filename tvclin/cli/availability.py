@@ -7,7 +7,7 @@ import typer
 
 from tvclin.cli.inputs import note_source, only_with
 from tvclin.cli.options import TIME_HELP, AsJson, Gust, Model, Plot
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.cli.progress import bar
 from tvclin.cli.wind import gust_of
 
@@ -208,7 +208,6 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     import numpy as np
 
     from tvclin.answers.availability import answer_tables
-    from tvclin.cli.output import print_tables
 
     name = found.judge.flight.vehicle.name or source
     say(f"{name}, {found.model}, {found.plane}: {found.soundings!r}\n")
@@ -226,8 +225,7 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     )
     for azimuth, one in zip(azimuths, launch, strict=False):
         say(f"Today towards {azimuth} deg: {_said(one)}")
-    for note in found.notes:
-        say(f"Note: {note}.")
+    say_notes(found.notes)
 
 
 def _said(one: "Today") -> str:

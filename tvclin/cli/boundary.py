@@ -6,7 +6,6 @@ import typer
 
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.options import SOURCE_HELP, AsJson, Model, Plot, Shape
-from tvclin.cli.output import say
 
 TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
@@ -44,7 +43,7 @@ def boundary(
 
     from tvclin.base.errors import one_of, positive, within
     from tvclin.boundary.limit import boundary_limit
-    from tvclin.cli.output import limit_cell, print_json, print_table
+    from tvclin.cli.output import print_json, print_tables, say_notes
     from tvclin.linear.plant import Plant
     from tvclin.plots import boundary_chart, save_figure
     from tvclin.vehicle.coefficients import Coefficients
@@ -85,12 +84,9 @@ def boundary(
             }
         )
         return
-    rows = [[f"{b:g}", *map(limit_cell, row)] for b, row in zip(x, limits.limit, strict=True)]
-    headings = [axis, *(f"K = {k:g}" for k in K)]
     title = f"{name}, {plant.model}, {plane}" if vehicle else "Any vehicle, flight path fixed"
-    print_table(f"{title}: boundary limit y_BR, {wind} wind", headings, rows)
-    for note in _notes(axis, x, K, limits.status):
-        say(f"Note: {note}.")
+    print_tables(limits.table(f"{title}: boundary limit y_BR, {wind} wind", axis, x, K))
+    say_notes(_notes(axis, x, K, limits.status))
 
 
 def _notes(axis: str, x: Any, K: Any, status: Any) -> list[str]:

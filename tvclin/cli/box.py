@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
@@ -111,30 +111,12 @@ def met_in_box(found: "WorstCase", asked: "Criteria") -> bool:
 
 def print_worst(found: "WorstCase", asked: "Criteria") -> None:
     """Print the worst margins and the worst deflection, where they are, and the verdict."""
-    import numpy as np
-
     from tvclin.answers.worst_case import unit_of
-    from tvclin.cli.output import print_table
-    from tvclin.control.margins.record import MARGINS, factor_to
 
-    rows = []
-    for name, one in found.margins.items():
-        label, unit, _ = MARGINS[name]
-        factor = factor_to(unit)
-        cells = [f"{factor * value:.4g} {unit}".strip() for value in (one.nominal, one.value)]
-        rows.append([label, *cells, _place(one.corner), one.how])
-    if found.deflection is not None:
-        one = found.deflection
-        cells = [f"{np.degrees(value):.4g} deg" for value in (one.nominal, one.value)]
-        rows.append(["required deflection", *cells, _place(one.corner), one.how])
-    print_table("Worst case in the box", ["", "nominal", "worst", "at", "how"], rows)
+    print_tables(found.table())
     if not found.stable:
         say("In this box the loop becomes UNSTABLE; its margins count as zero there.")
     worst = found.margins["disk_margin"]
     at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in worst.at.items())
     say(f"Worst disk margin at: {at}")
     say(f"Criteria {asked.name} in the box: {'MET' if met_in_box(found, asked) else 'NOT MET'}")
-
-
-def _place(corner: bool) -> str:
-    return "a corner" if corner else "inside"

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from tvclin.cli.inputs import note_left_out
 from tvclin.cli.options import AsJson
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say
 from tvclin.cli.progress import bar
 
 if TYPE_CHECKING:
@@ -122,19 +122,19 @@ def show(
     from math import radians
 
     from tvclin.answers.campaign.engine import open_campaign
+    from tvclin.answers.campaign.summary import CampaignSummary
     from tvclin.base.errors import number, positive
-    from tvclin.cli.campaign_summary import print_summary, summary
     from tvclin.cli.output import print_json
 
     limit = (
         None if limit_deg is None else radians(number("--limit-deg", limit_deg, positive, "deg"))
     )
     found = open_campaign(folder)
-    document = summary(found, output, limit, probability, confidence)
+    summary = CampaignSummary.of(found, output, limit, probability, confidence)
     if as_json:
-        print_json(document)
+        print_json(summary)
     else:
-        print_summary(document)
+        print_tables(*summary.tables())
 
 
 @campaign.command()
@@ -149,48 +149,14 @@ def replay(
 
     Exit code 0: answered; 2: bad input.
     """
-    from tvclin.answers.campaign.dispersions import UNITS_OF
     from tvclin.answers.campaign.engine import open_campaign
-    from tvclin.answers.campaign.outputs import columns
-    from tvclin.cli.output import print_json, print_pairs
+    from tvclin.cli.output import print_json
 
-    found = open_campaign(folder)
-    one = found.replay(case)
-    units = UNITS_OF | columns(found.campaign)
-    flown = _flown(one)
+    one = open_campaign(folder).replay(case)
     if as_json:
-        head = {"case": case, "status": one.status, "inputs": one.inputs, "outputs": one.outputs}
-        print_json(head | {"units": units, "response": flown})
-        return
-    inputs = [(k, f"{v:.7g} {units.get(k, '')}") for k, v in one.inputs.items()]
-    print_pairs(f"Case {case}: {one.status}", inputs)
-    angles = {k: _degrees(v) for k, v in one.outputs.items() if units[k] == "rad"}
-    for title, motion in (("It needs", False), ("Flown", True)):
-        shown = [(k, angle) for k, angle in angles.items() if k.startswith("flight_") == motion]
-        if shown:
-            print_pairs(f"\n{title}", shown, columns=1)
-    margins = {k: v for k, v in one.outputs.items() if k.startswith("margin_")}
-    if margins:
-        said = [(k.replace("_", " "), f"{v:.4g}") for k, v in margins.items()]
-        print_pairs("\nMargins of the autopilot", said, columns=1)
-    if flown:
-        said = [(k.replace("_", " "), f"{v:.4f}") for k, v in flown.items()]
-        print_pairs(f"\nResponse on the boundary, K = {one.dead_band:g}", said, columns=1)
-
-
-def _flown(one: Any) -> dict[str, float]:
-    """What stands out in the response; nothing where the case needs no deflection."""
-    import numpy as np
-
-    from tvclin.base.errors import InputError
-
-    try:
-        response = one.response()
-    except InputError:
-        return {}
-    values = {name: response.outputs[name] for name in ("attitude", "angle_of_attack")}
-    largest = {f"largest_{k}_deg": float(np.degrees(np.abs(v).max())) for k, v in values.items()}
-    return largest | {"until_s": float(response.time[-1])}
+        print_json(one)
+    else:
+        print_tables(*one.tables())
 
 
 @contextmanager
@@ -230,11 +196,3 @@ def _print_done(found: "CampaignResults") -> None:
     of = f"{found.cases} of {found.campaign.cases} cases are done"
     enough = "; the answer has converged" if found.converged else ""
     say(f"{of}{enough}. Show them with: tvclin campaign show {called(found.folder)}")
-
-
-def _degrees(value: float) -> str:
-    from math import degrees, isinf, isnan
-
-    if isinf(value):
-        return "lost"
-    return "-" if isnan(value) else f"{degrees(value):.4f} deg"

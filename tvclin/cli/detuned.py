@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say_lines
 
 if TYPE_CHECKING:
     from tvclin.cli.margin_tables import MarginsFound
@@ -31,9 +31,5 @@ def detuned_of(found: "MarginsFound") -> "Detuned":
 
 def print_detuned(found: "Detuned") -> None:
     """Print a row for each change, what fails first in it, and where the loop is lost."""
-    from tvclin.base.lines import text
-    from tvclin.cli.output import print_tables
-
     print_tables(found.table())
-    for line in found.said:
-        say(text(line))
+    say_lines(found.said)

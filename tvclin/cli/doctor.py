@@ -21,7 +21,8 @@ ADDS = {
 def doctor(as_json: AsJson = False) -> None:
     """Print versions, and which extras are installed."""
     from tvclin.base.errors import install
-    from tvclin.cli.output import print_json, print_table
+    from tvclin.base.lines import words
+    from tvclin.cli.output import print_json, print_tables
 
     packages, extras = _requirements()
     versions = {name: _version(name) for name in packages}
@@ -31,8 +32,11 @@ def doctor(as_json: AsJson = False) -> None:
         print_json({"versions": python | versions, "extras": found})
         return
     rows = [[name, version or "missing"] for name, version in (python | versions).items()]
-    print_table("Versions", ["package", "version"], rows)
-    print_table("Extras", ["extra: what it adds", "packages"], map(_row, found, found.values()))
+    extra = map(_row, found, found.values())
+    print_tables(
+        words("Versions", ["package", "version"], rows),
+        words("Extras", ["extra: what it adds", "packages"], extra),
+    )
     wanting = [extra for extra, names in found.items() if None in names.values()]
     if wanting:
         say(f"To add what is missing: {install(*wanting)}")

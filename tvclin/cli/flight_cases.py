@@ -184,7 +184,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     ends = [f"Flown: {words[flight.survived]}. Linear theory: {words[flight.predicted]}."]
     if case.limit < case.minimum and (flight.survived or flight.predicted):
         ends.append(
-            f"Note: {np.degrees(case.minimum):.4f} deg is the least of all by linear theory; with"
+            f"Note: {np.degrees(case.minimum):.3f} deg is the least of all by linear theory; with"
             "\nless a mode goes on growing, more slowly than this flight shows."
         )
     if np.isfinite(flight.let_go[0]):
@@ -198,11 +198,11 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         flight=flight,
         limit=case.limit,
         beside="linear",
-        columns=("flown", "linear", "difference"),
+        columns=("flown", "linear"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
         heads=[case.title, f"flown: {ENGINES[case.engine].words}", case.assumed, linear],
         ends=ends,
-        title=f"Limit {np.degrees(case.limit):.4f} deg, {case.limit / case.boundary:.4g} times the"
+        title=f"Limit {np.degrees(case.limit):.3f} deg, {case.limit / case.boundary:.4g} times the"
         " linear boundary",
         facts={
             "along_trajectory": case.condition is not None,

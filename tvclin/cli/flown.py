@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
@@ -42,7 +42,6 @@ def print_flown(found: "FlownMargins", case: "Case", name: str) -> None:
     """Print the flown margins of a case in a wind with a name, and what is odd about them."""
     import numpy as np
 
-    from tvclin.cli.output import print_tables
     from tvclin.cli.wind import wind_words
     from tvclin.flights.closed_loop.flown_record import flown_table
 
@@ -55,5 +54,4 @@ def print_flown(found: "FlownMargins", case: "Case", name: str) -> None:
         f"The limit is {found.limit:.4g} of full trim, {found.spare:.4g} times the boundary of the"
         " autopilot."
     )
-    for note in found.notes:
-        say(f"Note: {note}")
+    say_notes(found.notes)

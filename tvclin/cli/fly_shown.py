@@ -4,12 +4,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say
 
 if TYPE_CHECKING:
     from tvclin.flights.beside import FlightBeside
-
-_PEAKS = ("attitude", "deflection", "angle_of_attack")
 
 
 @dataclass(frozen=True)
@@ -36,16 +34,13 @@ class Compared:
     beside : str
         What stands beside it: linear or rigid.
     columns : tuple of str
-        Headings of the table: of the flight, of what stands beside it and of the difference; the
-        first alone where nothing does.
+        Headings of the table: of the flight, and of what stands beside it where anything does.
     boundary : tuple of float or None
         Both boundaries [rad], the first None where it was not sought; None where neither was.
     heads, ends : list of str
         What is said above the table and below it.
-    title, boundary_name : str
-        Of the table, and of the row of the boundary.
-    rows : list of pairs
-        More rows of the table, a name and both numbers.
+    title : str
+        Of the table.
     facts : dict
         What JSON says besides.
     """
@@ -59,8 +54,6 @@ class Compared:
     heads: list[str]
     ends: list[str]
     title: str
-    boundary_name: str = "boundary"
-    rows: list[tuple[str, tuple[float, ...]]] = field(default_factory=list)
     facts: dict[str, Any] = field(default_factory=dict)
 
     def both(self, values: Any) -> dict[str, Any]:
@@ -82,7 +75,9 @@ class Compared:
         """The largest of each over the wind, of both [deg]."""
         import numpy as np
 
-        return {name: np.degrees(self.flight.peaks(name)).tolist() for name in _PEAKS}
+        from tvclin.flights.beside import PEAKS
+
+        return {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
 
     def _ends(self) -> list[float | None] | None:
         """Both boundaries [deg]."""
@@ -93,21 +88,9 @@ class Compared:
         return [None if one is None else float(np.degrees(one)) for one in self.boundary]
 
     def _print(self) -> None:
-        from tvclin.cli.output import print_table
-
-        rows: list[Any] = [(f"largest {k.replace('_', ' ')}", v) for k, v in self._peaks().items()]
-        ends = self._ends()
-        if ends and None not in ends:
-            rows.append((self.boundary_name, ends))
-        cells = [
-            [name, *[f"{a:.4f}", f"{b:.4f}", f"{a - b:+.4f}"][: len(self.columns)]]
-            for name, (a, b) in [*rows, *self.rows]
-        ]
-        for line in self.heads:
-            say(line)
-        print_table(self.title, ["over the wind, in deg", *self.columns], cells)
-        for line in self.ends:
-            say(line)
+        say("\n".join(self.heads))
+        print_tables(self.flight.table(self.title, self.columns, self.boundary))
+        say("\n".join(self.ends))
 
     def _document(self) -> dict[str, Any]:
         from tvclin.base.documents import picked
@@ -130,7 +113,7 @@ class Compared:
 
         if shown.csv is None and shown.plot is None:
             return
-        said = f"{self.case.title}, limit {np.degrees(self.limit):.4f} deg, {self.case.engine}"
+        said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
         numbers = flight_curves(self.flight, "fly", said.replace("\n", ", "), self.beside)
         if shown.csv is not None:
             write_text(shown.csv, numbers.csv())

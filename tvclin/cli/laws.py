@@ -1,7 +1,7 @@
 """`tvclin laws`: what each control law needs in the standard winds, from trim to the minimum."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,14 +20,13 @@ from tvclin.cli.options import (
     Source,
     grouped,
 )
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 from tvclin.cli.progress import bar, share
 from tvclin.cli.wind import BlowingOptions
 
 if TYPE_CHECKING:
     from tvclin.answers.study_file.plan import StudyPlan
     from tvclin.answers.trials import LawTrial
-    from tvclin.linear.plant import Plant
     from tvclin.winds.histories import History
 
 
@@ -76,6 +75,7 @@ def laws(
 
     from tvclin.answers.flexible import with_filters
     from tvclin.answers.least_gains.asked import autopilot_asked
+    from tvclin.answers.trial_tables import LEGEND, bounds, doubts, loads, needed, tried
     from tvclin.answers.trials import law_trials, standard_laws
     from tvclin.base.errors import one_of, within
     from tvclin.cli.output import print_json
@@ -119,11 +119,7 @@ def laws(
         from tvclin.plots import laws_chart, save_figure
 
         save_figure(laws_chart(flying, chosen, peak, **hardware), plot)
-    limits = {name: _without_forecast(plant, history) for name, history in winds.items()}
-    trims = {
-        name: abs(float(np.degrees(plant.coefficients.B * history.peak)))
-        for name, history in winds.items()
-    }
+    beside = bounds(plant, winds)
     if as_json:
         head = {
             "vehicle": loaded.name,
@@ -134,9 +130,11 @@ def laws(
             "flexible": flying.structure is not None,
             "cuts": cuts,
             "sample_rate_Hz": rate,
-            "trim_deflection_deg": max(trims.values()),
+            "trim_deflection_deg": max(one.trim_deg for one in beside.values()),
         }
+        trims = {name: one.trim_deg for name, one in beside.items()}
         trials = [{**vars(one), "limit_deg": trims[one.wind] * one.limit} for one in found]
+        limits = {name: one.no_forecast for name, one in beside.items()}
         print_json({**head, "trials": trials, "no_forecast": limits})
     else:
         if flying.structure is not None:
@@ -146,7 +144,10 @@ def laws(
         servo = case.nozzle.actuator
         engine = f"actuator {servo.natural_frequency:g} rad/s" if servo else "no actuator"
         say(f"{loaded.name or vehicle}, {plant.model}, {wind_words}, {engine}")
-        _print(found, limits, list(chosen), trims)
+        print_tables(*needed(found, beside), loads(found))
+        say(LEGEND)
+        say(tried(found))
+        say_notes(doubts(found))
 
 
 def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
@@ -174,82 +175,3 @@ def _winds(
     if pulse.gust is not None:
         every = {name: one + pulse.gust for name, one in every.items()}
     return pulse.peak, pulse.duration, every
-
-
-def _without_forecast(plant: "Plant", wind: "History") -> float | None:
-    from tvclin.base.errors import InputError
-    from tvclin.boundary.forecast_free import forecast_free_limit
-
-    try:
-        return forecast_free_limit(plant, wind).limit
-    except InputError:
-        return None
-
-
-def _print(
-    found: list["LawTrial"],
-    limits: dict[str, float | None],
-    names: list[str],
-    trims: dict[str, float],
-) -> None:
-    from tvclin.cli.output import print_table
-    from tvclin.flights.closed_loop.edges import ABOVE, PARTS, STEPS
-
-    headings = ["wind", *(name.replace("-", " ") for name in names), "any law"]
-    table = {(one.wind, one.law): one for one in found}
-
-    def rows(show: Any) -> list[list[str]]:
-        return [[wind, *(show(table[wind, law]) for law in names), ""] for wind in limits]
-
-    takes = " to ".join(f"{one:.4f}" for one in sorted({min(trims.values()), max(trims.values())}))
-    for title, scales in (
-        (f"Deflection limit needed [deg]; trim of the whole wind takes {takes}", trims),
-        ("The same over |B alpha_w,max|, trim of the whole wind", dict.fromkeys(trims, 1.0)),
-    ):
-        needed = rows(lambda one, scales=scales: _limit(one, scales[one.wind]))
-        for row, (wind, limit) in zip(needed, limits.items(), strict=True):
-            row[-1] = "-" if limit is None else f"{scales[wind] * limit:.3f}"
-        print_table(title, headings, needed)
-    loads = rows(_loads)
-    print_table(
-        "Largest angle of attack / attitude over the wind, with 1.2 times that limit",
-        headings[:-1],
-        [row[:-1] for row in loads],
-    )
-    say(
-        "any law: lower bound for all laws without a forecast that also survive if the wind stops"
-        " for good at any instant (--cuts); - where the wind changes its sign."
-    )
-    one = found[0]
-    scanned = (one.highest - one.lowest) / STEPS
-    say(
-        f"Tried: limits from {one.lowest:g} to {one.highest:g} in steps of {scanned:.2g}, and for"
-        f" {ABOVE * scanned:.2g} above each edge in steps of {scanned / PARTS:.2g}, finer still"
-        " near the edge. A narrower range of lost limits would not be seen."
-    )
-    if not all(one.monotone for one in found):
-        say("*: some lower limits survive as well; above this one all that were tried survive.")
-    for said in dict.fromkeys(f"!: {one.law}, {one.status}" for one in found if _doubtful(one)):
-        say(said)
-
-
-def _loads(one: "LawTrial") -> str:
-    found = one.limit <= one.highest
-    return f"{one.peak_angle_of_attack:.2f}/{one.peak_attitude:.2f}" if found else "-"
-
-
-def _limit(one: "LawTrial", scale: float = 1.0) -> str:
-    """The boundary times a scale, or on which side of the range that was tried it lies."""
-    shown = f"{scale * one.limit:.3f}"
-    if one.limit > one.highest:
-        shown = f">{scale * one.highest:.4g}"
-    elif one.limit <= one.lowest:
-        shown = f"<{scale * one.lowest:.4g}"
-    return shown + ("" if one.monotone else "*") + ("!" if _doubtful(one) else "")
-
-
-def _doubtful(one: "LawTrial") -> bool:
-    """Whether there is more to be said of a boundary than the table shows."""
-    from tvclin.flights.closed_loop.edges import ALWAYS, NEVER, OK
-
-    return one.status not in (OK, NEVER, ALWAYS)

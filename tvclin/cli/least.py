@@ -8,7 +8,7 @@ import typer
 
 from tvclin.cli.gains import with_gains
 from tvclin.cli.inputs import chosen, only_with
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 
 if TYPE_CHECKING:
     from tvclin.answers.case import Case
@@ -104,20 +104,6 @@ def draw_front(found: "LeastGains | None", plot: Path) -> None:
 
 def print_least(found: "LeastGains") -> None:
     """Print what was sought, what holds it, and what is to be known about it."""
-    import numpy as np
-
-    from tvclin.cli.output import print_table
-
-    what = {
-        "peak": "largest deflection of the linear loop",
-        "boundary": "least limit with which flights survive",
-    }[found.meaning]
-    trims = found.question.trims
-    rows = [
-        [name, f"{np.degrees(one):.4f}", f"{one / trim:.3f}"]
-        for name, one, trim in zip(found.question.names, found.each, trims, strict=True)
-    ]
-    print_table(f"Least nozzle: {what}", ["", "[deg]", "of trim"], rows)
+    print_tables(found.table())
     say(f"Held by: {', '.join(found.active) or 'no constraint, a flat minimum'}")
-    for note in found.notes:
-        say(f"Note: {note}")
+    say_notes(found.notes)

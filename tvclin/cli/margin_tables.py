@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say, say_notes
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -60,16 +60,16 @@ class MarginsFound:
 
 def print_margins(title: str, found: MarginsFound) -> None:
     """Print an autopilot, the margins of its loop, those by band, and whether they are enough."""
+    from tvclin.base.lines import quantities
     from tvclin.cli.bands import parts_line, print_bands
-    from tvclin.cli.output import print_pairs, print_tables, shown
     from tvclin.control.margins.tables import margin_table
 
-    pairs, whole = shown(found.autopilot.rows()), found.whole
+    rows, whole = found.autopilot.rows(), found.whole
     if found.plant.structure is not None:
         say(parts_line(found.plant.structure))
     elif found.autopilot.sample_rate is None:
-        pairs.append(("closed-loop poles [1/s]", poles(found.autopilot, found.plant)))
-    print_pairs(title, pairs, columns=1)
+        rows.append(("closed-loop poles [1/s]", (poles(found.autopilot, found.plant),)))
+    print_tables(quantities(title, rows))
     if whole.stable:
         print_tables(margin_table(whole, found.judged))
         print_bounds(found.autopilot, found.plant)
@@ -78,8 +78,7 @@ def print_margins(title: str, found: MarginsFound) -> None:
     if found.bands is not None:
         print_bands(found.bands, found.asked)
     if whole.stable:
-        for note in whole.notes:
-            say(f"Note: {note}")
+        say_notes(whole.notes)
         say(f"Criteria {found.asked.name}: {'MET' if found.met else 'NOT MET'}")
         if not found.met:
             say("Other gains: --natural-frequency and --damping, or gains of your own.")

@@ -1,7 +1,7 @@
 """`tvclin optimum`: the least peak deflection with which a wind can be survived (appendix C)."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,7 +16,7 @@ from tvclin.cli.options import (
     Source,
     grouped,
 )
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say
 from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
@@ -49,8 +49,9 @@ def optimum(
 
     Exit code 0: found; 1: only a lower bound was found; 2: bad input.
     """
-    from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED, optimum_deflection
-    from tvclin.boundary.optimum.rate_limit import optimum_with_rate_limit
+    from tvclin.answers.optimum import KnownWind
+    from tvclin.base.documents import picked
+    from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
     from tvclin.cli.output import print_json
 
     case = case_of(
@@ -63,22 +64,18 @@ def optimum(
     )
     history, plant = case.history, case.plant.rigid
     start = float(history.onset) if start is None else start
-    best = optimum_deflection(plant, history, start, horizon)
-    limited = None
-    if case.nozzle.rate_limit is not None:
-        limited = optimum_with_rate_limit(plant, history, case.nozzle.rate_limit, start, horizon)
-    shown = best.deflection if limited is None else limited.deflection
+    found = KnownWind.of(plant, history, start, horizon, case.nozzle.rate_limit)
     name = blows.name(case)
     title = f"{case.vehicle.name or vehicle}, {plant.model}: {wind_words(name, case)}"
     if csv is not None or plot is not None:
-        _write(plant, shown, history, title, csv, plot)
-    document = {"plane": case.plane, **_document(plant, history, best, limited)}
+        _write(plant, found.deflection, history, title, csv, plot)
     if as_json:
-        wind = {"name": name, **document.pop("wind")}
-        print_json({"vehicle": case.vehicle.name, "model": plant.model, "wind": wind, **document})
+        wind = {"name": name, **picked(history, "peak_deg onset_s end_s")}
+        head = {"vehicle": case.vehicle.name, "model": plant.model, "wind": wind}
+        print_json(head | {"plane": case.plane} | found.as_dict())
     else:
-        _print(title, document)
-    if best.status == NOT_CONVERGED:
+        print_tables(found.table(title))
+    if found.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
 
@@ -105,56 +102,3 @@ def _write(
         write_text(csv, curves.csv())
     if plot is not None:
         save_figure(response_chart(curves, f"Minimum-peak control\n{title}"), plot)
-
-
-def _document(plant: "Plant", wind: "History", best: Any, limited: Any) -> dict[str, Any]:
-    import numpy as np
-
-    from tvclin.base.documents import picked
-    from tvclin.boundary.limit import boundary_limit
-
-    trim = abs(float(plant.coefficients.B * wind.peak))
-    held = abs(float(boundary_limit(plant, wind, 0.0).deflection))
-    return {
-        "wind": picked(wind, "peak_deg onset_s end_s"),
-        **picked(best, "peak_deg"),
-        "part_of_trim": best.peak / trim if trim else None,
-        "trim_deg": np.degrees(trim),
-        "held_deg": np.degrees(held),
-        "first_segment": _first_segment(plant, wind, best.deflection),
-        **picked(best, "switch_times_s status"),
-        "certificate": best.certificate.as_dict(),
-        **({} if limited is None else {"with_rate_limit": limited.as_dict()}),
-    }
-
-
-def _first_segment(plant: "Plant", wind: "History", deflection: "History") -> str:
-    import numpy as np
-
-    if np.isinf(deflection.onset):
-        return "none"
-    first = np.sign(deflection(np.nextafter(deflection.onset, np.inf)))
-    against = -np.sign(plant.coefficients.B * wind.peak)
-    return "opposes the wind" if first == against else "goes with the wind"
-
-
-def _print(title: str, found: dict[str, Any]) -> None:
-    from tvclin.cli.output import limit_cell, print_pairs
-
-    switches = ", ".join(f"{t:.4g} s" for t in found["switch_times_s"][:6])
-    more = len(found["switch_times_s"]) - 6
-    part = "" if found["part_of_trim"] is None else f" ({found['part_of_trim']:.4f} of trim)"
-    rows = [
-        ("least peak deflection", f"{found['peak_deg']:.4f} deg{part}"),
-        ("first segment", found["first_segment"]),
-        ("switches", (switches or "none") + (f" and {more} more" if more > 0 else "")),
-        ("fast pole alone (K = 0)", limit_cell(found["held_deg"], unit="deg")),
-        ("ideal trim", f"{found['trim_deg']:.4f} deg"),
-        ("lower bound (dual)", f"{found['certificate']['dual_deg']:.4f} deg"),
-        ("certificate", f"gap {found['certificate']['gap']:.1e}, {found['status']}"),
-    ]
-    limited = found.get("with_rate_limit")
-    if limited is not None:
-        rate, peak = limited["rate_deg_per_s"], limited["peak_deg"]
-        rows.insert(1, (f"with {rate:.4g} deg/s", f"{peak:.4f} deg, {limited['status']}"))
-    print_pairs(title, rows, columns=1)

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from tvclin.base.lines import Row
-    from tvclin.base.lines import Table as Answer
+    from tvclin.base.lines import Line, Table
 
 
 _BESIDE = 3
 """Blanks beside a column of a table, at the most."""
+_PROSE = 6
+"""Cells of so many words are sentences."""
+_FEW, _ACROSS = 6, 4
+"""So many names with their values stand below each other; of more, so many side by side."""
 
 
 def say(words: str, err: bool = False) -> None:
@@ -28,6 +31,20 @@ def say(words: str, err: bool = False) -> None:
     typer.echo(words, err=err)
 
 
+def say_lines(lines: "Iterable[Line]") -> None:
+    """Print lines of an answer."""
+    from tvclin.base.lines import text
+
+    for line in lines:
+        say(text(line))
+
+
+def say_notes(notes: Iterable[str]) -> None:
+    """Print what the reader of an answer should know."""
+    for note in dict.fromkeys(notes):
+        say(f"Note: {note.rstrip('.')}.")
+
+
 def _filled(width: int, line: str) -> str:
     """Return a line in lines broken between words; names of files and the like stay in one."""
     return textwrap.fill(
@@ -35,73 +52,67 @@ def _filled(width: int, line: str) -> str:
     )
 
 
-def print_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print one table: the first column to the left, numbers to the right.
+def print_tables(*tables: "Table") -> None:
+    """Print tables of an answer: names beside their values, or columns below their headings."""
+    from tvclin.base.lines import QUANTITIES, text
+
+    for one in tables:
+        rows = [tuple(map(text, row)) for row in one.rows]
+        if one.head == QUANTITIES:
+            _print_quantities(one.caption, rows)
+        else:
+            _print_columns(one.caption, one.head, rows)
+
+
+def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print labels and sentences to the left, and numbers to the right.
 
     Words stay in one piece where the terminal is wide enough for all of them.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Table as Grid
     from rich.text import Text
 
-    table = Table(title=Text(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    console, rows = Console(highlight=False), list(rows)
-    words = [" ".join(column).split() for column in zip(headings, *rows, strict=True)]
-    widths = [max(map(len, column), default=0) for column in words]
-    fits = sum(widths) + _BESIDE * len(widths) <= console.width
-    for k, (heading, width) in enumerate(zip(headings, widths, strict=True)):
-        table.add_column(
-            Text(heading),
-            justify="right" if k else "left",
+    grid, console = Grid(box=SIMPLE_HEAD), Console(highlight=False)
+    columns = list(zip(headings, *rows, strict=True))
+    least = [max(map(len, " ".join(column).split()), default=0) for column in columns]
+    wanted = [max(map(len, column)) - width for column, width in zip(columns, least, strict=True)]
+    spare = console.width - sum(least) - _BESIDE * len(columns) - 1
+    fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
+    for n, k in enumerate(sorted(wider, key=wanted.__getitem__)):
+        wider[k] = min(wanted[k], max(spare, 0) // (len(columns) - n))
+        spare -= wider[k]
+    for k, (column, width) in enumerate(zip(columns, least, strict=True)):
+        prose = max(len(cell.split()) for cell in column) >= _PROSE
+        grid.add_column(
+            Text(column[0]),
+            justify="left" if prose or not k else "right",
             overflow="fold",
-            min_width=width if fits else None,
+            width=width + wider[k] if fits else None,
         )
     for row in rows:
-        table.add_row(*map(Text, row))
-    console.print(table)
+        grid.add_row(*map(Text, row))
+    console.print(Text(title, "bold"))
+    console.print(grid)
 
 
-def print_tables(*tables: "Answer") -> None:
-    """Print tables of an answer."""
-    from tvclin.base.lines import text
-
-    for one in tables:
-        print_table(one.caption, one.head, [tuple(map(text, row)) for row in one.rows])
-
-
-def print_pairs(title: str, pairs: Iterable[tuple[str, str]], columns: int = 2) -> None:
-    """Print names and values side by side, `columns` pairs to a line."""
+def _print_quantities(title: str, rows: Sequence[Sequence[str]]) -> None:
+    """Print names and values, of many as many side by side as the terminal has room for."""
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Table as Grid
     from rich.text import Text
 
-    table = Table(
-        title=Text(title),
-        title_justify="left",
-        title_style="bold",
-        box=None,
-        show_header=False,
-        padding=(0, 2, 0, 0),
-    )
-    cells = [Text(text) for pair in pairs for text in pair]
-    for start in range(0, len(cells), 2 * columns):
-        table.add_row("", *cells[start : start + 2 * columns])
-    Console(highlight=False).print(table)
-
-
-def shown(rows: "Iterable[Row]") -> list[tuple[str, str]]:
-    """Return the rows of a record as names and values for `print_pairs`."""
-    from tvclin.base.lines import text
-
-    return [(label, text(line)) for label, line in rows]
-
-
-def limit_cell(number: float, digits: int = 4, unit: str = "") -> str:
-    """Return a deflection limit in words; it is infinite where none is enough."""
-    from math import isinf
-
-    return "none is enough" if isinf(number) else f"{number:.{digits}f} {unit}".rstrip()
+    console = Console(highlight=False)
+    grid = Grid(box=None, show_header=False, padding=(0, 2, 0, 0))
+    widest = sum(max(map(len, column), default=0) + 2 for column in zip(*rows, strict=True))
+    across = max(1, min(_ACROSS, console.width // (widest + 2))) if len(rows) > _FEW else 1
+    cells = [Text(text) for row in rows for text in row]
+    for start in range(0, len(cells), 2 * across):
+        grid.add_row("", *cells[start : start + 2 * across])
+    console.print(Text(title, "bold"))
+    console.print(grid)
+    typer.echo()
 
 
 def print_json(document: Any) -> None:

@@ -19,7 +19,7 @@ from tvclin.cli.options import (
     Until,
     grouped,
 )
-from tvclin.cli.output import say
+from tvclin.cli.output import print_tables, say
 from tvclin.cli.wind import WindOptions, wind_words
 
 if TYPE_CHECKING:
@@ -125,28 +125,17 @@ def _print(
 ) -> None:
     import numpy as np
 
-    from tvclin.cli.output import print_table
     from tvclin.linear.extremes import FALLEN, LET_GO, TURNED_OVER
+    from tvclin.linear.loads import response_table
 
-    whole = _covers_the_wind(case, shown)
-    angle, when = float(np.degrees(loads.peak_angle_of_attack)), loads.peak_time
-    rows = [
-        ["largest error, turned by the wind", *_shown(found.with_wind)],
-        ["largest error, turned against it", *_shown(found.against_wind)],
-        ["last back at zero", *_shown(found.back_at_zero)],
-        ["attitude when the wind ends", *_shown(found.at_wind_end)],
-        ["attitude at the end", *_shown(found.at_end)],
-        [
-            "largest angle of attack in the wind",
-            *([f"{angle:.4f}", f"{when:.3f}"] if whole else _shown(None)),
-        ],
-    ]
     say(_what(case))
-    print_table(case.case.vehicle.name, ["exact response", "[deg]", "at [s]"], rows)
+    caption = f"{case.case.vehicle.name}: exact response"
+    whole = _covers_the_wind(case, shown)
+    print_tables(response_table(caption, found, loads if whole else None))
     word = "SUFFICIENT" if case.sufficient else "NOT SUFFICIENT"
     part = f", {case.limit / case.required:.4g} times that" if case.required else ""
-    needed = f"Required {np.degrees(case.required):.4f} deg by {case.governs}"
-    say(f"{needed}; limit {np.degrees(case.limit):.4f} deg{part}: {word}")
+    needed = f"Required {np.degrees(case.required):.3f} deg by {case.governs}"
+    say(f"{needed}; limit {np.degrees(case.limit):.3f} deg{part}: {word}")
     stable = "stable by (4b)" if verdict.stable else "not stable by (4b)"
     if not verdict.stable and np.isnan(verdict.left_over.e_folding_times[0]):
         stable = "stable by (4b) but for the slow mode of the flight path"
@@ -166,14 +155,6 @@ def _covers_the_wind(case: Held, shown: "Shown") -> bool:
     from tvclin.linear.extremes import WHOLE
 
     return shown.why == WHOLE or shown.time >= float(case.wind.end)
-
-
-def _shown(entry: Any) -> list[str]:
-    import numpy as np
-
-    if entry is None:
-        return ["-", "-"]
-    return [f"{float(np.degrees(entry.value)):.4f}", f"{entry.time:.3f}"]
 
 
 def _document(

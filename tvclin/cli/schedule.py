@@ -190,7 +190,8 @@ def _write(found: "FlightSchedule", file: Path, output: Path) -> None:
 def _print(found: "FlightSchedule") -> None:
     import numpy as np
 
-    from tvclin.cli.output import print_table
+    from tvclin.base.lines import words
+    from tvclin.cli.output import print_tables
     from tvclin.vehicle.coefficients import Coefficients
 
     first, last = found.span
@@ -200,8 +201,7 @@ def _print(found: "FlightSchedule") -> None:
         [f"{t:.4g}", f"{mu_alpha:.4f}", f"{mu_delta:.4f}", f"{B:.5f}"]
         for t, mu_alpha, mu_delta, B in np.column_stack([times, c.mu_alpha, c.mu_delta, c.B])
     ]
-    print_table(
-        found.vehicle.name, ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"], rows
-    )
+    head = ["t [s]", "mu_alpha [1/s^2]", "mu_delta [1/s^2]", "B [-]"]
+    print_tables(words(found.vehicle.name, head, rows))
     for note in found.notes:
         say(note)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from tvclin.cli.output import print_tables, say
+from tvclin.cli.output import print_tables, say, say_lines, say_notes
 
 if TYPE_CHECKING:
     from tvclin.answers.sizing.record import Sizing
@@ -19,7 +19,6 @@ def print_sizing(
     """Print the required deflections, the total and all notes; some come from elsewhere."""
     from tvclin.answers.sizing import tables
     from tvclin.answers.sizing.total import total_table
-    from tvclin.base.lines import text
 
     name = found.schedule.vehicle.name or source
     planes = "both planes, one stop" if found.alone else found.plane
@@ -33,7 +32,5 @@ def print_sizing(
         print_tables(tables.each_wind(found, counted))
     say(f"{tables.legend(found)}\n")
     print_tables(total_table(total, counted))
-    for line in total.verdict:
-        say(text(line))
-    for note in (*found.notes, *said):
-        say(f"Note: {note}.")
+    say_lines(total.verdict)
+    say_notes((*found.notes, *said))

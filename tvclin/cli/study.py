@@ -1,6 +1,6 @@
 """`tvclin study`: the main job, one vehicle in one wind."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,7 +15,11 @@ from tvclin.cli.options import (
     Source,
     grouped,
 )
+from tvclin.cli.output import print_tables, say, say_lines, say_notes
 from tvclin.cli.wind import ShapedOptions
+
+if TYPE_CHECKING:
+    from tvclin.answers.findings import Findings
 
 
 @grouped
@@ -81,7 +85,6 @@ def study(
     from tvclin.answers.questions import all_yes, questioned, questions, sufficient
     from tvclin.base.errors import InputError
     from tvclin.cli.output import print_json
-    from tvclin.cli.study_tables import print_dispersed, print_questions, print_study
 
     plan = case_of(
         source,
@@ -119,9 +122,41 @@ def study(
         answers = {"questions": questions(found), "sufficient": sufficient(found)}
         print_json(result.as_dict() | extra | answers)
     else:
-        print_study(result, source, explain)
-        if dispersed is not None:
-            print_dispersed(dispersed)
-        print_questions(found)
+        _print(found, source, explain)
     if not all_yes(found):
         raise typer.Exit(1)
+
+
+def _print(found: "Findings", source: str, explain: bool) -> None:
+    """Print the vehicle, the boundaries and the verdict, and all else that was asked."""
+    from tvclin.answers import study_tables as tables
+    from tvclin.answers.questions import question_table, questions, sufficient
+    from tvclin.vehicle.file import as_written
+
+    s, d, each = found.study, found.dispersed, questions(found)
+    print_tables(tables.vehicle(s, source, as_written(source)), tables.coefficients(s))
+    print_tables(tables.poles(s), tables.boundaries(s))
+    say_lines(tables.verdict(s))
+    say(tables.LEGEND)
+    say_notes(s.notes)
+    if explain:
+        from tvclin.answers.glossary import symbol_table
+
+        say("")
+        print_tables(symbol_table())
+    if d is not None:
+        say("")
+        print_tables(*d.tables())
+        say(d.spreads)
+    if len(each) < 2:
+        return
+    say("")
+    print_tables(question_table(each))
+    others = ", ".join(one.name for one in each if one.yes is not True)
+    said = {
+        True: "SUFFICIENT in all",
+        False: f"NOT SUFFICIENT: {others}",
+        None: "no limit was given" if s.limit is None else f"NOT KNOWN: {others}",
+    }
+    say(f"Verdict: {said[sufficient(found)]}")
+    say_notes(() if found.availability is None else found.availability.notes)

@@ -13,7 +13,8 @@ def vehicles(as_json: AsJson = False) -> None:
     """List the vehicles that come with the package."""
     import numpy as np
 
-    from tvclin.cli.output import print_json, print_table
+    from tvclin.base.lines import words
+    from tvclin.cli.output import print_json, print_tables
     from tvclin.vehicle.coefficients import Coefficients
     from tvclin.vehicle.file import list_vehicles, load_vehicle
 
@@ -34,7 +35,8 @@ def vehicles(as_json: AsJson = False) -> None:
     if as_json:
         print_json(document)
     else:
-        print_table("Vehicles", ["key", "name", "beta [1/s]", "B [-]", "bending", "slosh"], rows)
+        head = ["key", "name", "beta [1/s]", "B [-]", "bending", "slosh"]
+        print_tables(words("Vehicles", head, rows))
 
 
 def init(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +21,7 @@ from tvclin.base.errors import (
     single,
     small_angle,
 )
+from tvclin.base.lines import Line, Table, degrees, least
 from tvclin.boundary.limit import boundary_limit
 from tvclin.control.laws.law import Law
 from tvclin.flights.answer import OUTPUTS
@@ -36,9 +38,6 @@ from tvclin.linear.response import attitude_responses
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 
-if TYPE_CHECKING:
-    pass
-
 FloatArray = NDArray[np.float64]
 
 SAMPLE_RATE = 100.0
@@ -47,6 +46,8 @@ _HIGHEST = 4.0
 """Limits that are tried, over the largest trim deflection; what needs more is refused."""
 _AT_LIMIT = 1e-9
 """A deflection so near the limit, over the limit, is at it."""
+PEAKS = ("attitude", "deflection", "angle_of_attack")
+"""Of these outputs tables show the largest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +96,44 @@ class FlightBeside:
             raise InputError("timepts must have some time before the wind ends")
         flown, linear = (np.abs(each[row, here]).max() for each in (self.flown, self.linear))
         return float(flown), float(linear)
+
+    @property
+    def fates(self) -> tuple[str, str]:
+        """What becomes of both, in words."""
+        words = {True: "survives", False: "is lost"}
+        return words[self.survived], words[self.predicted]
+
+    @property
+    def largest(self) -> dict[str, tuple[float, float]]:
+        """What is largest in both [rad, rad/s], by its name."""
+        return {
+            f"largest {name.replace('_', ' ')} over the wind [deg]": self.peaks(name)
+            for name in PEAKS
+        }
+
+    def table(
+        self, caption: str, names: Sequence[str], boundaries: tuple[float | None, float] | None
+    ) -> Table:
+        """Return what becomes of both, what is largest, and what differs.
+
+        Parameters
+        ----------
+        caption : str
+            Stands above the table.
+        names : sequence of str
+            What both are called, or the first alone.
+        boundaries : tuple of float or None
+            The least limits [rad] that both survive with, where they are known.
+        """
+        angles = dict(self.largest)
+        if boundaries is not None and boundaries[0] is not None:
+            angles = {"least limit that survives [deg]": (boundaries[0], boundaries[1])} | angles
+        rows: list[tuple[Line, ...]] = [(("with this limit it",), *((one,) for one in self.fates))]
+        for k, (label, both) in enumerate(angles.items()):
+            cells = [least(degrees(f"flown.{k}.{i}", one)) for i, one in enumerate(both)]
+            rows.append(((label,), *cells))
+        width = len(names) + 1
+        return Table(caption, ("quantity", *names), tuple(row[:width] for row in rows))
 
 
 def linear_boundary(plant: Plant, control: ReportControl | Law, wind: History) -> float:

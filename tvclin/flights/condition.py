@@ -7,12 +7,12 @@ import numpy as np
 
 from tvclin.base.errors import InputError, naming, number, positive
 from tvclin.base.files import called
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.flights.atmosphere import HIGHEST, LOWEST, standard_atmosphere
 from tvclin.vehicle.file import table_of, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
-FLIGHT_TABLE = Table(
+FLIGHT_TABLE = FileTable(
     "[flight]",
     {
         "altitude": "length",

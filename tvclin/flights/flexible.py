@@ -18,6 +18,15 @@ from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
+_FATES = {
+    "survived": "survives",
+    "lost": "is lost",
+    "rings": "is brought back, and its nozzle keeps oscillating",
+    "undecided": "is neither lost nor settled",
+    "no flight": "cannot be flown",
+}
+"""What became of a flight, as of `FlownCases`, in words."""
+
 
 @dataclass(frozen=True, eq=False)
 class SampledFlight(FlightBeside):
@@ -35,6 +44,16 @@ class SampledFlight(FlightBeside):
 
     status: tuple[str, str]
     peak_rates: tuple[float, float]
+
+    @property
+    def fates(self) -> tuple[str, str]:
+        """What becomes of both, in words."""
+        return _FATES[self.status[0]], _FATES[self.status[1]]
+
+    @property
+    def largest(self) -> dict[str, tuple[float, float]]:
+        """What is largest in both [rad, rad/s], by its name."""
+        return super().largest | {"largest rate of the nozzle [deg/s]": self.peak_rates}
 
 
 def fly_sampled(

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
     between,
@@ -30,7 +30,7 @@ _FINEST, _WIDEST = 1e-7, 1e3
 
 
 @dataclass(frozen=True)
-class FlownBoundary:
+class FlownBoundary(Shown):
     """A boundary that was flown.
 
     Attributes
@@ -50,7 +50,7 @@ class FlownBoundary:
     error: float
     flights: int
 
-    _repr_html_ = shows("Flown boundary", "limit [-]", "deflection [deg]", "error [-]", "flights")
+    _keys = "limit_over_trim=limit deflection_deg error flights"
 
 
 def flown_boundary(

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, instance, one_of, plain, positive, shown
 from tvclin.linear.models import MODELS, USUAL_MODEL
 from tvclin.linear.modes import unstable_poles, wind_strength
@@ -54,7 +54,7 @@ class Shift(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FlexiblePlant:
+class FlexiblePlant(Shown):
     """One linear model of one flexible vehicle, or of a batch of them.
 
     Make it with `from_vehicle`. Without structure it is the `Plant` of the same model.
@@ -77,7 +77,7 @@ class FlexiblePlant:
     model: str = USUAL_MODEL
     plane: str = "pitch"
 
-    _repr_html_ = shows("Flexible plant", "vehicle.name", "model", "plane")
+    _keys = "vehicle=vehicle.name model plane"
 
     def __post_init__(self) -> None:
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")

@@ -7,15 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
-from tvclin.base.errors import (
-    InputError,
-    ending,
-    instance,
-    nonnegative,
-    number,
-)
-from tvclin.linear.extremes import probe_times, summit
+from tvclin.base import errors
+from tvclin.base.cards import Shown
+from tvclin.base.errors import InputError, ending, instance, nonnegative
+from tvclin.base.lines import Table, degrees, number
+from tvclin.linear.extremes import Extremes, Point, probe_times, summit
 from tvclin.linear.plant import RIGID, Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.winds.histories import History
@@ -26,7 +22,7 @@ _NAMES = ("angle_of_attack", "attitude")
 
 
 @dataclass(frozen=True)
-class Loads:
+class Loads(Shown):
     """Largest sizes while the wind blows, with their signs.
 
     Attributes
@@ -47,18 +43,35 @@ class Loads:
     peak_attitude: float
     relative: float
 
-    _repr_html_ = shows(
-        "Loads while the wind blows",
-        "peak_angle_of_attack [deg]",
-        "peak_time [s]",
-        "peak_attitude [deg]",
-        "relative [-]",
-    )
+    _keys = "peak_angle_of_attack_deg peak_time_s peak_attitude_deg relative"
 
     def bending_indicator(self, normal_force_slope: float) -> float:
         """Return the peak normal force N alpha [N], to which the bending moment is proportional."""
-        slope = number("normal_force_slope", normal_force_slope, nonnegative, "N/rad")
+        slope = errors.number("normal_force_slope", normal_force_slope, nonnegative, "N/rad")
         return slope * abs(self.peak_angle_of_attack)
+
+
+def response_table(caption: str, found: Extremes, loads: Loads | None) -> Table:
+    """Return what stands out in a response, and when; of its loads where it covers the wind."""
+    angle = None if loads is None else Point(loads.peak_angle_of_attack, loads.peak_time)
+    points = {
+        "with_wind": ("largest attitude error, to the side the wind turns it", found.with_wind),
+        "against_wind": ("largest attitude error, to the other side", found.against_wind),
+        "back_at_zero": ("attitude last back at zero", found.back_at_zero),
+        "at_wind_end": ("attitude error when the wind ends", found.at_wind_end),
+        "at_end": ("attitude error at the end of what is shown", found.at_end),
+        "angle_of_attack": ("largest angle of attack while the wind blows", angle),
+    }
+    rows = tuple(
+        (
+            (label,),
+            degrees(f"response.{key}", point.value),
+            number(f"response.{key}_s", point.time),
+        )
+        for key, (label, point) in points.items()
+        if point is not None
+    )
+    return Table(caption, ("quantity", "[deg]", "time [s]"), rows)
 
 
 def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:

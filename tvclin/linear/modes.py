@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
+from tvclin.base.lines import Line, Table, complex_number, upper_pole
 from tvclin.kernels import polynomials
 from tvclin.kernels.responses import growing
 from tvclin.linear.plant import INPUTS, RIGID, Plant
@@ -19,7 +21,7 @@ _TOGETHER = 2e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Shown):
     """Poles, and the residues of the attitude transfer functions there.
 
     All have shape ``(..., N)``, sorted from the fastest growing pole down; real when every pole
@@ -39,13 +41,21 @@ class Modes:
     deflection_residues: NDArray[Any]
     wind_residues: NDArray[Any]
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("poles", self.poles, "1/s"),
-            ("residues from the deflection", self.deflection_residues, "1/s"),
-            ("residues from the wind", self.wind_residues, "1/s"),
-        ]
-        return card("Modes", rows)
+    _keys = "poles_per_s deflection_residues_per_s wind_residues_per_s"
+
+
+def mode_table(caption: str, found: Mapping[str, Modes]) -> Table:
+    """Return poles and residues by model, of each pair that with a positive imaginary part."""
+    rows: list[tuple[Line, ...]] = []
+    for model, modes in found.items():
+        columns = (modes.poles, modes.deflection_residues, modes.wind_residues)
+        upper = [one for one in zip(*columns, strict=True) if one[0].imag >= 0.0]
+        for k, (pole, *residues) in enumerate(upper):
+            key = f"poles.{model}.{k}"
+            beside = (complex_number(f"{key}.{i}", one) for i, one in enumerate(residues))
+            rows.append((("" if k else model,), upper_pole(key, pole), *beside))
+    head = ("model", "pole [1/s]", "residue, deflection [1/s]", "wind [1/s]")
+    return Table(caption, head, tuple(rows))
 
 
 def all_modes(plant: Plant) -> Modes:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import instance
 from tvclin.kernels import polynomials
 from tvclin.kernels.residues import residues as residues_of_pieces
@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Verdict(Shown):
     """Whether a history leaves a growing exponential in the attitude, eq (4b).
 
     Attributes
@@ -47,7 +47,7 @@ class Verdict:
     tolerance: FloatArray
     left_over: LeftOver
 
-    _repr_html_ = shows("Verdict of eq (4b)", "stable", "residues [deg]", "tolerance [deg]")
+    _keys = "stable residues_deg tolerance_deg"
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,9 @@ from tvclin.base.files import write_rows
 
 FloatArray = NDArray[np.float64]
 
+_ROUNDING = 16.0 * float(np.finfo(float).eps)
+"""Of a sum of few terms, over the largest number in sight."""
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -106,9 +109,13 @@ class Curves:
     def csv(self) -> str:
         """Return the numbers as CSV: a comment, a line of headings, and a row for each abscissa.
 
-        Every number is written so that it reads back as the same one.
+        Every number is written so that it reads back as the same one; what the rounding of the
+        largest number of its column leaves in place of a zero is zero.
         """
         values = np.stack([self.abscissa, *(column.values for column in self.columns)], axis=-1)
+        sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
+        values = np.where(sizes <= _ROUNDING * sizes.max(axis=0, initial=0.0), 0.0 * values, values)
+        values = values + 0.0  # no minus before a zero
         rows = [[self.abscissa_label, *self.headings], *(map(repr, row) for row in values.tolist())]
         return f"# {self.name}: {self.parameters}\n{write_rows(rows)}"
 

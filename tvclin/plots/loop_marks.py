@@ -4,9 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from tvclin.base.lines import significant, text
 from tvclin.control.margins.bands import GAIN as BY_GAIN
 from tvclin.control.margins.bands import PHASE as BY_PHASE
 from tvclin.control.margins.bands import UNSTABLE, ModeBand
+from tvclin.control.margins.record import margin
 from tvclin.plots.loop_samples import LoopSamples, mode_frequency
 from tvclin.plots.marks import Mark
 from tvclin.plots.style import COLOURS, WARM
@@ -22,22 +24,17 @@ Places = Callable[[float], tuple[float, float]]
 
 def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
     """Return the marks of the three margins; none for a loop that is not stable."""
-    m = samples.margins
-    rows = [
-        (AERO, m.aero_frequency, "aero margin", f"{m.aero_margin_dB:.1f} dB"),
-        (GAIN, m.gain_increase_frequency, "gain-increase margin", f"{m.gain_increase_dB:.1f} dB"),
-        (PHASE, m.crossover_frequency, "phase margin", f"{m.phase_margin_deg:.1f} deg"),
-    ]
+    if not samples.margins.stable:
+        return []
     marks = []
-    for (shape, colour), frequency, name, value in rows:
-        if not m.stable:
-            break
-        if np.isfinite(frequency):
-            x, y = places(frequency)
-            entry = f"{name} {value} at {frequency:.3g} rad/s"
-            marks.append(Mark(x, y, value, shape, entry, colour))
+    styles = (AERO, GAIN, PHASE)
+    for (shape, colour), row in zip(styles, samples.margins.rows(), strict=False):
+        value = text(margin("", row.value, row.unit))
+        if np.isfinite(row.frequency):
+            entry = f"{row.label} {value} at {_at(row.frequency)}"
+            marks.append(Mark(*places(row.frequency), value, shape, entry, colour))
         else:
-            marks.append(Mark(np.nan, np.nan, "", shape, f"{name} inf", colour))
+            marks.append(Mark(np.nan, np.nan, "", shape, f"{row.label} {value}", colour))
     return marks
 
 
@@ -50,18 +47,20 @@ def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
         if not np.isfinite(frequency):
             continue
         value = _value(mode) if samples.margins.stable else ""
-        text = ", ".join(part for part in (mode.name, value) if part)
-        entry = f"{mode.name} at {frequency:.3g} rad/s: {_words(mode, value)}"
-        marks.append(Mark(*places(frequency), text, shape, entry, colour))
+        words = ", ".join(part for part in (mode.name, value) if part)
+        entry = f"{mode.name} at {_at(frequency)}: {_words(mode, value)}"
+        marks.append(Mark(*places(frequency), words, shape, entry, colour))
     return marks
 
 
+def _at(frequency: float) -> str:
+    return text(significant("", frequency, unit="rad/s"))
+
+
 def _value(mode: ModeBand) -> str:
-    margins = {
-        BY_GAIN: f"{mode.gain_margin_dB:.1f} dB",
-        BY_PHASE: f"{mode.phase_margin_deg:.1f} deg",
-    }
-    return margins.get(mode.stabilised, "")
+    margins = {BY_GAIN: (mode.gain_margin_dB, "dB"), BY_PHASE: (mode.phase_margin_deg, "deg")}
+    held = margins.get(mode.stabilised)
+    return "" if held is None else text(margin("", *held))
 
 
 def _words(mode: ModeBand, value: str) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.base.errors import InputError, finite, nonnegative, one_of, plain, positive, together
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 
 FloatArray = NDArray[np.float64]
 
@@ -143,7 +143,7 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
     return plain(found)
 
 
-def damping_of(values: Mapping[str, Any], table: Table) -> dict[str, Any]:
+def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
     """Return what a table says of a vehicle, its `QUANTITIES` put together as pitch_damping.
 
     Raises

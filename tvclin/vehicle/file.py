@@ -9,7 +9,7 @@ from typing import Any
 from tvclin.base.errors import Faults, InputError, naming, one_of, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import called, exists, read_text, tables_of
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.damping import QUANTITIES, damping_of
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.structure_file import build_structure
@@ -35,7 +35,7 @@ _OPTIONAL = {"time": "time", "control_force_slope": "force slope"}
 _MASS = {"mass": "mass"}
 """In place of the weight."""
 
-VEHICLE_TABLE = Table(
+VEHICLE_TABLE = FileTable(
     "[vehicle]",
     _ALWAYS | _FORCES | _AERODYNAMICS | _OPTIONAL | QUANTITIES | _MASS,
     words=("name",),
@@ -121,7 +121,7 @@ def needs_whole(what: str) -> str:
     )
 
 
-def table_of(text: str, source: str, table: Table) -> dict[str, Any]:
+def table_of(text: str, source: str, table: FileTable) -> dict[str, Any]:
     """Return one table of a vehicle file as it stands, empty where [flight] is not there."""
     document, source = tables_of(text, source), called(source)
     if COEFFICIENTS in document:
@@ -168,7 +168,7 @@ def as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
     return VEHICLE_TABLE.units(given) if isinstance(given, dict) else {}
 
 
-def _weighed(values: dict[str, Any], table: Table) -> dict[str, Any]:
+def _weighed(values: dict[str, Any], table: FileTable) -> dict[str, Any]:
     """The values with the weight m g of a mass that is given in its place."""
     if "mass" not in values:
         if "weight" not in values:

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError, between, broadcast, finite, nonzero, shown, within
 from tvclin.kernels import polynomials
 
@@ -27,7 +27,7 @@ _damping = between(-LARGEST, LARGEST)
 
 
 @dataclass(frozen=True, eq=False)
-class Filter:
+class Filter(Carded):
     """A filter, or a batch of them: numerator(s)/denominator(s).
 
     Most are made with `low_pass`, `lead_lag`, `notch` or `from_coefficients`. Zeros in the right
@@ -96,9 +96,7 @@ class Filter:
             held.flags.writeable = False
             object.__setattr__(self, name, held)
 
-    def _repr_html_(self) -> str:
-        rows = [("numerator", self.numerator, "-"), ("denominator", self.denominator, "-")]
-        return card("Filter", rows)
+    _keys = "numerator denominator"
 
     @classmethod
     def from_coefficients(cls, numerator: ArrayLike, denominator: ArrayLike) -> Self:

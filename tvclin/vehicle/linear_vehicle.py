@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 from tvclin.base.cards import Quantity, card
 from tvclin.base.errors import InputError, flag, instance, naming, shown, single, text
 from tvclin.base.files import called, tables_of
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.file import COEFFICIENTS, needs_whole, parse_vehicle, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
@@ -27,7 +27,7 @@ _OF_THE_PATH = {
     "b2": "per time",
     "q": "per time squared",
 }
-COEFFICIENTS_TABLE = Table(
+COEFFICIENTS_TABLE = FileTable(
     f"[{COEFFICIENTS}]", _SLOPES | _BY_BETA | _DAMPING | _OF_THE_PATH, words=("name",)
 )
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tvclin.base.errors import InputError, naming, number
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
@@ -15,13 +15,13 @@ _SENSORS = ("attitude_sensor", "rate_gyro")
 _DISPLACEMENTS = "tank_displacements"
 _SLOPES = {f"tank_slopes_{unit}": factor for unit, factor in UNITS["per length"].items()}
 
-STRUCTURE_TABLE = Table("[structure]", words=("thrust_follows",))
-ENGINE_TABLE = Table(
+STRUCTURE_TABLE = FileTable("[structure]", words=("thrust_follows",))
+ENGINE_TABLE = FileTable(
     "[engine]",
     {"mass": "mass", "arm": "length", "moment_of_inertia": "inertia"},
     required=("mass", "arm"),
 )
-SENSORS_TABLE = Table(
+SENSORS_TABLE = FileTable(
     "[sensors]",
     {f"{name}_frequency": "natural frequency" for name in _SENSORS}
     | {f"{name}_damping": "number" for name in _SENSORS},
@@ -35,13 +35,13 @@ _BENDING = {
     "attitude_slope": "per length",
     "rate_slope": "per length",
 }
-BENDING_TABLE = Table(
+BENDING_TABLE = FileTable(
     "[[bending]]",
     _BENDING | {"pressure_displacement": "number"},
     lists=(_DISPLACEMENTS, *_SLOPES),
     required=tuple(_BENDING),
 )
-SLOSH_TABLE = Table(
+SLOSH_TABLE = FileTable(
     "[[slosh]]",
     {
         "mass": "mass",
@@ -74,7 +74,9 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
     )
 
 
-def _every(table: Table, document: Mapping[str, Any], make: Callable[..., Any]) -> tuple[Any, ...]:
+def _every(
+    table: FileTable, document: Mapping[str, Any], make: Callable[..., Any]
+) -> tuple[Any, ...]:
     """What is made of each of several tables; messages say of which."""
     made = []
     for k, row in enumerate(table.each(document), start=1):

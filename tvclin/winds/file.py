@@ -10,7 +10,7 @@ import numpy as np
 
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.files import called, read_text
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
 from tvclin.winds.gusts import OneMinusCosineGust
 from tvclin.winds.histories import History
@@ -20,18 +20,18 @@ _PULSE = {"peak": "angle", "duration": "time"}
 _DIRECTION = {"direction": "angle", "azimuth": "angle"}
 SOUNDING = "sounding"
 """The key of a [[wind]] that stands over height."""
-WIND_TABLE = Table(
+WIND_TABLE = FileTable(
     "[wind]",
     {**_PULSE, **_DIRECTION},
     words=("shape", "file", "unit", SOUNDING),
     required=("peak", "duration"),
 )
-SOUNDING_TABLE = Table(
+SOUNDING_TABLE = FileTable(
     "[[wind]]", {"azimuth": "angle"}, (SOUNDING, "name", "format", "time"), required=("azimuth",)
 )
-GUST_TABLE = Table("[gust]", {**_PULSE, "peak_time": "time"}, required=("peak", "duration"))
-_FILE_TABLE = Table("[wind]", words=("file", "unit"))
-_SAMPLES_TABLE = Table("[wind]", words=("time_s", "angle_rad"))
+GUST_TABLE = FileTable("[gust]", {**_PULSE, "peak_time": "time"}, required=("peak", "duration"))
+_FILE_TABLE = FileTable("[wind]", words=("file", "unit"))
+_SAMPLES_TABLE = FileTable("[wind]", words=("time_s", "angle_rad"))
 
 
 def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | WindEnsemble]:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Carded
 from tvclin.base.errors import (
     InputError,
     finite,
@@ -42,15 +42,14 @@ _SAME = 1e-12
 """Times that are nearer to each other than this part of all count as one."""
 
 
-class History(ABC):
+class History(Carded, ABC):
     """A real function of time, zero before its first knot, given exactly.
 
     Histories come in batches: every quantity has the leading axes ``batch``, and one history
     is the batch of shape ``()``. Concrete winds and deflections only say what their pieces are.
     """
 
-    def _repr_html_(self) -> str:
-        return shows(type(self).__name__, "peak [deg]", "onset [s]", "end [s]")(self)
+    _keys = "peak_deg onset_s end_s"
 
     @property
     @abstractmethod

@@ -11,14 +11,14 @@ from tvclin.answers.availability.judge import STOPS
 from tvclin.answers.case import Case
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, bearing, between, fraction, instance, number, one_of
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.soundings.archive import Soundings
 
 if TYPE_CHECKING:
     from tvclin.answers.availability.record import Availability
 
-AVAILABILITY_TABLE = Table(
+AVAILABILITY_TABLE = FileTable(
     "[availability]",
     {
         "azimuth": "angle",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, number, text
 
@@ -21,7 +21,7 @@ _NEAR = 0.25
 
 
 @dataclass(frozen=True)
-class Part:
+class Part(Shown):
     """The part of soundings in which a limit is enough, with its confidence interval.
 
     Attributes
@@ -43,17 +43,6 @@ class Part:
     lower: float
     upper: float
     confidence: float
-
-    _repr_html_ = shows(
-        "Part of the soundings that fly",
-        "flown",
-        "judged",
-        "unknown",
-        "part [-]",
-        "lower [-]",
-        "upper [-]",
-        "confidence [-]",
-    )
 
     as_dict = keyed(
         "flown judged unknown part lower upper effective_number=effective whatever_unknown=bounds"

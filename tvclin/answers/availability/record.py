@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.answers.availability.confidence import part_of
 from tvclin.answers.availability.judge import Judge
 from tvclin.answers.requirement import covers
-from tvclin.base.cards import card, shows
+from tvclin.base.cards import Shown, card
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import (
     between,
@@ -43,7 +43,7 @@ PLACARD = (0.5, 0.8, 0.9, 0.95, 0.99)
 
 
 @dataclass(frozen=True)
-class Today:
+class Today(Shown):
     """What one balloon says about a launch, in one direction of flight.
 
     Attributes
@@ -65,9 +65,6 @@ class Today:
     part: float
     why: str = ""
 
-    _repr_html_ = shows(
-        "Today", "least [deg]", "most [deg]", "limit [deg]", "go", "part [-]", "why"
-    )
     as_dict = keyed("go least_deg most_deg part_of_archive_below=part why")
 
     @property
@@ -79,7 +76,7 @@ class Today:
 
 
 @dataclass(frozen=True, eq=False)
-class Availability:
+class Availability(Shown):
     """The deflections that the soundings of an archive need; make it with `availability`.
 
     With several azimuths arrays have a leading axis for them, and methods give a tuple.
@@ -148,6 +145,8 @@ class Availability:
         known = np.all(np.atleast_2d(self.known), axis=0).tolist()
         words = [_BETWEEN if one else "its wind is not known far enough" for one in known]
         return tuple(one or said * lost for (one, lost), said in zip(both, words, strict=True))
+
+    _keys = "limit_deg model plane notes"
 
     def part(self) -> Any:
         """Return how many fly: a `Part`."""

@@ -18,7 +18,7 @@ from tvclin.base.errors import (
     one_of,
     positive,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.vehicle.file import VEHICLE_TABLE
@@ -240,13 +240,13 @@ UNITS_OF = {name: si_unit(kind) for name, kind in KINDS.items()} | {
     "integral_gain": "1/s",
 }
 """Their SI units."""
-DISPERSION_TABLE = Table(
+DISPERSION_TABLE = FileTable(
     "[[dispersion]]", {"part": "number", "percent": "hundredths"}, words=("parameter", "shape")
 )
-CORRELATION_TABLE = Table("[[correlation]]", words=("between", "coefficient"))
+CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"))
 
 
-def spread_table(parameter: Any, recorded: bool = False) -> Table:
+def spread_table(parameter: Any, recorded: bool = False) -> FileTable:
     """Return the keys of the dispersion of a parameter; recorded spreads are in SI, without unit.
 
     Raises

@@ -24,7 +24,7 @@ from tvclin.base.errors import (
     single,
     whole_number,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
@@ -33,13 +33,13 @@ from tvclin.vehicle.vehicle import NUMBERS, Vehicle
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 OUTPUTS = ("required", "forecast-free", "minimum", "margins", "flight", "flown")
-CAMPAIGN_TABLE = Table(
+CAMPAIGN_TABLE = FileTable(
     "[campaign]",
     {"until": "part"},
     words=("vehicle", "model", "plane", "cases", "seed", "method", "chunk"),
 )
-OUTPUTS_TABLE = Table("[outputs]", words=("law",), lists=("names", "dead_bands"))
-QUESTION_TABLE = Table("[question]", words=("probability", "confidence"))
+OUTPUTS_TABLE = FileTable("[outputs]", words=("law",), lists=("names", "dead_bands"))
+QUESTION_TABLE = FileTable("[question]", words=("probability", "confidence"))
 _MOST_CASES = 10**10
 _MOST_LATIN_CASES = 10**7
 

@@ -15,11 +15,12 @@ from tvclin.answers.campaign.statistics import (
     Success,
     quantile_bound,
     sensitivities,
+    shares,
     success_probability,
 )
 from tvclin.answers.requirement import covers
 from tvclin.answers.study import Study
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
@@ -28,6 +29,7 @@ from tvclin.base.errors import (
     shown,
     whole_number,
 )
+from tvclin.base.lines import Row, Table, degrees, number, quantities, significant
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 
 FloatArray = NDArray[np.float64]
@@ -37,7 +39,7 @@ _MOST_CASES = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class DispersedStudy:
+class DispersedStudy(Shown):
     """A study with its vehicle and wind dispersed.
 
     Attributes
@@ -73,16 +75,9 @@ class DispersedStudy:
     success: Success | None
     drivers: dict[str, float]
 
-    _repr_html_ = shows(
-        "Dispersed study",
-        "nominal.vehicle.name",
-        "nominal.required_deflection [deg]",
-        "required.estimate [deg]",
-        "required.upper [deg]",
-        "required.probability",
-        "required.confidence",
-        "required.cases",
-        "part [-]",
+    _keys = (
+        "cases=required.cases seed median_deg estimate_deg=required.estimate"
+        " upper_deg=required.upper drivers"
     )
 
     as_dict = keyed(
@@ -90,6 +85,49 @@ class DispersedStudy:
         " median_deg estimate_deg=required.estimate upper_deg=required.upper"
         " lower_deg=required.lower drivers success dispersions=dispersions.each"
     )
+
+    def _repr_html_(self) -> str:
+        return "".join(map(table, self.tables()))
+
+    def tables(self) -> tuple[Table, Table]:
+        """Return what covers the dispersions, and what drives it."""
+        r = self.required
+        of_cases, of_flights = shares(r.probability, r.confidence)
+        covers = degrees("dispersed.upper", r.upper, unit="deg")
+        rows: list[Row] = [
+            ("cases", significant("dispersed.cases", r.cases, 9)),
+            ("seed", significant("dispersed.seed", self.seed, 9)),
+            ("median", degrees("dispersed.median", self.median, unit="deg")),
+            (of_cases, degrees("dispersed.estimate", r.estimate, unit="deg")),
+            (of_flights, ("too few cases to say",) if np.isinf(r.upper) else covers),
+        ]
+        if self.success is not None:
+            rows.append(("the limit is enough in", self.success.line("dispersed.success")))
+        drivers = tuple(
+            ((name.replace("_", " "),), number(f"dispersed.driver.{name}", rank, 2))
+            for name, rank in self.drivers.items()
+        )
+        return (
+            quantities("Deflection that covers the dispersions", rows),
+            Table("What drives it", ("parameter", "rank correlation"), drivers),
+        )
+
+    @property
+    def spreads(self) -> str:
+        """What is dispersed, and by how much, in sentences."""
+        each = ", ".join(
+            f"{one.parameter.replace('_', ' ')} ({one.shape}, "
+            + (
+                f"{100 * one.spread:.4g} %)"
+                if one.relative
+                else f"{one.spread:.4g} in its SI unit)"
+            )
+            for one in self.dispersions.each
+        )
+        return (
+            f"Dispersed are {each}. The number is one standard deviation, of a uniform distribution"
+            " half its width; a truncated one is normal and cut at three standard deviations."
+        )
 
     @property
     def median(self) -> float:

@@ -1,5 +1,6 @@
 """One case of a campaign in full: its numbers, its plant and wind, and its exact response."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -7,13 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.answers.campaign.cases import batch, draw_case, evaluate
-from tvclin.answers.campaign.outputs import law_of
+from tvclin.answers.campaign.dispersions import UNITS_OF
+from tvclin.answers.campaign.outputs import columns, law_of
 from tvclin.answers.campaign.plan import Campaign
+from tvclin.base.documents import picked
 from tvclin.base.errors import (
     InputError,
     shown,
     whole_number,
 )
+from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
@@ -105,6 +109,46 @@ class Replay:
             plant, deflection, wind, np.linspace(start, 2.0 * end - start, points)
         )
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of `inputs` and `outputs`, by name."""
+        return UNITS_OF | columns(self.campaign)
+
+    @property
+    def extremes(self) -> dict[str, float]:
+        """What is largest in `response` [deg], and its end [s]; nothing where there is none."""
+        try:
+            response = self.response()
+        except InputError:
+            return {}
+        largest = {
+            f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name]).max()))
+            for name in ("attitude", "angle_of_attack")
+        }
+        return largest | {"until_s": float(response.time[-1])}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as the command line prints it as JSON; units are told."""
+        return picked(self, "case status inputs outputs units response=extremes")
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return what was drawn, what it needs, what was flown, and the response."""
+        angles = {k: v for k, v in self.outputs.items() if self.units[k] == "rad"}
+        needs = {k: v for k, v in angles.items() if not k.startswith("flight_")}
+        margins = {k: v for k, v in self.outputs.items() if k.startswith("margin_")}
+        drawn = (
+            (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
+            for k, v in self.inputs.items()
+        )
+        every = (
+            quantities(f"Case {self.case}: {self.status}", drawn),
+            quantities("It needs", _angles(needs)),
+            quantities("Flown", _angles({k: v for k, v in angles.items() if k not in needs})),
+            quantities("Margins of the autopilot", _plain(margins)),
+            quantities(f"Response on the boundary, K = {self.dead_band:g}", _plain(self.extremes)),
+        )
+        return tuple(one for one in every if one.rows)
+
     def flown(self) -> "TimeResponseData":
         """Return its flight with limits, at the samples of its law, until some time after its wind.
 
@@ -133,6 +177,17 @@ class Replay:
         if self.plant is None or self.wind is None:
             raise InputError(f"case {self.case} cannot be flown: {self.status}")
         return self.plant, self.wind
+
+
+def _angles(found: dict[str, float]) -> Iterator[Row]:
+    for name, angle in found.items():
+        lost = np.isinf(angle)
+        yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
+
+
+def _plain(found: dict[str, float]) -> Iterator[Row]:
+    for name, value in found.items():
+        yield name.replace("_", " "), significant(f"output.{name}", value)
 
 
 def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay:

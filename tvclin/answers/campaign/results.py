@@ -24,7 +24,7 @@ from tvclin.answers.campaign.statistics import (
     sensitivities,
     success_probability,
 )
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, imported, number, one_of, path, small_angle, whole_number
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class CampaignResults:
+class CampaignResults(Shown):
     """The finished chunks of a campaign. Columns are read when they are asked for.
 
     Attributes
@@ -51,14 +51,9 @@ class CampaignResults:
     manifest: Manifest
     chunks: tuple[int, ...]
 
-    _repr_html_ = shows(
-        "Campaign",
-        "campaign.vehicle.name",
-        "campaign.model",
-        "cases",
-        "campaign.seed",
-        "complete",
-        "outputs",
+    _keys = (
+        "vehicle=campaign.vehicle.name model=campaign.model cases seed=campaign.seed complete"
+        " outputs"
     )
 
     @classmethod

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card, shows
+from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
     fraction,
     whole_number,
 )
+from tvclin.base.lines import Line, number
 
 FloatArray = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ def shares(probability: float, confidence: float) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Quantile:
+class Quantile(Shown):
     """A quantile of a sample with its confidence bounds, by order statistics.
 
     Attributes
@@ -51,16 +52,7 @@ class Quantile:
     lower: float
     cases: int
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("probability", self.probability, "-"),
-            ("estimate", self.estimate, ""),
-            ("no larger than", self.upper, ""),
-            ("no smaller than", self.lower, ""),
-            ("confidence of each bound", self.confidence, "-"),
-            ("cases", self.cases, ""),
-        ]
-        return card("Quantile", rows)
+    _keys = "probability estimate upper lower confidence cases"
 
     @property
     def converged(self) -> bool:
@@ -75,7 +67,7 @@ class Quantile:
 
 
 @dataclass(frozen=True)
-class Success:
+class Success(Shown):
     """A probability of success, or of loss, with its Clopper-Pearson interval.
 
     Attributes
@@ -91,9 +83,16 @@ class Success:
     upper: float
     confidence: float
 
-    _repr_html_ = shows(
-        "Probability of success", "estimate [-]", "lower [-]", "upper [-]", "confidence [-]"
-    )
+    def line(self, name: str) -> Line:
+        """Return the probability and its interval in percent, as a line with that name."""
+        percent = (
+            number(f"{name}{end}", 100.0 * part, 2)
+            for end, part in (("", self.estimate), ("_lower", self.lower), ("_upper", self.upper))
+        )
+        estimate, lower, upper = percent
+        return (*estimate, " % (", *lower, " to ", *upper, " %)")
+
+    _keys = "estimate lower upper confidence"
 
 
 @dataclass(frozen=True)

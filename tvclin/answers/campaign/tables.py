@@ -26,7 +26,7 @@ from tvclin.answers.study import STUDY_TABLE
 from tvclin.answers.trials import LAWS_TABLE
 from tvclin.base.errors import Faults, InputError, number, one_of, shown
 from tvclin.base.files import called, exists, read_text, tables_of
-from tvclin.base.tables import Table, known
+from tvclin.base.tables import FileTable, known
 from tvclin.control.autopilot.rules import AUTOPILOT_TABLE, AutopilotDesign
 from tvclin.control.margins.criteria import CRITERIA_TABLE
 from tvclin.vehicle.file import build_vehicle, list_vehicles, load_vehicle
@@ -112,7 +112,7 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     faults.tell()
 
 
-def _at_home(table: Table, given: Mapping[str, Any]) -> None:
+def _at_home(table: FileTable, given: Mapping[str, Any]) -> None:
     """Raise `InputError` for keys that another table has, and say which."""
     faults = Faults()
     for key in given:

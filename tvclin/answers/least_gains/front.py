@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.least_gains.least import answered
 from tvclin.answers.least_gains.record import LeastGains
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, instance, one_row, positive
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -21,7 +21,7 @@ DEAD_BANDS = (1.0, 0.5)
 
 
 @dataclass(frozen=True, eq=False)
-class GainsFront:
+class GainsFront(Shown):
     """The least deflection over the disk margin that is asked for, beside the theory's limits.
 
     Attributes
@@ -53,15 +53,7 @@ class GainsFront:
         """As of `LeastGains`."""
         return next(one.meaning for one in self.each if one is not None)
 
-    def _repr_html_(self) -> str:
-        rows = [
-            (f"disk margin {asked:.3g}", value, "of trim")
-            for asked, value in zip(self.disk_margin, self.relative, strict=True)
-        ]
-        return card(
-            "Least deflection over disk margin",
-            [*rows, *((k, v, "of trim") for k, v in self.limits.items())],
-        )
+    _keys = "disk_margin over_trim=relative limits"
 
 
 def least_gains_front(

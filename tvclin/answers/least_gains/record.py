@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tvclin.answers.least_gains.question import Question
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
+from tvclin.base.lines import Table, degrees, number
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.record import Margins
 
@@ -19,7 +20,7 @@ PEAK, BOUNDARY = "peak", "boundary"
 
 
 @dataclass(frozen=True, eq=False)
-class LeastGains:
+class LeastGains(Shown):
     """Of all gains that have the margins asked for, those that need the least deflection.
 
     Attributes
@@ -70,16 +71,22 @@ class LeastGains:
         " unseen_stops_deg=unseen notes"
     )
 
-    def _repr_html_(self) -> str:
-        a = self.autopilot
-        rows = [
-            ("attitude gain a0", a.attitude_gain, "-"),
-            ("rate gain a1", a.rate_gain, "s"),
-            ("alpha gain b0", a.alpha_gain, "-"),
-            (f"{self.meaning} deflection", np.degrees(self.deflection), "deg"),
-            ("over trim", self.relative, "-"),
-            ("held by", ", ".join(self.active) or "no constraint: a flat minimum", ""),
-            ("disk margin", self.margins.disk_margin, "-"),
-            *(("note", one, "") for one in self.notes),
-        ]
-        return card("Gains for the least nozzle", rows)
+    def table(self) -> Table:
+        """Return what each wind asks."""
+        words = {
+            "peak": "largest deflection of the linear loop",
+            "boundary": "least limit with which flights survive",
+        }
+        q = self.question
+        rows = tuple(
+            ((name,), degrees(f"least.{name}", one), number(f"least.{name}.part", one / trim))
+            for name, one, trim in zip(q.names, self.each, q.trims, strict=True)
+        )
+        caption = f"Least nozzle: {words[self.meaning]}"
+        return Table(caption, ("wind", "[deg]", "of trim"), rows)
+
+    _keys = (
+        "attitude_gain=autopilot.attitude_gain rate_gain_s=autopilot.rate_gain"
+        " alpha_gain=autopilot.alpha_gain meaning deflection_deg over_trim=relative"
+        " disk_margin=margins.disk_margin held_by=active notes"
+    )

@@ -33,7 +33,7 @@ from tvclin.base.errors import (
     text,
     within,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
@@ -41,7 +41,7 @@ from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import PULSES, ShapedWind, part_in
 from tvclin.winds.soundings.profile import WindProfile
 
-SIZE_TABLE = Table(
+SIZE_TABLE = FileTable(
     "[size]",
     {
         **dict.fromkeys(("start", "stop", "every", "window"), "time"),

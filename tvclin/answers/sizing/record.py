@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tvclin.answers.planes import missing_part
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.base.cards import table
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed, picked
 from tvclin.base.errors import imported, one_of
 from tvclin.base.files import write_rows
@@ -37,7 +37,7 @@ def beyond_one_pole(slow_mode: FloatArray) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True)
-class Worst:
+class Worst(Shown):
     """The largest of one requirement.
 
     Attributes
@@ -58,7 +58,7 @@ class Worst:
 
 
 @dataclass(frozen=True, eq=False)
-class Sizing:
+class Sizing(Shown):
     """Required deflections over a flight, in several winds; make it with `size`.
 
     Attributes
@@ -125,6 +125,8 @@ class Sizing:
     notes: tuple[str, ...]
     alone: Mapping[str, Sizing] = field(default_factory=dict)
     stop: Stop | None = None
+
+    _keys = "vehicle=schedule.vehicle.name model plane winds worst"
 
     @property
     def pitch_misses(self) -> dict[str, FloatArray]:

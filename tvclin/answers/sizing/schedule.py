@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
     between,
@@ -47,7 +47,7 @@ _MOST_ROWS = 100_000
 
 
 @dataclass(frozen=True, eq=False)
-class FlightSchedule:
+class FlightSchedule(Shown):
     """A vehicle at several times of its flight, straight lines between them.
 
     Parameters
@@ -111,16 +111,7 @@ class FlightSchedule:
         notes = each("notes", self.notes, str, "one for each remark")
         object.__setattr__(self, "notes", tuple(text("notes", note) for note in notes))
 
-    def _repr_html_(self) -> str:
-        rows: list[Row] = [("times", self.times, "s"), ("velocity", self.speed, "m/s")]
-        if self.altitude is not None:
-            rows.append(("altitude", self.altitude, "m"))
-        rows += [
-            (name.replace("_", " "), getattr(self.vehicle, name), unit)
-            for name, unit in (("weight", "N"), ("thrust", "N"), ("moment_of_inertia", "kg m2"))
-        ]
-        rows += [("note", note, "") for note in self.notes]
-        return card(f"{self.vehicle.name or 'A flight'}, {self.times.size} times", rows)
+    _keys = "vehicle=vehicle.name times_s speed_m_per_s altitude_m notes"
 
     @property
     def times(self) -> FloatArray:

@@ -11,15 +11,15 @@ import numpy as np
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.base.errors import InputError, naming, path, shown
 from tvclin.base.files import called, exists, tables_of
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.flights.condition import load_flight_condition
 from tvclin.vehicle.file import VEHICLE_TABLE, build_vehicle, parse_vehicle, vehicle_text
 from tvclin.vehicle.vehicle import Vehicle
 
 _BEFORE, _AFTER = 25.0, 50.0
 """How much of a vehicle's nominal flight a schedule shows, from its own time [s]."""
-_OWN_TABLE = Table("[schedule]", {"nominal_deflection": "angle", "altitude": "length"})
-SOURCE_TABLE = Table("[schedule]", words=("source",))
+_OWN_TABLE = FileTable("[schedule]", {"nominal_deflection": "angle", "altitude": "length"})
+SOURCE_TABLE = FileTable("[schedule]", words=("source",))
 """A [schedule] that names the flight in place of its lists."""
 
 

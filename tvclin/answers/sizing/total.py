@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tvclin.answers.sizing.record import Sizing
-from tvclin.base.cards import table
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
@@ -67,7 +67,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class DeflectionTotal:
+class DeflectionTotal(Shown):
     """The total deflection that a nozzle needs, and its limit; make it with `total_deflection`.
 
     Attributes
@@ -101,6 +101,8 @@ class DeflectionTotal:
             number("limit", self.limit, small_angle("a deflection", positive), "rad")
         if self.time is not None:
             number("time", self.time, unit="s")
+
+    _keys = "time_s total_deg reserve limit_deg required_deg"
 
     as_dict = keyed("time_s lines total_deg reserve required_deg")
 

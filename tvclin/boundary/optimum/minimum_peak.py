@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.boundary.optimum import two_poles
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
@@ -59,7 +59,7 @@ class Certificate:
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Shown):
     """The deflection of least peak for one plant in one wind.
 
     Attributes
@@ -89,14 +89,7 @@ class Optimum:
     certificate: Certificate
     status: str
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("peak", np.degrees(self.peak), "deg"),
-            ("proved lower bound", np.degrees(self.certificate.dual), "deg"),
-            ("switch times", self.switch_times, "s"),
-            ("status", self.status, ""),
-        ]
-        return card("Deflection of least peak", rows)
+    _keys = "peak_deg lower_bound_deg=certificate.dual switch_times_s status"
 
 
 def optimum_deflection(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
@@ -48,7 +48,7 @@ _MOST_SPLIT = 40
 
 
 @dataclass(frozen=True, eq=False)
-class RateLimitedOptimum:
+class RateLimitedOptimum(Shown):
     """The deflection of least peak under a rate limit.
 
     Attributes
@@ -80,15 +80,7 @@ class RateLimitedOptimum:
     status: str
 
     as_dict = keyed("rate_deg_per_s peak_deg residual last_refinement=change status")
-    _repr_html_ = shows(
-        "Least deflection under a rate limit",
-        "peak [deg]",
-        "unlimited_peak [deg]",
-        "rate [deg/s]",
-        "residual [-]",
-        "change [-]",
-        "status",
-    )
+    _keys = "peak_deg unlimited_peak_deg rate_deg_per_s residual change status"
 
 
 def optimum_with_rate_limit(

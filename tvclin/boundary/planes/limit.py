@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, one_of, within
 from tvclin.boundary.limit import (
     AFTER_TRIM,
@@ -62,7 +62,7 @@ POLYGON = (
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneLimit:
+class PlaneLimit(Shown):
     """The limit of two planes in one wind, or of a batch; every number has the shape ``(...)``.
 
     Attributes
@@ -100,17 +100,10 @@ class PlaneLimit:
     leaving_time: Any
     notes: tuple[str, ...]
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("limit, of full trim", self.limit, "-"),
-            ("deflection", np.degrees(self.deflection), "deg"),
-            ("pitch alone", np.degrees(self.pitch_alone), "deg"),
-            ("direction from pitch", np.degrees(self.direction), "deg"),
-            ("without a forecast", self.without_forecast, "-"),
-            ("dead band is left at", self.leaving_time, "s"),
-            ("notes", "; ".join(self.notes) or "none", ""),
-        ]
-        return card("Limit in two planes", rows)
+    _keys = (
+        "limit_over_trim=limit deflection_deg pitch_alone_deg direction_deg without_forecast"
+        " leaving_time_s notes"
+    )
 
 
 def plane_limit(

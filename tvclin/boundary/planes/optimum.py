@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import single
 from tvclin.boundary.optimum.minimum_peak import Certificate, optimum_deflection
 from tvclin.boundary.planes.pair import Pair, checked
@@ -43,7 +43,7 @@ NOT_CONVERGED = "not converged: the certificate says how far off it is"
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneOptimum:
+class PlaneOptimum(Shown):
     """The deflection of least limit for two planes in one wind.
 
     Attributes
@@ -70,14 +70,7 @@ class PlaneOptimum:
     certificate: Certificate
     status: str
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("limit, of full trim", self.limit, "-"),
-            ("peak", np.degrees(self.peak), "deg"),
-            ("proved lower bound", np.degrees(self.certificate.dual), "deg"),
-            ("status", self.status, ""),
-        ]
-        return card("Least limit in two planes", rows)
+    _keys = "limit_over_trim=limit peak_deg lower_bound_deg=certificate.dual status"
 
 
 def plane_optimum(

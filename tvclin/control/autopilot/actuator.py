@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Carded
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, plain, together
 from tvclin.control.autopilot.sizes import sized
@@ -25,7 +25,7 @@ THROUGH: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.on
 
 
 @dataclass(frozen=True, kw_only=True)
-class Actuator:
+class Actuator(Carded):
     """The dynamics of an actuator, of unit steady gain; its limits are not part of it.
 
     Parameters
@@ -45,7 +45,7 @@ class Actuator:
     natural_frequency: float | FloatArray = 25.1
     damping: float | FloatArray | None = 0.7
 
-    _repr_html_ = shows("Actuator", "natural_frequency [rad/s]", "damping [-]")
+    _keys = "natural_frequency_rad_per_s damping"
     as_dict = keyed("natural_frequency_rad_s damping")
 
     def __post_init__(self) -> None:

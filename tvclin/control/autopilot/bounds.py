@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, nonnegative, number, single
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.margins.record import decibels
@@ -17,7 +17,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class MarginBounds:
+class MarginBounds(Shown):
     """Upper bounds of the margins of any linear autopilot, by an unstable pole and a delay.
 
     With M = e^(p delay), the growth of the unstable mode during the delay.
@@ -80,15 +80,7 @@ class MarginBounds:
             )
         return "; ".join(said)
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("growth in the delay, peaks of S and T at least", self.peak_sensitivity, "-"),
-            ("disk margin at most", self.disk_margin, "-"),
-            ("phase margin at most", self.phase_margin_deg, "deg"),
-            ("gain range at most", decibels(self.gain_range), "dB"),
-            ("disk margin of attitude and rate gains, about", self.rule_disk_margin, "-"),
-        ]
-        return card("Bounds on the margins of any autopilot", rows)
+    _keys = "peak_sensitivity disk_margin phase_margin_deg gain_range rule_disk_margin"
 
 
 def margin_bounds(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Carded
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, broadcast, each, nonnegative, plain, shown
 from tvclin.base.lines import Line, Row, significant
@@ -32,7 +32,7 @@ _HIGHEST_PADE = 10
 
 
 @dataclass(frozen=True, kw_only=True)
-class Feedback:
+class Feedback(Carded):
     """The numbers of an `Autopilot`, which says what they are."""
 
     attitude_gain: float | FloatArray
@@ -47,19 +47,9 @@ class Feedback:
     rate_filters: tuple[Filter, ...] = ()
     sample_rate: float | FloatArray | None = None
 
-    _repr_html_ = shows(
-        "Autopilot",
-        "attitude_gain [rad/rad]",
-        "rate_gain [s]",
-        "alpha_gain [rad/rad]",
-        "integral_gain [1/s]",
-        "actuator.natural_frequency [rad/s]",
-        "actuator.damping [-]",
-        "delay [s]",
-        "sample_rate [Hz]",
-        "attitude_filters",
-        "rate_filters",
-        "filters",
+    _keys = (
+        "attitude_gain rate_gain_s alpha_gain integral_gain_per_s actuator delay_s"
+        " sample_rate_Hz attitude_filters rate_filters filters"
     )
 
     def as_dict(self) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tvclin.base.errors import InputError, naming, number, one_of, shown
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.vehicle.filters import Filter
 
 PLACES = {"sum": "filters", "attitude": "attitude_filters", "rate": "rate_filters"}
@@ -24,7 +24,7 @@ _MAKERS: dict[str, Callable[..., Filter]] = {
     "lead-lag": Filter.lead_lag,
     "rational": Filter.from_coefficients,
 }
-FILTER_TABLE = Table(
+FILTER_TABLE = FileTable(
     "[[autopilot.filter]]",
     {
         "frequency": "natural frequency",

@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     positive,
     single,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
@@ -52,7 +52,7 @@ _RULE = {"natural_frequency": "natural frequency", "damping": "number"}
 RULE_KEYS = ("design", *_RULE, "crossover")
 OWN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 """Gains that stand in place of a rule."""
-AUTOPILOT_TABLE = Table(
+AUTOPILOT_TABLE = FileTable(
     "[autopilot]",
     {
         **_RULE,

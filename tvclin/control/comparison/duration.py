@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
@@ -37,7 +37,7 @@ _FLAT = 1e-9
 
 
 @dataclass(frozen=True)
-class WorstDuration:
+class WorstDuration(Shown):
     """The wind of a family in which an autopilot needs the largest deflection.
 
     Attributes
@@ -54,7 +54,6 @@ class WorstDuration:
     peak_deflection: float
     at_the_end: bool
 
-    _repr_html_ = shows("Worst duration", "duration [s]", "peak_deflection [deg]", "at_the_end")
     as_dict = keyed("duration_s peak_deflection_deg at_the_end")
 
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base import lines
+from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, ending, instance
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -31,7 +32,7 @@ DEAD_BANDS = (1.0, 0.5, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class TrimComparison:
+class TrimComparison(Shown):
     """What an autopilot does in a wind, beside trim and the least deflections of the theory.
 
     Angles are sizes [rad]. Where the closed loop is unstable the autopilot's are infinite.
@@ -80,21 +81,62 @@ class TrimComparison:
     wind_gain: float
     notes: tuple[str, ...] = ()
 
-    _repr_html_ = shows(
-        "Autopilot beside trim",
-        "plant.model",
-        "margins.status",
-        "trim_deflection [deg]",
-        "minimum [deg]",
-        "peak_deflection [deg]",
-        "relative [-]",
-        "peak_deflection_rate [deg/s]",
-        "peak_angle_of_attack [deg]",
-        "peak_attitude [deg]",
-        "peak_flight_path_angle [deg]",
-        "wind_gain [-]",
-        "notes",
+    _keys = (
+        "model=plant.model status=margins.status peak_deflection_deg trim_deflection_deg"
+        " minimum_deg notes"
     )
+
+    def deflections(self, caption: str = "", stop: float | None = None) -> lines.Table:
+        """Return the largest deflection beside trim, the boundaries and the minimum.
+
+        Parameters
+        ----------
+        caption : str
+            Stands above the table.
+        stop : float, optional
+            The least stop [rad] with which the autopilot survives, flown.
+        """
+        flown = {} if stop is None else {"stop": ("least stop that it survives with, flown", stop)}
+        each = {
+            "deflection": ("this autopilot, without a stop", self.peak_deflection),
+            **flown,
+            "trim": ("ideal trim", self.trim_deflection),
+            **{f"K{K:g}": (f"boundary, K = {K:g}", one) for K, one in self.boundaries.items()},
+            "minimum": ("minimum, wind known", self.minimum),
+        }
+        trim = self.trim_deflection or np.nan
+        rows = tuple(
+            (
+                (label,),
+                lines.least(lines.degrees(f"wind.{key}", value)),
+                lines.least(lines.number(f"wind.{key}.part", value / trim)),
+            )
+            for key, (label, value) in each.items()
+        )
+        return lines.Table(caption, ("deflection", "[deg]", "over trim"), rows)
+
+    def motions(self) -> list[lines.Row]:
+        """Return the largest rate, angles and drift, and the gain of the worst sinusoidal wind."""
+        rate = lines.degrees("wind.deflection_rate", self.peak_deflection_rate, unit="deg/s")
+        angles = {
+            "angle_of_attack": ("largest angle of attack", self.peak_angle_of_attack),
+            "attitude": ("largest attitude error", self.peak_attitude),
+            "drift": ("largest drift of the path", self.peak_flight_path_angle),
+        }
+        rows: list[lines.Row] = [("largest rate of deflection", rate)]
+        rows += [
+            (label, lines.degrees(f"wind.{key}", value, unit="deg"))
+            for key, (label, value) in angles.items()
+            if np.isfinite(value)
+        ]
+        gain = lines.number("wind.gain", self.wind_gain)
+        return [*rows, ("H-infinity, wind to deflection", gain)]
+
+    def _repr_html_(self) -> str:
+        title = f"Autopilot beside trim, {self.plant.model}"
+        motions = lines.quantities("In this wind", self.motions())
+        notes = [(note,) for note in self.notes]
+        return table(self.deflections(title)) + table(motions, notes)
 
     @property
     def relative(self) -> float:

@@ -49,8 +49,7 @@ class SaturatedLaw(Law):
         instance("autopilot", autopilot, Autopilot, "see design_gains")
         return cls(replace(autopilot, actuator=None, delay=0.0, sample_rate=None))
 
-    def _repr_html_(self) -> str:
-        return self.autopilot._repr_html_().replace("Autopilot", "Feedback with a limit", 1)
+    _keys = "autopilot"
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

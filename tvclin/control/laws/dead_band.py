@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tvclin.base.cards import shows
 from tvclin.base.errors import between, number
 from tvclin.control.laws.trim import TrimLaw
 
@@ -41,7 +40,7 @@ class DeadBandLaw(TrimLaw):
     gain: float = 1.0
     dead_band: float = 0.5
 
-    _repr_html_ = shows("Dead-band law", "plant.model", "gain [-]", "dead_band [-]")
+    _keys = "model=plant.model gain dead_band"
 
     def __post_init__(self) -> None:
         super().__post_init__()

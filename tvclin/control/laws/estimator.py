@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Carded
 from tvclin.base.errors import (
     instance,
     nonnegative,
@@ -25,7 +25,7 @@ _DAMPING = 0.7
 
 
 @dataclass(frozen=True, kw_only=True)
-class WindEstimator:
+class WindEstimator(Carded):
     """An observer of the attitude rate and of d = gamma + alpha_w, without a vane.
 
         q^' = mu_alpha (theta - d^) - mu_delta delta - damping q + 2 zeta w (q - q^)
@@ -53,7 +53,7 @@ class WindEstimator:
     rate_noise: float = 0.0
     seed: int = 0
 
-    _repr_html_ = shows("Wind estimator", "bandwidth [rad/s]", "rate_noise [deg/s]", "seed")
+    _keys = "bandwidth_rad_per_s rate_noise_deg_per_s seed"
 
     def __post_init__(self) -> None:
         object.__setattr__(

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
 from tvclin.base.errors import InputError, each, instance
 from tvclin.control.laws.law import Chains, Law, Measurement
 from tvclin.kernels.control_laws import LawNumbers
@@ -60,9 +59,7 @@ class FilteredLaw(Law):
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))
 
-    def _repr_html_(self) -> str:
-        places = ("attitude_filters", "rate_filters", "filters")
-        return self.law._repr_html_() + shows("Its filters", *places)(self)
+    _keys = "law attitude_filters rate_filters filters"
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Carded
 from tvclin.base.errors import InputError
 from tvclin.boundary.recoverable import UnstableCoordinates, unstable_coordinates
 from tvclin.kernels.control_laws import LawNumbers
@@ -56,7 +56,7 @@ class Chains(NamedTuple):
     demand: tuple[Filter, ...] = ()
 
 
-class Law(ABC):
+class Law(Carded, ABC):
     """A control law, to be flown with `fly`.
 
     Attributes
@@ -70,8 +70,7 @@ class Law(ABC):
     engage: float = 1.0
     release: float = 1.0
 
-    def _repr_html_(self) -> str:
-        return shows(type(self).__name__, "engage [-]", "release [-]")(self)
+    _keys = "engage release"
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
 from tvclin.base.errors import between, instance, nonnegative, number, positive, small_angle
 from tvclin.control.laws.estimator import WindEstimator
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
@@ -75,16 +74,7 @@ class RecoverableAttitudeLaw(Law):
     dead_band: float = 0.0
     estimator: WindEstimator | None = None
 
-    _repr_html_ = shows(
-        "Recoverable-attitude law",
-        "plant.model",
-        "reach [-]",
-        "gain [-]",
-        "design_peak [deg]",
-        "trust [-]",
-        "dead_band [deg]",
-        "estimator",
-    )
+    _keys = "model=plant.model reach gain design_peak_deg trust dead_band_deg estimator"
 
     def __post_init__(self) -> None:
         modes = seen_coordinates(self.plant)

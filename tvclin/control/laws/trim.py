@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows
 from tvclin.base.errors import nonnegative, number
 from tvclin.control.laws.law import Law, Measurement, seen_coordinates
 from tvclin.kernels.control_laws import LawNumbers
@@ -46,7 +45,7 @@ class TrimLaw(Law):
     plant: Plant
     gain: float = 10.0
 
-    _repr_html_ = shows("Trim law", "plant.model", "gain [-]")
+    _keys = "model=plant.model gain"
 
     def __post_init__(self) -> None:
         seen_coordinates(self.plant)

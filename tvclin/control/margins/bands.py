@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, instance, one_of, plain
 from tvclin.control.margins.band_terms import Terms, distance, followed, peak
@@ -28,7 +28,7 @@ GAIN, PHASE, RIGID, UNSTABLE = "gain", "phase", "with the rigid body", "unstable
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBand(InDecibels):
+class RigidBand(Shown, InDecibels):
     """Margins of a stable loop at the crossings of the rigid body; ``(...)``.
 
     NaN for a loop that is not stable; infinite, and the frequency NaN, where there is none.
@@ -48,19 +48,11 @@ class RigidBand(InDecibels):
     phase_margin: Any
     crossover_frequency: Any
 
-    def _repr_html_(self) -> str:
-        return card("Rigid body", self._rows(""))
-
-    def _rows(self, whose: str) -> list[Row]:
-        return [
-            (f"{whose}aero margin", self.aero_margin_dB, "dB"),
-            (f"{whose}gain increase", self.gain_increase_dB, "dB"),
-            (f"{whose}phase margin", self.phase_margin_deg, "deg"),
-        ]
+    _keys = "aero_margin_dB gain_increase_dB phase_margin_deg"
 
 
 @dataclass(frozen=True, eq=False)
-class ModeBand:
+class ModeBand(Shown):
     """One mode in the loop; numbers have the shape ``(...)`` of the batch.
 
     Attributes
@@ -108,17 +100,7 @@ class ModeBand:
         " lag_margin lead_margin gain_reduction gain_increase distance alias"
     )
 
-    def _repr_html_(self) -> str:
-        return card(self.name, self._rows(""))
-
-    def _rows(self, whose: str) -> list[Row]:
-        return [
-            (f"{whose}at", self.frequency, "rad/s"),
-            (f"{whose}stabilised by", self.stabilised, ""),
-            (f"{whose}peak of |L|", self.peak_dB, "dB"),
-            (f"{whose}phase margin", self.phase_margin_deg, "deg"),
-            (f"{whose}least |1 + L|", self.distance, "-"),
-        ]
+    _keys = "frequency_rad_per_s stabilised peak_dB gain_margin_dB phase_margin_deg distance"
 
     @property
     def frequency(self) -> Any:
@@ -148,7 +130,7 @@ class ModeBand:
 
 
 @dataclass(frozen=True, eq=False)
-class BandMargins:
+class BandMargins(Shown):
     """The margins of one loop by band, or of a batch.
 
     Attributes
@@ -174,12 +156,7 @@ class BandMargins:
         """Return the record as the command line prints it as JSON, angles in degrees."""
         return {"rigid_body": self.rigid, "modes": {one.name: one for one in self.modes}}
 
-    def _repr_html_(self) -> str:
-        rows: list[Row] = [("whole loop", self.whole.status, "")]
-        rows += self.rigid._rows("rigid body, ")
-        for one in self.modes:
-            rows += one._rows(f"{one.name}, ")
-        return card("Margins by band", rows)
+    _keys = "whole_loop=whole.status rigid_body=rigid mode=modes"
 
 
 def band_margins(loop: Loop, names: tuple[str, ...], poles: ComplexArray) -> BandMargins:

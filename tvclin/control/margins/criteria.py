@@ -16,7 +16,7 @@ from tvclin.base.errors import (
     plain,
     text,
 )
-from tvclin.base.tables import Table
+from tvclin.base.tables import FileTable
 from tvclin.control.margins.bands import BandMargins, ModeBand
 from tvclin.control.margins.record import MARGINS, Margins, factor_to
 
@@ -24,7 +24,7 @@ _OF_MODES = {"mode_gain_margin_dB": "gain_margin_dB", "mode_phase_margin_deg": "
 """What is asked of each mode, and its name in a `ModeBand`."""
 _UNITS = {name: "s" if unit == "ms" else unit for name, (_, unit, _) in MARGINS.items()}
 _UNITS |= {"mode_gain_margin_dB": "dB", "mode_phase_margin_deg": "deg"}
-CRITERIA_TABLE = Table(
+CRITERIA_TABLE = FileTable(
     "[criteria]",
     {name: "delay" if unit == "s" else "number" for name, unit in _UNITS.items()},
     words=("name",),

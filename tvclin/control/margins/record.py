@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Row, Shown, card
 from tvclin.base.documents import picked
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.base.lines import Line, number, text
@@ -109,7 +109,7 @@ class InDecibels:
 
 
 @dataclass(frozen=True, eq=False)
-class Margins(InDecibels):
+class Margins(Shown, InDecibels):
     """How far a loop is from instability; every number has the shape ``(...)`` of the batch.
 
     For a loop whose closed loop is not stable every margin is NaN: it has none. A margin that
@@ -159,6 +159,8 @@ float or ndarray
     peak_complementary_sensitivity: Any
     peak_complementary_sensitivity_frequency: Any
     crossings: Crossings
+
+    _keys = "status aero_margin_dB gain_increase_dB phase_margin_deg delay_margin_s disk_margin"
 
     def rows(self) -> list[MarginRow]:
         """Return the margins that criteria are asked of, as tables show them."""

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     InputError,
     between,
@@ -61,7 +61,7 @@ _CREEPS = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedLoopBoundary:
+class ClosedLoopBoundary(Shown):
     """The boundary of a law in a wind.
 
     Attributes
@@ -97,18 +97,7 @@ class ClosedLoopBoundary:
     creeps: bool
     status: str
 
-    def _repr_html_(self) -> str:
-        rows = [
-            ("limit, of full trim", self.limit, "-"),
-            ("deflection", np.degrees(self.deflection), "deg"),
-            *(
-                (f"up to {end:.4g} none is lost in steps of", step, "-")
-                for step, end in self.looked
-            ),
-            ("worst growth near rest", self.growth, "1/s"),
-            ("status", self.status, ""),
-        ]
-        return card("Boundary of a law", rows)
+    _keys = "limit_over_trim=limit deflection_deg looked growth_per_s status"
 
     @property
     def monotone(self) -> bool:

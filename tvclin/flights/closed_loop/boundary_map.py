@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, nonnegative, one_row, positive, shown
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
@@ -27,7 +27,7 @@ _MOST = 2_000
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryMap:
+class BoundaryMap(Shown):
     """The boundary of a law in a wind, over gain and delay.
 
     Attributes
@@ -52,14 +52,7 @@ class BoundaryMap:
     growth: FloatArray
     full_trim: float
 
-    def _repr_html_(self) -> str:
-        least, most = np.nanmin(self.limit), np.nanmax(self.limit)
-        rows = [
-            ("gains", f"{self.gains.size}: {self.gains[0]:g} to {self.gains[-1]:g}", "-"),
-            ("delays", f"{self.delays.size}: {self.delays[0]:g} to {self.delays[-1]:g}", "s"),
-            ("boundaries, of full trim", f"{least:.4g} to {most:.4g}", "-"),
-        ]
-        return card("Boundary over gain and delay", rows)
+    _keys = "gains delays_s limit_over_trim=limit"
 
 
 def boundary_map(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.base.cards import shows, table
+from tvclin.base.cards import Shown, table
 from tvclin.base.documents import keyed
 from tvclin.base.lines import Line, Table, number, significant
 from tvclin.control.margins.record import decibels, margin
@@ -38,7 +38,7 @@ class NearRest(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class FlownMargin:
+class FlownMargin(Shown):
     """How far one quantity may change.
 
     Attributes
@@ -69,7 +69,6 @@ class FlownMargin:
     scan: FloatArray
     survives: NDArray[np.bool_]
 
-    _repr_html_ = shows("Flown margin", "value", "cause", "again", "lost", "near_rest")
     as_dict = keyed("value cause again lost near_rest")
 
     @property
@@ -79,7 +78,7 @@ class FlownMargin:
 
 
 @dataclass(frozen=True, eq=False)
-class FlownMargins:
+class FlownMargins(Shown):
     """What may change before the flight of a law with a limit is lost.
 
     Attributes

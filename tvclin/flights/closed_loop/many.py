@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import (
     LATEST,
     between,
@@ -51,7 +51,7 @@ _RINGING = 1e-5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FlownCases:
+class FlownCases(Shown):
     """The outcomes of many flights, each field in the shape of the batch.
 
     The largest values are those at samples, and rates of the nozzle are means over a step. All
@@ -91,19 +91,7 @@ class FlownCases:
         """How many flights have each status that occurs, the most frequent first."""
         return dict(Counter(self.status.ravel().tolist()).most_common())
 
-    def __repr__(self) -> str:
-        words = ", ".join(f"{count} {status}" for status, count in self.counts.items())
-        return f"<FlownCases {self.status.shape}: {words}>"
-
-    def _repr_html_(self) -> str:
-        worst = [
-            ("attitude", self.peak_attitude),
-            ("deflection", self.peak_deflection),
-            ("angle of attack", self.peak_angle_of_attack),
-        ]
-        rows: list[Row] = [(status, count, "flights") for status, count in self.counts.items()]
-        rows += [(f"largest {name}", np.degrees(values), "deg") for name, values in worst]
-        return card(f"{self.status.size} flights", rows)
+    _keys = "counts peak_attitude_deg peak_deflection_deg peak_angle_of_attack_deg"
 
 
 def fly_many(

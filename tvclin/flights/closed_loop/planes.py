@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import Row, card
+from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, ending, instance, number, positive, small_angle
 from tvclin.boundary.stops import Stop, Vectors
 from tvclin.control.autopilot.actuator import Actuator
@@ -38,7 +38,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FlownPlanes:
+class FlownPlanes(Shown):
     """The outcomes of flights of both planes, each field in the shape of the limits.
 
     Attributes
@@ -66,21 +66,11 @@ class FlownPlanes:
     attitude: Vectors
     deflection: Vectors
 
-    def __repr__(self) -> str:
-        words = ", ".join(dict.fromkeys(self.status.ravel().tolist()))
-        return f"<FlownPlanes {self.status.shape}: {words}>"
-
-    def _repr_html_(self) -> str:
-        rows: list[Row] = [
-            ("status", ", ".join(dict.fromkeys(self.status.ravel().tolist())), ""),
-            ("largest attitude", np.degrees(self.peak_attitude), "deg"),
-            ("largest deflection", np.degrees(self.peak_deflection), "deg"),
-        ]
-        return card("Flights of both planes", rows)
+    _keys = "status peak_attitude_deg peak_deflection_deg"
 
 
 @dataclass(frozen=True, eq=False)
-class FlownPlaneLimit:
+class FlownPlaneLimit(Shown):
     """The least limit with which a law survives a wind in both planes.
 
     Attributes
@@ -102,6 +92,8 @@ class FlownPlaneLimit:
     scan: FloatArray
     survives: NDArray[np.bool_]
     status: str
+
+    _keys = "limit_over_trim=limit deflection_deg status"
 
 
 def fly_planes(

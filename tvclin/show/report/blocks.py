@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from tvclin.answers.findings import Findings
-from tvclin.base.lines import Line, Row, Table, labelled
+from tvclin.base.lines import Line, Table
 
 
 @dataclass(frozen=True)
@@ -77,8 +77,3 @@ def as_sentence(note: str) -> str:
     """Return a note with a full stop and, where it begins with a plain word, a capital."""
     begins = note[:1].upper() if note.partition(" ")[0].rstrip(",:").isalpha() else note[:1]
     return f"{begins}{note[1:].rstrip('.')}."
-
-
-def pairs(rows: Iterable[Row]) -> tuple[tuple[Line, ...], ...]:
-    """Return rows of a label and a value as those of a table."""
-    return tuple((labelled(label), line) for label, line in rows)

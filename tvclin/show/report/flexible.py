@@ -1,13 +1,11 @@
 """The section of a flexible vehicle: its modes, margins by band, detuning, and the flight."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from tvclin.answers.findings import Findings
 from tvclin.answers.flexible import FlexibleAnswer, shift_of
-from tvclin.answers.questions import FLOWN
 from tvclin.base.lines import Line, Table, degrees, least, number, significant
 from tvclin.control.margins.tables import band_table
 from tvclin.linear.flexible import FlexiblePlant, plant_of
@@ -19,7 +17,6 @@ from tvclin.show.report.figures import inline_svg
 from tvclin.vehicle.structure import Structure
 
 _NAME, _TITLE = "flexible", "The flexible vehicle"
-_HEAD = ("quantity", "flexible", "rigid")
 _BENDING = {
     "frequency": " [rad/s]",
     "damping": "",
@@ -133,28 +130,13 @@ def _detuned(f: FlexibleAnswer) -> list[Block]:
 
 def _flown(f: FlexibleAnswer) -> Table:
     """What the autopilot needs with limits, and what becomes of the limit in question."""
-    ends = [
-        degrees(f"flexible.boundary.{k}", abs(b.deflection)) for k, b in enumerate(f.boundaries)
-    ]
-    rows: list[tuple[Line, ...]] = [
-        (("least limit of this autopilot [deg]",), *(least(one) for one in ends))
-    ]
-    if f.flight is not None:
-        rows.append(
-            (("with the limit in question it",), *((FLOWN[one],) for one in f.flight.status))
-        )
-        for name in ("attitude", "deflection", "angle_of_attack"):
-            label = f"largest {name.replace('_', ' ')} over the wind [deg]"
-            rows.append(((label,), *_both(f"flown.{name}", f.flight.peaks(name))))
-        rates = _both("flown.rate", f.flight.peak_rates)
-        rows.append((("largest rate of the nozzle [deg/s]",), *rates))
     caption = f"Flown in this wind with the nozzle's limits, {f.sample_rate:g} samples a second"
-    return Table(caption, _HEAD, tuple(rows))
-
-
-def _both(key: str, angles: Sequence[float]) -> list[Line]:
-    """Cells of an angle [rad] of the flexible and of the rigid vehicle."""
-    return [degrees(f"flexible.{key}.{k}", one) for k, one in enumerate(angles)]
+    bends, rigid = (abs(one.deflection) for one in f.boundaries)
+    if f.flight is not None:
+        return f.flight.table(caption, ("flexible", "rigid"), (bends, rigid))
+    limits = (least(degrees(f"flown.0.{k}", one)) for k, one in enumerate((bends, rigid)))
+    head = ("quantity", "flexible", "rigid")
+    return Table(caption, head, ((("least limit that survives [deg]",), *limits),))
 
 
 def _notes(f: FlexibleAnswer) -> list[Block]:

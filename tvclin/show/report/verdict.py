@@ -3,10 +3,16 @@
 import numpy as np
 
 from tvclin.answers.findings import Findings
-from tvclin.answers.questions import Question, questions, sufficient, without_stop
+from tvclin.answers.questions import (
+    Question,
+    question_table,
+    questions,
+    sufficient,
+    without_stop,
+)
 from tvclin.answers.study import Study, outlasts_one_pole
 from tvclin.answers.study_notes import TRUSTS
-from tvclin.base.lines import Line, Table, degrees, least, number, significant
+from tvclin.base.lines import Line, degrees, least, number, significant
 from tvclin.boundary.limit import BOUNDARY
 from tvclin.show.report.blocks import Section
 
@@ -73,11 +79,7 @@ def asked(found: Findings) -> Section | None:
     each = questions(found)
     if len(each) < 2:
         return None
-    rows: tuple[tuple[Line, ...], ...] = tuple(
-        ((one.name,), (one.answer,), one.line) for one in each
-    )
-    table = Table("Every question, and its answer", ("question", "enough?", "why"), rows)
-    return Section("asked", "What was asked", (table,))
+    return Section("asked", "What was asked", (question_table(each),))
 
 
 def basis(found: Findings) -> Line:
@@ -111,7 +113,7 @@ def basis(found: Findings) -> Line:
         line += tuple(f" Beware: {doubt}." for doubt in found.plan.sizing.warnings)
     if found.dispersed is None or found.dispersed.success is None:
         return line
-    percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 1, "%")
+    percent = number("basis.success", 100.0 * found.dispersed.success.estimate, 2, "%")
     return (
         *line,
         " With vehicle and wind dispersed the limit is enough in ",

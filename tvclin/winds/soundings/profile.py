@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tvclin.base.cards import shows
+from tvclin.base.cards import Carded
 from tvclin.base.errors import (
     InputError,
     bearing,
@@ -37,7 +37,7 @@ _THINNEST, _THICKEST = 1e-3, 1e6
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class WindProfile:
+class WindProfile(Carded):
     """The horizontal wind over height, straight between its levels.
 
     Parameters
@@ -64,7 +64,7 @@ class WindProfile:
     source: str = ""
     notes: tuple[str, ...] = ()
 
-    _repr_html_ = shows("Sounding", "height [m]", "speed [m/s]", "notes")
+    _keys = "height_m speed_m_per_s notes"
 
     def __post_init__(self) -> None:
         for name, (low, high, unit) in RANGES.items():

@@ -1,0 +1,181 @@
+"""A study as tables, and its verdict in words."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from tvclin.answers.requirement import NOTHING
+from tvclin.answers.study import Study
+from tvclin.base.cards import Quantity
+from tvclin.base.lines import (
+    Line,
+    Row,
+    Table,
+    degrees,
+    least,
+    number,
+    quantities,
+    significant,
+    upper_pole,
+)
+from tvclin.boundary.limit import BOUNDARY
+
+LEAST = {"forecast_free": "no forecast, any law", "minimum": "minimum, wind known"}
+"""What stands below the boundaries of every control."""
+LEGEND = (
+    'A law that does not know when the wind stops needs at least the limit of "no forecast" (with'
+    ' drift a lower bound), and any control at least the "minimum".'
+)
+_FIELDS = {
+    "inertia": "moment_of_inertia",
+    "slope": "normal_force_slope",
+    "l_a": "aerodynamic_arm",
+    "l_c": "control_arm",
+    "attitude_deg": "attitude",
+    "control_slope": "control_force_slope",
+    "damping": "pitch_damping",
+}
+"""What files call the quantities of a vehicle, where it is not the same."""
+_NOT_STABLE = ("none (stable)",)
+
+
+def vehicle(
+    s: Study, source: str = "unnamed", own: Mapping[str, tuple[float, str]] | None = None
+) -> Table:
+    """Return the numbers of the vehicle, first in the units of its file where these are others.
+
+    Parameters
+    ----------
+    s : Study
+        The study.
+    source : str
+        What a vehicle without a name is called.
+    own : mapping of str to (float, str)
+        Numbers as they stand in the file, by name, with units; see `as_written`.
+    """
+    rows = [(one.label, _in_units(one, own or {})) for one in s.vehicle.quantities()]
+    planes = "pitch and yaw" if s.in_both else s.plane
+    return quantities(f"{s.vehicle.name or source}, {s.model}, {planes}", rows)
+
+
+def coefficients(s: Study) -> Table:
+    """Return the linear coefficients, those of the flight path where they are known."""
+    c, grows = s.coefficients, s.coefficients.mu_alpha > 0.0
+    units = {"beta": "1/s", "damping": "1/s", "pole": "1/s", "K1": "", "B": "deg/deg"}
+    path = {"C1": "1/s", "C2": "1/s³", "b1": "1/s", "b2": "1/s"}
+    rows: list[Row] = []
+    for name, unit in (units | (path if "drift-exact" in s.modes else {})).items():
+        label = "pole p" if name == "pole" else name
+        if name in ("damping", "pole") and not (c.damping and (grows or name == "damping")):
+            continue
+        if name in ("beta", "K1") and not grows:
+            rows.append((label, _NOT_STABLE))
+            continue
+        rows.append((label, significant(f"coefficients.{name}", getattr(c, name), 4, unit)))
+    return quantities(f"Linear coefficients, {s.plane} plane", rows)
+
+
+def poles(s: Study) -> Table:
+    """Return the unstable poles of every model."""
+    rows: list[Row] = []
+    for model, modes in s.modes.items():
+        line: Line = ()
+        for k, pole in enumerate(one for one in modes.poles if one.imag >= 0.0):
+            line += ((", ",) if k else ()) + upper_pole(f"poles.{model}.{k}", pole)
+        rows.append((model, line or ("none",)))
+    return quantities("Unstable poles [1/s]", rows)
+
+
+def boundaries(s: Study) -> Table:
+    """Return the boundary at every dead band, what stands above and below it, and what survives.
+
+    The last column, where a limit is in question, is the peak of the wind that it survives with
+    the model of the verdict.
+    """
+    names = tuple(s.boundaries)
+    rows: list[tuple[Line, ...]] = [(("ideal trim",), *_parts(s, "trim", s.trim_deflection))]
+    for i, K in enumerate(s.dead_bands):
+        mark = (" (verdict)",) if s.dead_band == K else ()
+        row: list[Line] = [("K = ", *significant(f"boundary.{i}.K", K), *mark)]
+        for name in names:
+            one, key = s.boundaries[name], f"boundary.{name}.{i}"
+            row.append(least(number(f"{key}.limit", one.limit[i])))
+            row.append(least(degrees(key, abs(one.deflection[i]))))
+        rows.append(tuple(row))
+    rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
+    head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
+    if s.limit is not None and not s.in_both and s.model in s.boundaries:
+        survived = [degrees(f"survived.{k}", one) for k, one in enumerate(_survived(s, s.limit))]
+        head = (*head, "limit survives [deg]")
+        rows = [(*row, one) for row, one in zip(rows, survived, strict=True)]
+    peak, tau = float(np.degrees(s.wind.peak)), float(s.wind.duration)
+    part = ""
+    if s.slanting is not None:
+        vector = abs(float(np.degrees(s.slanting.peak)))
+        part = f", the part in the {s.plane} plane of a vector of {vector:.4g} deg"
+    caption = (
+        f"Least deflection limit that survives a {s.shape} wind of {peak:.4g} deg and {tau:g} s"
+        f"{s.blows.gust_words}{part}"
+    )
+    return Table(caption, head, tuple(rows))
+
+
+def verdict(s: Study) -> Iterator[Line]:
+    """Yield what is required, and whether the limit in question is enough."""
+    needed = least(degrees("verdict.required", s.required_deflection, unit="deg"))
+    basis = f" (model {s.model}, dead band {s.dead_band:g}), {_governed(s)}"
+    yield ("Required deflection: ", *needed, basis)
+    if s.limit is None or s.survivable_peak is None:
+        return
+    word = "SUFFICIENT" if s.sufficient else "NOT SUFFICIENT"
+    line: Line = ("Limit ", *degrees("verdict.limit", s.limit, unit="deg"), f": {word}; ")
+    if np.isinf(s.survivable_peak):
+        yield (*line, "it survives any wind of this shape")
+        return
+    survived = degrees("verdict.survived", abs(s.survivable_peak), unit="deg")
+    yield (*line, "it survives peaks up to ", *survived, f", {s.peak_of}" if s.peak_of else "")
+
+
+def _in_units(one: Quantity, own: Mapping[str, tuple[float, str]]) -> Line:
+    """A number in the unit of its file, and beside it in that of tables, where it is another."""
+    shown = significant(f"vehicle.{one.key}", one.value, 6, one.unit)
+    name = _FIELDS.get(one.key, one.key)
+    value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
+    if not unit or unit == one.unit.replace("²", "2"):
+        return shown
+    return (*significant(f"vehicle.{one.key}.own", value, 6, unit), " (", *shown, ")")
+
+
+def _parts(s: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
+    """Cells of a deflection for each model: over trim, and in degrees."""
+    cells: list[Line] = []
+    for name in s.boundaries:
+        need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
+        part = need / s.trim_deflection if s.trim_deflection else np.nan
+        known = need if s.trim_deflection else np.nan
+        cells += [number(f"{key}.{name}.part", part), degrees(f"{key}.{name}", known)]
+    return cells
+
+
+def _survived(s: Study, limit: float) -> list[float]:
+    """Which peak [rad] a limit survives, for each row, with the model of the verdict."""
+    undercut = s.minima.get(s.model, 0.0)
+    rows = [
+        s.required_deflection if s.dead_band == K else max(abs(float(each)), undercut)
+        for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
+    ]
+    rows += [needs.get(s.model, np.nan) for needs in s.needs.values()]
+    peak = abs(float(s.history.peak))
+    with np.errstate(divide="ignore"):
+        return [float(peak * limit / np.float64(row)) for row in (s.trim_deflection, *rows)]
+
+
+def _governed(s: Study) -> str:
+    """By what the required deflection is governed, and where it stands in the table."""
+    if s.in_both:
+        return f"of both planes, {s.governs}"
+    if s.governs == NOTHING:
+        return "none is needed"
+    if s.governs == BOUNDARY and s.switch == "literal":
+        return "the row marked (verdict)"
+    return f"governed by {s.governs}" + (", literal switch" if s.governs == BOUNDARY else "")
