@@ -93,6 +93,10 @@ class Judge:
         On top of each wind.
     known_to : float or None
         A height [m] to which each sounding must go.
+    heights : ndarray
+        At which the strength of winds is known [m].
+    strength : dict
+        What 95 % of an archive stay below [m/s] at these heights, by plane and azimuth.
     """
 
     flight: FlightSchedule
@@ -104,6 +108,7 @@ class Judge:
     growth: WindGrowth | None
     gust: History | None
     known_to: float | None
+    heights: FloatArray = field(default_factory=lambda: np.empty(0))
     strength: dict[tuple[str, float], FloatArray] = field(default_factory=dict)
 
     @classmethod
@@ -117,14 +122,15 @@ class Judge:
     def used_to(self, soundings: Soundings) -> Judge:
         """Return the same that takes what is not known to be as strong as in an archive."""
         known = KnownWinds.of(soundings[soundings.usable], self.path)
-        every = self.path.height
-        some = every[:: max(every.size // _HEIGHTS, 1)]
+        path = self.path
+        evenly = np.linspace(path.time[0], path.time[-1], _HEIGHTS)
+        heights = np.interp(evenly, path.time, path.height)
         found = {
-            (plane, azimuth): np.interp(every, some, known.strength(some, azimuth, plane))
+            (plane, azimuth): known.strength(heights, azimuth, plane)
             for plane in self.tables
             for azimuth in self.azimuths.tolist()
         }
-        return replace(self, strength=found)
+        return replace(self, heights=heights, strength=found)
 
     def needs(
         self,
@@ -237,7 +243,7 @@ class Judge:
                 wind = known.at(known.wind(azimuth, plane, held), height)
                 strong = np.abs(wind)
                 if held and self.strength:
-                    most = np.interp(height, self.path.height, self.strength[plane, azimuth])
+                    most = np.interp(height, self.heights, self.strength[plane, azimuth])
                     strong = np.maximum(strong, most)
                 winds = []
                 for side in (1.0, -1.0):
