@@ -1,6 +1,5 @@
 """The pages that are made of other files: reference, notebooks, pages of the root, gallery."""
 
-import ast
 import re
 from collections.abc import Iterator
 from importlib import import_module
@@ -9,6 +8,7 @@ from pathlib import Path
 import gallery
 
 import tvclin
+from tvclin.base.doors import CHAPTERS
 
 ROOT = Path(__file__).parents[1]
 MOVED = ("CHANGELOG", "CONTRIBUTING")
@@ -39,14 +39,12 @@ def write(folder: Path) -> None:
 
 
 def chapters() -> dict[str, list[str]]:
-    """Return the public names of each chapter, by the name of the chapter as imported."""
-    found: dict[str, list[str]] = {}
-    for node in ast.parse((ROOT / "tvclin" / "__init__.pyi").read_text()).body:
-        if isinstance(node, ast.ImportFrom) and node.module:
-            chapter = f"tvclin.{node.module.partition('.')[0]}"
-            found.setdefault(chapter, []).extend(f"tvclin.{one.name}" for one in node.names)
-    plots = [f"tvclin.plots.{name}" for name in tvclin.plots.__all__]
-    return {name: sorted(names) for name, names in sorted(found.items())} | {"tvclin.plots": plots}
+    """Return the public names, of an ordinary week and of each chapter, each name once."""
+    found = {"tvclin": [f"tvclin.{name}" for name in tvclin.__all__]}
+    for chapter in CHAPTERS:
+        own = [name for name in getattr(tvclin, chapter).__all__ if name not in tvclin.__all__]
+        found[f"tvclin.{chapter}"] = [f"tvclin.{chapter}.{name}" for name in own]
+    return found
 
 
 def api() -> str:
@@ -57,8 +55,8 @@ def api() -> str:
 def _api_lines() -> Iterator[str]:
     title = "Reference"
     yield from (title, "=" * len(title), "")
-    yield "Every public name, by its chapter. The names of all chapters but ``plots``"
-    yield "can be imported from ``tvclin`` itself."
+    yield "Every public name: those of an ordinary week at ``tvclin``, the others at the doors of"
+    yield "their chapters, which have the former too."
     for chapter, names in chapters().items():
         heading = chapter.removeprefix("tvclin.")
         yield from ("", heading, "-" * len(heading), "")

@@ -1,11 +1,21 @@
 """tvclin: how much thrust-vector deflection a booster needs to survive a wind.
 
-Everything public stands in ``__init__.pyi``; what is behind it is loaded when it is first used, so
-that ``import tvclin`` costs next to nothing.
+The names of an ordinary week are here; each chapter has all of its own at its door:
+
+- `tvclin.vehicle`: vehicles, their files, structure and filters
+- `tvclin.winds`: winds, gusts, soundings
+- `tvclin.linear`: plants, poles and residues, exact responses
+- `tvclin.boundary`: boundary limits, stops, the minimum-peak control
+- `tvclin.control`: autopilots, laws, margins
+- `tvclin.flights`: flights of laws, in one plane, in two, with six degrees of freedom
+- `tvclin.answers`: studies, flights from lift-off to burnout, archives, campaigns
+- `tvclin.plots`: figures
+
+What stands behind a name is loaded when it is first used, so that ``import tvclin`` costs next to
+nothing.
 """
 
-import lazy_loader
+from tvclin.base.doors import door
 
 __version__ = "0.1.0"
-__getattr__, __dir__, _names = lazy_loader.attach_stub(__name__, __file__)
-__all__ = [name for name in _names if name not in {"boundary", "plots"}]
+__getattr__, __dir__, __all__ = door(__name__, __file__)

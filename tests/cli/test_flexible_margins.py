@@ -21,7 +21,7 @@ def run(*arguments):
 
 
 def booster(model="drift-exact"):
-    return tv.plant_of(tv.load_vehicle("made-up-booster"), model)
+    return tv.linear.plant_of(tv.load_vehicle("made-up-booster"), model)
 
 
 def autopilot(**changes):
@@ -94,7 +94,6 @@ def test_rigid_leaves_the_structure_out():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("made-up-booster", "--model", "drift"), 'use "drift-exact"'),
         (("made-up-booster", "--rigid", "--mode-gain-db", "6"), "--mode-gain-db needs modes"),
         (("configuration-i", "--mode-phase-deg", "6"), "--mode-phase-deg needs modes"),
         (("made-up-booster", "--rigid", "--detuned"), "--detuned needs modes"),
@@ -108,12 +107,18 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
     assert message in result.stderr
 
 
+def test_a_model_without_modes_gives_way_to_the_exact_one_and_is_told() -> None:
+    told, exact = margins("--model", "drift"), margins()
+    assert "the model is drift-exact: drift leaves out the structure" in told.stderr
+    assert told.stdout == exact.stdout
+
+
 def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
     document = json.loads(margins(*asked, "--json").stdout)["detuned"]
     limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
-    criteria = tv.Criteria.own(**limits, mode_gain_margin_dB=1)
-    expected = tv.detuned(autopilot(), booster(), criteria=criteria)
+    criteria = tv.control.Criteria.own(**limits, mode_gain_margin_dB=1)
+    expected = tv.control.detuned(autopilot(), booster(), criteria=criteria)
     assert [row["change"] for row in document["rows"]] == list(expected.changes)
     assert [row["first"] for row in document["rows"]] == list(expected.first)
     assert [row["met"] for row in document["rows"]] == expected.met.tolist()

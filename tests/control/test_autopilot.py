@@ -16,9 +16,9 @@ from tvclin import (
     InputError,
     Plant,
     TriangularWind,
-    canonical_gains,
     design_gains,
 )
+from tvclin.control import canonical_gains
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.diagram import LOOP_DIAGRAM
 from tvclin.linear.models import MODELS

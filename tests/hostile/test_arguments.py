@@ -18,7 +18,7 @@ import pytest
 
 import tvclin as tv
 from tests.clock import Endless, ending
-from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile
+from tests.doors import ANSWERS, BARE, INSIDE, NO_CALLS, TOLD, Door, doors, flaws, hostile, public
 
 for extra in ("ipywidgets", "jinja2", "jsbsim", "latex2mathml", "pyarrow"):
     pytest.importorskip(extra)
@@ -85,12 +85,11 @@ def angles(call: Any) -> set[str]:
 
 def test_an_angle_that_was_meant_in_degrees_is_refused(every: dict[str, Door]) -> None:
     """4 rad of a deflection or a wind, 7 rad of a direction: of every public function."""
-    asked, taken = 0, []
+    asked, taken, known = 0, [], public()
     for name, door in every.items():
-        public: Any = tv
-        for part in name.split("."):
-            public = getattr(public, part)
-        for argument in angles(public) & set(door.good):
+        first, _, method = name.partition(".")
+        called = getattr(known[first], method) if method else known[first]
+        for argument in angles(called) & set(door.good):
             turns = argument in DIRECTIONS or (name, argument) in DIRECTIONS
             value = np.full(np.shape(door.good[argument]), 7.0 if turns else 4.0)[()]
             asked += 1
@@ -105,13 +104,12 @@ def test_an_angle_that_was_meant_in_degrees_is_refused(every: dict[str, Door]) -
 
 def test_every_public_name_has_its_door(every: dict[str, Door]) -> None:
     others = ANSWERS | INSIDE | NO_CALLS
-    assert {name for name in every if "." not in name} | others == set(tv.__all__)
+    assert {name for name in every if "." not in name} | others == set(public())
     assert not others & set(every)
 
 
 def test_every_public_method_has_its_door(every: dict[str, Door]) -> None:
-    for name in tv.__all__:
-        kind = getattr(tv, name)
+    for name, kind in public().items():
         if not inspect.isclass(kind):
             continue
         for method, what in vars(kind).items():
@@ -192,8 +190,8 @@ def test_a_file_of_tables_in_tables_is_refused_in_one_sentence(
     key: str, depth: int, tmp_path: Path
 ) -> None:
     file = tmp_path / "deep.toml"
-    loads = (tv.load_vehicle, tv.load_schedule, tv.load_study, tv.load_sizing)
-    loads += (tv.load_campaign,)
+    loads = (tv.load_vehicle, tv.load_schedule, tv.load_study, tv.answers.load_sizing)
+    loads += (tv.answers.load_campaign,)
     deep = "[" * depth + "]" * depth, "{a=" * depth + "1" + "}" * depth
     for text in (
         *(f"{key} = {one}\n" for one in deep),

@@ -6,12 +6,15 @@ import re
 import sys
 import tomllib
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import tvclin
+from tests.doors import public
+from tvclin.base.doors import CHAPTERS
 from tvclin.linear.models import USUAL_MODEL
 
 ROOT = Path(__file__).parents[2]
@@ -48,7 +51,8 @@ def _anchors(page: Path) -> set[str]:
 
 
 def test_no_public_name_is_hidden_by_a_room_of_the_same_name() -> None:
-    assert not {path.stem for path in (ROOT / "tvclin").iterdir()} & set(tvclin.__all__)
+    for door in (tvclin, *(getattr(tvclin, one) for one in CHAPTERS)):
+        assert not {path.stem for path in Path(door.__file__).parent.iterdir()} & set(door.__all__)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -80,10 +84,37 @@ def pages(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 def test_the_reference_names_every_public_name_once(pages: ModuleType) -> None:
-    listed = re.findall(r"^   (tvclin\.[\w.]+)$", pages.api(), flags=re.MULTILINE)
-    plots = [f"plots.{name}" for name in tvclin.plots.__all__]
+    listed = re.findall(r"^   tvclin\.([\w.]+)$", pages.api(), flags=re.MULTILINE)
+    everyday = set(tvclin.__all__)
+    others = [
+        f"{chapter}.{name}"
+        for chapter in CHAPTERS
+        for name in getattr(tvclin, chapter).__all__
+        if name not in everyday
+    ]
 
-    assert sorted(listed) == sorted(f"tvclin.{name}" for name in [*tvclin.__all__, *plots])
+    assert sorted(listed) == sorted([*everyday, *others])
+
+
+def test_what_stands_after_the_dot_fits_on_a_screen() -> None:
+    shown = [name for name in dir(tvclin) if not name.startswith("_")]
+
+    assert len(tvclin.__all__) <= 66
+    assert set(shown) == {*tvclin.__all__, *CHAPTERS}
+
+
+@pytest.mark.parametrize(
+    ("door", "name", "said"),
+    [
+        ("tvclin", "boundry_limit", "tvclin.boundary_limit"),
+        ("tvclin", "Filter", "do you mean tvclin.vehicle.Filter?"),
+        ("tvclin.winds", "Plant", "tvclin.winds has no Plant: do you mean tvclin.Plant?"),
+        ("tvclin.control", "lqr_gain", "tvclin.control.lqr_gains"),
+    ],
+)
+def test_a_misspelt_name_is_answered_with_the_near_one(door: str, name: str, said: str) -> None:
+    with pytest.raises(AttributeError, match=re.escape(said)):
+        getattr(import_module(door), name)
 
 
 def test_pages_of_the_root_keep_their_links_in_the_site(pages: ModuleType) -> None:
@@ -129,7 +160,7 @@ def test_the_site_is_built_with_nothing_but_its_group_and_the_package() -> None:
 
 
 def test_no_public_function_takes_another_model_by_itself() -> None:
-    made = [getattr(tvclin, name) for name in tvclin.__all__ if callable(getattr(tvclin, name))]
+    made = [one for one in public().values() if callable(one)]
     made += [one.from_vehicle for one in made if hasattr(one, "from_vehicle")]
     for function in made:
         with suppress(ValueError):  # some of numpy and control have no signature
@@ -141,8 +172,8 @@ def test_no_public_function_takes_another_model_by_itself() -> None:
 
 
 def test_every_public_name_is_documented_with_its_errors_and_units() -> None:
-    for name in tvclin.__all__:
-        text = getattr(tvclin, name).__doc__ or ""
+    for name, one in public().items():
+        text = one.__doc__ or ""
         assert len(text.split()) > 5, name
         assert not text.startswith(f"{name}("), f"{name} has only its generated docstring"
 

@@ -139,7 +139,7 @@ def told(case: Case, *questions: str) -> Iterator[str]:
     left = {
         part for one in questions for part in (*_REFUSED.get(one, ()), *_ONLY_ASIDE.get(one, ()))
     }
-    named = [part for part in _given(case) if part in left]
+    named = [part for part in _given(case) if part in left] if left else []
     if named:
         *others, last = named
         listed = f"{', '.join(others)} and {last}" if others else last

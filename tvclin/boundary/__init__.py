@@ -1,5 +1,5 @@
 """The least deflection limits: closed forms, any wind, the optimum, recoverable states."""
 
-import lazy_loader
+from tvclin.base.doors import door
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = door(__name__, __file__)

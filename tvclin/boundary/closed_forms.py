@@ -27,6 +27,8 @@ NOT_UNIQUE = "b2 is above b1: a solution, but perhaps not the only one"
 NEVER_SATURATES = "trim never saturates: K times the limit is above the trim deflection"
 
 _EPS = np.finfo(float).eps
+_LARGEST = 1e9
+"""Rates beyond it [1/s] mean nothing, nor does a pole below its inverse."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,9 +125,10 @@ def triangular_limit_with_drift(
     dead_band : array_like
         K in [0, 1].
     beta : array_like
-        Vehicle response parameter [1/s], or with damping the pole, positive.
+        Vehicle response parameter [1/s], or with damping the pole, 1e-9 to 1e9.
     b1, b2 : array_like
-        Zeros of the numerators [1/s], eq (B7), with beta + b1 and beta + b2 positive.
+        Zeros of the numerators [1/s], eq (B7), at most 1e9 in size, with beta + b1 and beta + b2
+        positive.
 
     Raises
     ------
@@ -163,9 +166,9 @@ def solve_triangular_with_drift(
     arrays = {
         "tau_beta": positive("tau_beta", tau_beta),
         "dead_band": within("dead_band", dead_band, 0.0, 1.0),
-        "beta": positive("beta", beta, "1/s"),
-        "b1": finite("b1", b1, "1/s"),
-        "b2": finite("b2", b2, "1/s"),
+        "beta": within("beta", beta, 1.0 / _LARGEST, _LARGEST, "1/s"),
+        "b1": within("b1", b1, -_LARGEST, _LARGEST, "1/s"),
+        "b2": within("b2", b2, -_LARGEST, _LARGEST, "1/s"),
     }
     together(**arrays)
     tau_beta, K, beta, b1, b2 = np.broadcast_arrays(*arrays.values())

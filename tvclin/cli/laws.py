@@ -1,6 +1,7 @@
 """`tvclin laws`: what each control law needs in the standard winds, from trim to the minimum."""
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -86,7 +87,7 @@ def laws(
     within("--cuts", cuts, 0, 1000)
     case = case_of(
         vehicle,
-        *(_beside_boundaries, gains.over, loop.over),
+        *(_beside_boundaries, partial(_with_gains, gains), loop.over),
         blows=blows.over,
         told=("laws",),
         rigid=rigid,
@@ -157,6 +158,15 @@ def _beside_boundaries(plan: "StudyPlan") -> "StudyPlan":
     note_left_out(plan, "laws of a rigid vehicle")
     design = plan.design and plan.design.bare
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
+
+
+def _with_gains(gains: GainOptions, plan: "StudyPlan") -> "StudyPlan":
+    """Return a plan with the gains of options; `InputError` where no law of its file has them."""
+    from tvclin.control.laws.registry import AUTOPILOT
+
+    if plan.laws is not None and AUTOPILOT not in plan.laws.names:
+        only_with("the law autopilot in the table [laws]", **vars(gains))
+    return gains.over(plan)
 
 
 def _winds(

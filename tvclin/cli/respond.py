@@ -116,7 +116,7 @@ def _what(case: Held) -> str:
 
     return (
         f"{wind_words(case.name, case.case)}, model {case.plant.model}, K = {case.dead_band:g},"
-        f" limit {np.degrees(case.limit):.4f} deg"
+        f" limit {np.degrees(case.limit):.3f} deg"
     )
 
 

@@ -7,3 +7,7 @@ what both give back, `control` what can turn the nozzle, and `flown_boundary` fi
 deflection limit of any engine that says which flights are lost, as `falls` does. `beside` puts the
 linear theory beside a flight.
 """
+
+from tvclin.base.doors import door
+
+__getattr__, __dir__, __all__ = door(__name__, __file__)

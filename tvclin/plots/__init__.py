@@ -5,6 +5,6 @@ written from it holds exactly what is drawn. matplotlib and python-control are i
 first figure is drawn.
 """
 
-import lazy_loader
+from tvclin.base.doors import door
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = door(__name__, __file__)

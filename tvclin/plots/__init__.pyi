@@ -16,8 +16,8 @@ from .flights import flight_chart as flight_chart
 from .flights import flight_curves as flight_curves
 from .flown_boundaries import figure_10 as figure_10
 from .flown_boundaries import figure_11 as figure_11
-from .flown_margins import boundary_map as boundary_map
-from .flown_margins import flown_margins as flown_margins
+from .flown_margins import boundary_map_chart as boundary_map_chart
+from .flown_margins import flown_margins_chart as flown_margins_chart
 from .laws import laws_chart as laws_chart
 from .least_gains import least_gains_chart as least_gains_chart
 from .nyquist import nyquist_chart as nyquist_chart

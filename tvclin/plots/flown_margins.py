@@ -35,7 +35,7 @@ _LIMIT: Style = {"color": WARM, "lw": 2.4}
 _GROWS: Style = {"color": "0.88"}
 
 
-def flown_margins(found: Sequence[FlownMargins]) -> ControlPlot:
+def flown_margins_chart(found: Sequence[FlownMargins]) -> ControlPlot:
     """Draw flown margins over the limit: from the boundary to what linear theory says.
 
     Dotted lines are the changes of gain and delay with which the loop grows near rest.
@@ -78,7 +78,7 @@ def flown_margins(found: Sequence[FlownMargins]) -> ControlPlot:
     return plot
 
 
-def boundary_map(found: BoundaryMap, limit: float | None = None) -> ControlPlot:
+def boundary_map_chart(found: BoundaryMap, limit: float | None = None) -> ControlPlot:
     """Draw the boundary of a law over gain and delay as contours, with a limit among them.
 
     A flight with the limit survives on that side of its line on which boundaries are below it.
