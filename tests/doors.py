@@ -852,9 +852,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "boundary_limit": Door(
             tv.boundary_limit, {**history, "dead_band": 0.5, "switch": "literal"}
         ),
-        "canonical_gains": Door(
-            tv.control.canonical_gains, {"coefficients": coefficients, **options}
-        ),
+        "canonical_gains": Door(tv.control.canonical_gains, {"plant": coefficients, **options}),
         "closed_loop_boundary": Door(
             tv.closed_loop_boundary,
             {
@@ -876,7 +874,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Detuned.row": Door(tv.control.detuned(**detuned).row, {"change": "nominal"}),
         "detuned": Door(tv.control.detuned, {**detuned, "criteria": tv.CRITERIA["classic"]}),
-        "design_gains": Door(tv.design_gains, {"coefficients": coefficients, **poles, **options}),
+        "design_gains": Door(tv.design_gains, {"plant": coefficients, **poles, **options}),
         "disperse_study": Door(
             tv.answers.disperse_study,
             {
@@ -890,7 +888,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "drift_minimum_gains": Door(
-            tv.control.drift_minimum_gains, {"coefficients": coefficients, **poles, **options}
+            tv.control.drift_minimum_gains, {"plant": coefficients, **poles, **options}
         ),
         "equivalent_triangle": Door(tv.winds.equivalent_triangle, {"wind": wind}),
         "explore": Door(tv.explore, {"vehicle": "configuration-i"}),
@@ -1070,11 +1068,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "load_campaign": Door(tv.answers.load_campaign, {"path": campaign_file}),
-        "half_relief_gains": Door(
-            tv.control.half_relief_gains, {"coefficients": coefficients, **options}
-        ),
+        "half_relief_gains": Door(tv.control.half_relief_gains, {"plant": coefficients, **options}),
         "load_minimum_gains": Door(
-            tv.control.load_minimum_gains, {"coefficients": coefficients, **poles, **options}
+            tv.control.load_minimum_gains, {"plant": coefficients, **poles, **options}
         ),
         "load_schedule": Door(
             tv.load_schedule,
@@ -1168,7 +1164,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "relief_gains": Door(
             tv.control.relief_gains,
-            {"coefficients": coefficients, **poles, "alpha_ratio": 0.5, **options},
+            {"plant": coefficients, **poles, "alpha_ratio": 0.5, **options},
         ),
         "report_html": Door(tv.report_html, {"source": study}),
         "required_deflection": Door(

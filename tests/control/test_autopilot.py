@@ -396,8 +396,8 @@ def test_python_control_systems_are_for_one():
 def test_other_things_are_refused_by_name():
     with pytest.raises(InputError, match=r"plant must be a Plant .*; got StateSpace"):
         Autopilot(**GAINS).loop(plant_of().ss())
-    with pytest.raises(InputError, match=r"coefficients must be a Coefficients .*; got Plant"):
-        canonical_gains(plant_of())
+    with pytest.raises(InputError, match=r"plant must be a Coefficients .*; got StateSpace"):
+        canonical_gains(plant_of().ss())
     with pytest.raises(InputError, match="aerodynamically unstable"):
         canonical_gains(Coefficients(mu_alpha=-0.28, mu_delta=2.6))
     with pytest.raises(InputError, match="damping must be positive"):

@@ -34,6 +34,15 @@ EACH_OPTION = pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
 BOTH = pytest.mark.parametrize("name", ["configuration-i", "configuration-ii"])
 
 
+def test_a_vehicle_and_its_plants_have_the_gains_of_their_coefficients() -> None:
+    vehicle = tv.load_vehicle("made-up-launcher")
+    plant = tv.linear.plant_of(vehicle)
+    gains = tv.design_gains(plant.coefficients, **FAST)
+    assert plant.structure is not None
+    assert gains == tv.design_gains(vehicle, **FAST) == tv.design_gains(plant, **FAST)
+    assert gains == tv.design_gains(plant.rigid, **FAST)
+
+
 def steady(autopilot, plant, output):
     """Return the steady output per wind of the closed loop."""
     closed = autopilot.close(plant)
@@ -166,7 +175,7 @@ def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
             lambda: tv.control.drift_minimum_gains(COEFFICIENTS.replace(b2=[0.01, -0.03]), **FAST),
             r"b2 \+ w = -0\.0171.* would have to be positive",
         ),
-        (lambda: tv.control.load_minimum_gains(1.0, **FAST), "coefficients must be a Coefficients"),
+        (lambda: tv.control.load_minimum_gains(1.0, **FAST), "plant must be a Coefficients"),
         (
             lambda: tv.control.canonical_gains(COEFFICIENTS.replace(mu_alpha=[0.2, -0.4])),
             "aerodynamically unstable vehicle, .* got -0.4 .*natural_frequency and use design_gai",

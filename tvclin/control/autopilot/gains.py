@@ -13,15 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.errors import InputError, broadcast, instance, nonnegative, plain
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.sizes import sized
+from tvclin.linear.flexible import AnyPlant
 from tvclin.vehicle.coefficients import Coefficients
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 
+Steered = AnyPlant | AnyVehicle | Coefficients
+"""What gains are made for; of a vehicle they are those of the pitch plane."""
 FloatArray = NDArray[np.float64]
 
 _FREQUENCY, _DAMPING = 2.4, 1.2
 """Of the loop of half relief: natural frequency, over the unstable pole, and damping ratio."""
 
 
-def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
+def canonical_gains(plant: Steered, **options: Any) -> Autopilot:
     """Return the autopilot with a0 = 2B and a1 = B/beta.
 
     On eq (5), without actuator and delay, the closed loop is s^2 + beta s + beta^2: natural
@@ -29,8 +33,8 @@ def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
 
     Parameters
     ----------
-    coefficients : Coefficients
-        Those of one aerodynamically unstable vehicle or of a batch; for others see
+    plant : Plant, FlexiblePlant, vehicle or Coefficients
+        Of one aerodynamically unstable vehicle or of a batch; for others see
         `design_gains`.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
@@ -40,7 +44,7 @@ def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     InputError
         For a stable vehicle, which has no beta.
     """
-    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    coefficients = _coefficients(plant)
     mu_alpha = np.min(coefficients.mu_alpha, initial=np.inf)
     if mu_alpha <= 0.0:
         raise InputError(
@@ -53,7 +57,7 @@ def canonical_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
 
 
 def design_gains(
-    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+    plant: Steered, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
     """Return the autopilot that gives eq (5) the poles asked for.
 
@@ -62,8 +66,8 @@ def design_gains(
 
     Parameters
     ----------
-    coefficients : Coefficients
-        Those of one vehicle or of a batch, stable or not.
+    plant : Plant, FlexiblePlant, vehicle or Coefficients
+        Of one vehicle or of a batch, stable or not.
     natural_frequency : array_like
         omega_n [rad/s] of the closed loop, positive.
     damping : array_like
@@ -76,12 +80,12 @@ def design_gains(
     InputError
         For numbers that are not positive, and for less damping than the vehicle has by itself.
     """
-    stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
+    stiffness, rate = _stiffness(_coefficients(plant), natural_frequency, damping)
     return Autopilot(attitude_gain=stiffness, rate_gain=rate, **options)
 
 
 def relief_gains(
-    coefficients: Coefficients,
+    plant: Steered,
     *,
     natural_frequency: ArrayLike,
     damping: ArrayLike,
@@ -97,8 +101,8 @@ def relief_gains(
 
     Parameters
     ----------
-    coefficients : Coefficients
-        Those of one vehicle or of a batch, stable or not.
+    plant : Plant, FlexiblePlant, vehicle or Coefficients
+        Of one vehicle or of a batch, stable or not.
     natural_frequency, damping : array_like
         Of the closed loop on a fixed path [rad/s] and [-], positive.
     alpha_ratio : array_like
@@ -120,7 +124,7 @@ def relief_gains(
     With drift the slow pole of the closed loop lies near w - ratio (b1 + w), where
     w = C2/mu_alpha = g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
     """
-    ratio = nonnegative("alpha_ratio", alpha_ratio)
+    coefficients, ratio = _coefficients(plant), nonnegative("alpha_ratio", alpha_ratio)
     stiffness, rate = _stiffness(coefficients, natural_frequency, damping)
     broadcast(gains=np.shape(stiffness), alpha_ratio=ratio.shape)
     with np.errstate(over="ignore"):
@@ -130,7 +134,7 @@ def relief_gains(
     )
 
 
-def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
+def half_relief_gains(plant: Steered, **options: Any) -> Autopilot:
     """Return the autopilot that turns the vehicle by half of the wind: gains for a small limit.
 
     They are `relief_gains` with a natural frequency of 2.4 p, a damping ratio of 1.2 and an alpha
@@ -140,8 +144,8 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
 
     Parameters
     ----------
-    coefficients : Coefficients
-        Those of one aerodynamically unstable vehicle or of a batch.
+    plant : Plant, FlexiblePlant, vehicle or Coefficients
+        Of one aerodynamically unstable vehicle or of a batch.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
 
@@ -171,7 +175,7 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     >>> round(tv.closed_loop_boundary(plant, law, wind, sample_rate=50, cuts=12).limit, 2)
     0.45
     """
-    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
+    coefficients = _coefficients(plant)
     if np.any(np.asarray(coefficients.mu_alpha) <= 0.0):
         raise InputError(
             "half-relief gains need an aerodynamically unstable vehicle, mu_alpha > 0; got"
@@ -187,7 +191,7 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
 
 
 def drift_minimum_gains(
-    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+    plant: Steered, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
     """Return the autopilot whose flight path does not turn in a steady wind.
 
@@ -197,8 +201,8 @@ def drift_minimum_gains(
 
     Parameters
     ----------
-    coefficients : Coefficients
-        Those of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
+    plant : Plant, FlexiblePlant, vehicle or Coefficients
+        Of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
     natural_frequency, damping : array_like
         Of the closed loop on a fixed path [rad/s] and [-], positive; the first not below that
         of an aerodynamically stable vehicle itself.
@@ -216,8 +220,7 @@ def drift_minimum_gains(
     gamma' = 0 at gamma = 0 in eq (B6) with the attitude settled: (b1 + w) alpha +
     (b2 + w) alpha_w = 0. The principle is Hoelkner's.
     """
-    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
-    c = coefficients
+    c = _coefficients(plant)
     if np.any(np.asarray(c.mu_alpha) == 0.0) or np.any(np.asarray(c.b1) == 0.0):
         raise InputError(
             "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
@@ -243,7 +246,7 @@ def drift_minimum_gains(
 
 
 def load_minimum_gains(
-    coefficients: Coefficients, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
+    plant: Steered, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
     """Return the autopilot that turns the nose wholly into a steady wind: a0 = 0.
 
@@ -253,8 +256,8 @@ def load_minimum_gains(
 
     Parameters
     ----------
-    coefficients : Coefficients
-        Those of one vehicle or of a batch.
+    plant : Plant, FlexiblePlant, vehicle or Coefficients
+        Of one vehicle or of a batch.
     natural_frequency, damping, **options
         As of `drift_minimum_gains`.
 
@@ -263,6 +266,7 @@ def load_minimum_gains(
     InputError
         For numbers out of range.
     """
+    coefficients = _coefficients(plant)
     _stiffen(coefficients, natural_frequency)
     return relief_gains(
         coefficients,
@@ -273,9 +277,18 @@ def load_minimum_gains(
     )
 
 
+def _coefficients(plant: Steered) -> Coefficients:
+    """Return the coefficients of a plant or a vehicle; `InputError` for what has none."""
+    if isinstance(plant, AnyPlant):
+        return plant.coefficients
+    if isinstance(plant, AnyVehicle):
+        return coefficients_of(plant)
+    instance("plant", plant, Coefficients, "or a plant, or a vehicle")
+    return plant
+
+
 def _stiffen(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
     """Raise `InputError` for a closed loop that is softer than the vehicle alone."""
-    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     frequency = sized("natural_frequency", natural_frequency, "rad/s")
     broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
     asked, own = np.broadcast_arrays(
@@ -293,7 +306,6 @@ def _stiffness(
     coefficients: Coefficients, natural_frequency: ArrayLike, damping: ArrayLike
 ) -> tuple[Any, Any]:
     """The gain on attitude and angle of attack together, and that on the rate."""
-    instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     frequency = sized("natural_frequency", natural_frequency, "rad/s")
     ratio, c = sized("damping", damping), coefficients
     broadcast(
