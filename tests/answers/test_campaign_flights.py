@@ -226,6 +226,13 @@ def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflect
     case = int(np.argmin(flown_only.column("flight_survived")))
     replayed = CliRunner().invoke(app, ["campaign", "replay", folder, str(case)])
     assert "inf" not in replayed.output
+    limit = flown_only.campaign.nozzle.limit
+    assert f"Case {case}: lost with a limit of {np.degrees(limit):.4g} deg" in replayed.output
+    flight, one = flown_only.replay(case).flown(), flown_only.replay(case).extremes_flown
+    over = np.abs(flight.outputs["attitude"]) > np.pi / 2
+    assert one["until_s"] == flight.time[np.argmax(over)]
+    assert one["largest_attitude_deg"] > 90.0
+    assert one["largest_deflection_deg"] == pytest.approx(np.degrees(limit))
     refused = CliRunner().invoke(app, ["campaign", "show", folder, "--limit-deg", "0.4"])
     assert refused.exit_code == 2
     assert not flown_only.quantile(probability=0.99).within(1.0)

@@ -81,7 +81,12 @@ def test_replay_is_the_case_to_the_bit(place):
     )
     assert attitude < 2.0 * found.campaign.wind.peak < lost
     assert document["response"]["largest_attitude_deg"] == np.degrees(attitude)
-    assert f"Case {worst}: ok" in run("replay", place / "results", worst).output
+    limit = found.campaign.nozzle.limit
+    assert limit is not None
+    fate = "lost" if found.column("required_K1")[worst] > limit else "survives"
+    said = f"{fate} with a limit of {np.degrees(limit):.4g} deg"
+    assert document["fate"] == one.fate == said
+    assert f"Case {worst}: {said}" in run("replay", place / "results", worst).output
 
 
 def test_resume_names_what_is_damaged_and_mends_it(place, tmp_path):

@@ -1,6 +1,6 @@
 """One case of a campaign in full: its numbers, its plant and wind, and its exact response."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.kernels.choice import pinned
 from tvclin.linear.deflections import trim_then_hold
+from tvclin.linear.extremes import FALLEN_OVER
 from tvclin.linear.flexible import FlexiblePlant
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
@@ -110,6 +111,19 @@ class Replay:
         )
 
     @property
+    def fate(self) -> str:
+        """What becomes of the case at the limit of the campaign, in words; empty without one."""
+        limit = self.campaign.nozzle.limit
+        if limit is None or self.plant is None:
+            return ""
+        if "flight_survived" in self.outputs:
+            known = {1.0: "survives", 0.0: "lost"}
+            word = known.get(self.outputs["flight_survived"], "neither survives nor is lost")
+        else:
+            word = "survives" if abs(self.required) <= limit else "lost"
+        return f"{word} with a limit of {np.degrees(limit):.4g} deg"
+
+    @property
     def units(self) -> dict[str, str]:
         """Units of `inputs` and `outputs`, by name."""
         return UNITS_OF | columns(self.campaign)
@@ -117,19 +131,18 @@ class Replay:
     @property
     def extremes(self) -> dict[str, float]:
         """What is largest in `response` [deg], and its end [s]; nothing where there is none."""
-        try:
-            response = self.response()
-        except InputError:
-            return {}
-        largest = {
-            f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name]).max()))
-            for name in ("attitude", "angle_of_attack")
-        }
-        return largest | {"until_s": float(response.time[-1])}
+        return _extremes(self.response, ("attitude", "angle_of_attack"))
+
+    @property
+    def extremes_flown(self) -> dict[str, float]:
+        """The same of `flown`, with the deflection."""
+        return _extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON; units are told."""
-        return picked(self, "case status inputs outputs units response=extremes")
+        return picked(
+            self, "case status fate inputs outputs units response=extremes flight=extremes_flown"
+        )
 
     def tables(self) -> tuple[Table, ...]:
         """Return what was drawn, what it needs, what was flown, and the response."""
@@ -141,9 +154,9 @@ class Replay:
             for k, v in self.inputs.items()
         )
         every = (
-            quantities(f"Case {self.case}: {self.status}", drawn),
+            quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
             quantities("It needs", _angles(needs)),
-            quantities("Flown", _angles({k: v for k, v in angles.items() if k not in needs})),
+            quantities("Flown with the limit", _plain(self.extremes_flown)),
             quantities("Margins of the autopilot", _plain(margins)),
             quantities(f"Response on the boundary, K = {self.dead_band:g}", _plain(self.extremes)),
         )
@@ -183,6 +196,24 @@ def _angles(found: dict[str, float]) -> Iterator[Row]:
     for name, angle in found.items():
         lost = np.isinf(angle)
         yield name, ("lost",) if lost else degrees(f"output.{name}", angle, unit="deg")
+
+
+def _extremes(made: "Callable[[], TimeResponseData]", names: tuple[str, ...]) -> dict[str, float]:
+    """The largest of some outputs of a response [deg], and its end [s]; nothing without one.
+
+    It ends where the vehicle has fallen over.
+    """
+    try:
+        response = made()
+    except InputError:
+        return {}
+    fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > FALLEN_OVER)
+    end = int(fallen[0]) if fallen.size else response.time.size - 1
+    found = {
+        f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name][: end + 1]).max()))
+        for name in names
+    }
+    return found | {"until_s": float(response.time[end])}
 
 
 def _plain(found: dict[str, float]) -> Iterator[Row]:
