@@ -83,6 +83,7 @@ INSIDE = {
 
 BARE = {
     "table",  # of an answer, for who shows it
+    "deflections",
     "demand",  # of laws, for every sample of every flight
     "parts",
     "take",
