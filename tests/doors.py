@@ -51,6 +51,7 @@ ANSWERS = {
     "Optimum",
     "PlaneLimit",
     "PlaneOptimum",
+    "RateFront",
     "RateLimitedOptimum",
     "RequiredDeflection",
     "RigidBand",
@@ -1069,6 +1070,16 @@ def doors(folder: Path) -> dict[str, Door]:
         "optimum_with_rate_limit": Door(
             tv.optimum_with_rate_limit,
             {**history, "rate_limit": 0.1, "start": 0.0, "horizon": 20.0, "steps": 20},
+        ),
+        "rate_front": Door(
+            tv.rate_front,
+            {
+                **history,
+                "rates": [0.1, 0.2],
+                "limit": 0.02,
+                "rate_limit": 0.1,
+                "acceleration_limit": 1e3,
+            },
         ),
         "power_law_shear": Door(tv.power_law_shear, {"change": 20.0, "thickness": 500.0}),
         "read_openrocket": Door(

@@ -76,6 +76,8 @@ from .boundary.planes.limit import PlaneLimit as PlaneLimit
 from .boundary.planes.limit import plane_limit as plane_limit
 from .boundary.planes.optimum import PlaneOptimum as PlaneOptimum
 from .boundary.planes.optimum import plane_optimum as plane_optimum
+from .boundary.rates import RateFront as RateFront
+from .boundary.rates import rate_front as rate_front
 from .boundary.stops import CircularStop as CircularStop
 from .boundary.stops import EllipticStop as EllipticStop
 from .boundary.stops import PolygonStop as PolygonStop
