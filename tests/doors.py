@@ -48,6 +48,7 @@ ANSWERS = {
     "Margins",
     "ModeBand",
     "Modes",
+    "NozzleCard",
     "Optimum",
     "PlaneLimit",
     "PlaneOptimum",
@@ -1070,6 +1071,30 @@ def doors(folder: Path) -> dict[str, Door]:
         "optimum_with_rate_limit": Door(
             tv.optimum_with_rate_limit,
             {**history, "rate_limit": 0.1, "start": 0.0, "horizon": 20.0, "steps": 20},
+        ),
+        "NozzleData": Door(
+            tv.NozzleData,
+            {
+                "engine": tv.Engine(mass=2000.0, arm=0.8),
+                "stiffness": 1e5,
+                "damping": 1e4,
+                "friction": 500.0,
+                "offset": 0.01,
+                "thrust_offset": 0.002,
+            },
+        ),
+        "nozzle_card": Door(
+            tv.nozzle_card,
+            {
+                "times": [0.0, 0.5, 1.0],
+                "deflection": [0.0, 0.01, 0.0],
+                "limit": 0.01,
+                "window": 0.5,
+                "nozzle": tv.NozzleData(engine=tv.Engine(mass=2000.0, arm=0.8)),
+                "vehicle": booster,
+                "angle_of_attack": [0.0, 0.01, 0.0],
+                "attitude": [0.0, 0.01, 0.0],
+            },
         ),
         "rate_front": Door(
             tv.rate_front,

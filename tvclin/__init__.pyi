@@ -28,6 +28,9 @@ from .answers.least_gains.record import LeastGains as LeastGains
 from .answers.least_gains.schedule import LeastSchedule as LeastSchedule
 from .answers.least_gains.schedule import least_gain_schedule as least_gain_schedule
 from .answers.nozzle import Nozzle as Nozzle
+from .answers.nozzle_card import NozzleCard as NozzleCard
+from .answers.nozzle_card import NozzleData as NozzleData
+from .answers.nozzle_card import nozzle_card as nozzle_card
 from .answers.requirement import RequiredDeflection as RequiredDeflection
 from .answers.requirement import is_sufficient as is_sufficient
 from .answers.requirement import required_deflection as required_deflection
