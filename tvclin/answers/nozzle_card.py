@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tvclin.answers.case import Case
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
@@ -22,6 +24,10 @@ from tvclin.base.errors import (
 )
 from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.base.lines import number as figure
+from tvclin.control.laws.law import Law
+from tvclin.flights.closed_loop.fly import fly
+from tvclin.flights.closed_loop.many import LOST, SURVIVED, fly_many
+from tvclin.flights.flexible import FATES
 from tvclin.linear.extremes import Point
 from tvclin.vehicle.structure import Engine
 from tvclin.vehicle.vehicle import Vehicle
@@ -33,6 +39,10 @@ _AT_STOP = 1e-3
 _AT_REST = 1e-6
 """A rate below this part of the largest is none."""
 _WINDOW = 0.5
+_AFTER = 15.0
+"""A flight is shown so many times of its fast mode after the wind: what moves then is rounding."""
+_IN_A_SAMPLE, _MOST = 8, 400_001
+"""Times of a card in a sample of the law, and in all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +123,9 @@ class Work(Shown):
     stiffness: float
 
     as_dict = keyed(
-        "torque_N_m=torque.value torque_time_s=torque.time holding_N_m=holding"
-        " rms_torque_N_m=rms_torque power_W=power.value power_time_s=power.time energy_J=energy returned_J=returned corner_power_W=corner_power"
+        "torque_N_m=torque.value torque_time_s=torque.time holding_torque_N_m=holding"
+        " rms_torque_N_m=rms_torque power_W=power.value power_time_s=power.time"
+        " corner_power_W=corner_power energy_J=energy returned_energy_J=returned"
     )
 
 
@@ -301,6 +312,58 @@ def nozzle_card(
         work=work,
         notes=tuple(notes),
     )
+
+
+@dataclass(frozen=True)
+class FlownCard(Shown):
+    """What a law's flight asks of the nozzle.
+
+    Attributes
+    ----------
+    law, status : str
+        The name of the law, and what became of its flight, as of `fly_many`.
+    card : NozzleCard or None
+        Until 15 times the fast mode's time after the wind; None of a flight that is lost.
+    """
+
+    law: str
+    status: str
+    card: NozzleCard | None
+
+    as_dict = keyed("law status card")
+
+    @classmethod
+    def of(cls, case: Case, name: str, law: Law) -> Self:
+        """Return the card of a law in the wind of a case, with its nozzle, which has a limit."""
+        plant, wind, limit = case.plant, case.history, case.nozzle.limit
+        flown = {"deflection_limit": limit, **case.hardware}
+        status = str(fly_many(plant, law, wind, **flown).status)
+        if status == LOST:
+            return cls(name, status, None)
+        onset, end = float(wind.onset), float(wind.end) + _AFTER / float(plant.coefficients.pole)
+        count = int(np.ceil((end - onset) * flown["sample_rate"])) * _IN_A_SAMPLE + 1
+        times = np.linspace(onset, end, min(count, _MOST))
+        outputs = fly(plant, law, wind, times, **flown).outputs
+        return cls(name, status, nozzle_card(times, outputs["deflection"], limit=limit))
+
+    @property
+    def survived(self) -> bool:
+        """Whether the flight is survived."""
+        return self.status == SURVIVED
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is left out of the card."""
+        return () if self.card is None else self.card.notes
+
+    @property
+    def words(self) -> str:
+        """What becomes of the flight, in words."""
+        return f"{self.law} {FATES[self.status]} with this limit and rate"
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the card; nothing of a flight that is lost."""
+        return () if self.card is None else self.card.tables()
 
 
 def _work(

@@ -113,8 +113,24 @@ class RateFront(Shown):
 
     @property
     def enough(self) -> bool | None:
-        """Whether the nozzle's point is on the front or above; None unless both are given."""
-        return None if self.left is None else bool(self.left >= 0.0)
+        """Whether the nozzle's point is on the front or above; None where nothing is given.
+
+        Of a limit or a rate limit alone, whether the other can make it enough.
+        """
+        if self.left is not None:
+            return bool(self.left >= 0.0)
+        other = self.needed if self.limit is None else self.needed_rate
+        return None if other is None else bool(np.isfinite(other))
+
+    @property
+    def verdict(self) -> str:
+        """Whether that is enough, in words."""
+        if self.enough is None:
+            return "nothing is asked; give a limit and a rate limit"
+        if not self.enough:
+            return "NOT enough, whatever the control"
+        other = "rate limit" if self.rate_limit is None else "limit"
+        return "enough by theory" + ("" if self.left is not None else f", with the {other} needed")
 
     def tables(self) -> tuple[Table, ...]:
         """Return the front, and the nozzle's point beside what is needed."""
@@ -212,7 +228,8 @@ def rate_front(
     wind : History
         One wind that ends.
     rates : array_like, optional
-        Rate limits [rad/s], ``(n,)``; 1.1 to 20 times the least one unless given.
+        Rate limits [rad/s], ``(n,)``; unless given 1.1 to 20 times the least one, and that
+        of the nozzle.
     limit, rate_limit : float, optional
         The nozzle's [rad, rad/s].
     acceleration_limit : float
@@ -258,6 +275,8 @@ def rate_front(
         )
     blind = case.blind
     usual = np.asarray(_MULTIPLES) * (least_rate or case.pole * case.least or _ANY)
+    if there is not None:
+        usual = np.unique(np.append(usual, there))
     at = usual if given is None else given
     return RateFront(
         rates=at,
