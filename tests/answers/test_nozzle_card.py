@@ -115,7 +115,7 @@ def test_time_at_the_stop_and_the_steady_rate():
     assert card.steady_rate == pytest.approx(0.01, rel=1e-9)
     assert card.reversals == 1
     assert card.work is None
-    assert "nozzle data" in card.notes[0]
+    assert "torque, power and energy need" in card.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import (
     InputError,
+    directions,
     finite,
     instance,
     nonnegative,
@@ -291,7 +292,9 @@ def nozzle_card(
     notes = []
     work = None
     if nozzle is None:
-        notes.append("torque, power and energy need nozzle data: engine, stiffness, friction")
+        notes.append(
+            "torque, power and energy need the engine and its hinge (nozzle_card in Python)"
+        )
     else:
         instance("nozzle", nozzle, NozzleData, "of an engine and its hinge")
         work, notes = _work(t, delta, nozzle, vehicle, angle_of_attack, attitude)
@@ -424,7 +427,7 @@ def _work(
 
 
 def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
-    row = finite(name, values, "rad")
+    row = (directions if name == "attitude" else small_angle("an angle"))(name, values, "rad")
     if row.shape != t.shape:
         raise InputError(f"{name} must be a row of {t.size} numbers, as times; got {row.shape}")
     return row
