@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from tvclin.base.cards import Shown
 from tvclin.base.documents import keyed
 from tvclin.base.errors import InputError, between, number, one_row, positive, small_angle
-from tvclin.base.lines import Table, degrees
+from tvclin.base.lines import Table, degrees, least
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.optimum.constraints import Constraints, constraints_of
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
@@ -72,10 +72,10 @@ class RateFront(Shown):
         Largest deflection acceleration [rad/s2] that the limits have; infinite if none.
     limit, rate_limit : float or None
         The nozzle's [rad, rad/s].
-    needed : float or None
-        The larger of limit and bound [rad] at the nozzle's rate.
-    needed_rate : float or None
-        The least rate [rad/s] at the nozzle's angle, by the larger of both.
+    needed : float
+        The larger of limit and bound [rad], at the nozzle's rate or else at any.
+    needed_rate : float
+        The least rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     """
 
     rates: FloatArray
@@ -85,15 +85,15 @@ class RateFront(Shown):
     least_rate: float
     least_rate_blind: float
     acceleration_limit: float
-    limit: float | None = None
-    rate_limit: float | None = None
-    needed: float | None = None
-    needed_rate: float | None = None
+    limit: float | None
+    rate_limit: float | None
+    needed: float
+    needed_rate: float
 
     as_dict = keyed(
         "rates_deg_per_s limits_deg bounds_deg least_deflection_deg least_rate_deg_per_s"
-        " least_rate_blind_deg_per_s limit_deg rate_limit_deg_per_s needed_deg"
-        " needed_rate_deg_per_s left_deg left_rate_deg_per_s enough"
+        " least_rate_blind_deg_per_s acceleration_limit_deg_per_s2 limit_deg"
+        " rate_limit_deg_per_s needed_deg needed_rate_deg_per_s left_deg left_rate_deg_per_s enough"
     )
     _keys = (
         "least_deflection_deg least_rate_deg_per_s limit_deg needed_deg rate_limit_deg_per_s"
@@ -102,14 +102,13 @@ class RateFront(Shown):
 
     @property
     def left(self) -> float | None:
-        """Angle [rad] that is left at the nozzle's rate."""
-        return None if self.limit is None or self.needed is None else self.limit - self.needed
+        """Angle [rad] that is left over what is needed."""
+        return None if self.limit is None else self.limit - self.needed
 
     @property
     def left_rate(self) -> float | None:
-        """Rate [rad/s] that is left at the nozzle's angle."""
-        there, needed = self.rate_limit, self.needed_rate
-        return None if there is None or needed is None else there - needed
+        """Rate [rad/s] that is left over what is needed."""
+        return None if self.rate_limit is None else self.rate_limit - self.needed_rate
 
     @property
     def enough(self) -> bool | None:
@@ -117,10 +116,11 @@ class RateFront(Shown):
 
         Of a limit or a rate limit alone, whether the other can make it enough.
         """
-        if self.left is not None:
-            return bool(self.left >= 0.0)
-        other = self.needed if self.limit is None else self.needed_rate
-        return None if other is None else bool(np.isfinite(other))
+        if self.limit is None:
+            return None if self.rate_limit is None else bool(np.isfinite(self.needed))
+        if self.rate_limit is None:
+            return bool(np.isfinite(self.needed_rate))
+        return self.limit >= self.needed
 
     @property
     def verdict(self) -> str:
@@ -129,24 +129,23 @@ class RateFront(Shown):
             return "nothing is asked; give a limit and a rate limit"
         if not self.enough:
             return "NOT enough, whatever the control"
-        other = "rate limit" if self.rate_limit is None else "limit"
-        return "enough by theory" + ("" if self.left is not None else f", with the {other} needed")
+        lacks = {"limit": self.limit, "rate limit": self.rate_limit}
+        with_it = [f", with the {name} needed" for name, there in lacks.items() if there is None]
+        return "".join(["enough by theory", *with_it])
 
     def tables(self) -> tuple[Table, ...]:
         """Return the front, and the nozzle's point beside what is needed."""
-        rows = []
-        for k, rate in enumerate(self.rates):
-            name = f"front.{k}"
-            bound = np.nan if self.bounds is None else self.bounds[k]
-            rows.append(
-                (
-                    degrees(f"{name}.rate", rate),
-                    degrees(f"{name}.limit", self.limits[k]),
-                    degrees(f"{name}.bound", bound),
-                )
-            )
+        blank = np.full(self.rates.size, np.nan)
+        columns = {
+            "rate": self.rates,
+            "limit": self.limits,
+            "bound": blank if self.bounds is None else self.bounds,
+        }
+        rows = tuple(
+            tuple(least(degrees(f"front.{k}.{name}", x[k])) for name, x in columns.items())
+            for k in range(self.rates.size)
+        )
         head = ("rate limit [deg/s]", "wind known [deg]", "no forecast, at least [deg]")
-        front = Table("Least deflection over the rate limit", head, tuple(rows))
         both = (
             ("limit [deg]", "limit", self.needed, self.limit, self.left),
             ("rate limit [deg/s]", "rate", self.needed_rate, self.rate_limit, self.left_rate),
@@ -154,17 +153,19 @@ class RateFront(Shown):
         point = tuple(
             (
                 (label,),
-                *(
-                    degrees(f"nozzle.{key}.{what}", np.nan if value is None else value)
-                    for what, value in zip(("needed", "there", "left"), values, strict=True)
-                ),
+                least(degrees(f"nozzle.{key}.needed", needed)),
+                degrees(f"nozzle.{key}.there", np.nan if there is None else there),
+                degrees(f"nozzle.{key}.left", np.nan if left in (None, -np.inf) else left),
             )
-            for label, key, *values in both
+            for label, key, needed, there, left in both
         )
-        return front, Table(
-            "The limit at that rate, and the rate limit at that angle",
-            ("", "needed", "there", "left"),
-            point,
+        return (
+            Table("Least deflection over the rate limit", head, rows),
+            Table(
+                "Both at once: the limit at that rate, the rate limit at that angle",
+                ("", "needed", "there", "left"),
+                point,
+            ),
         )
 
     @property
@@ -288,8 +289,12 @@ def rate_front(
         acceleration_limit=c,
         limit=most,
         rate_limit=there,
-        needed=None if there is None else case.needed(there),
-        needed_rate=None if most is None else case.needed_rate(most),
+        needed=case.needed(there) if there is not None else max(case.least, blind or 0.0),
+        needed_rate=(
+            case.needed_rate(most)
+            if most is not None
+            else max(least_rate, case.pole * (blind or 0.0))
+        ),
     )
 
 
@@ -350,11 +355,11 @@ class _Case:
         """The least rate [rad/s] at an angle [rad]; infinite if none is enough."""
         from scipy.optimize import brentq
 
-        lowest = max(self.least_rate, self.pole * (self.blind or 0.0))
-        if self.needed(_FASTEST * lowest) > limit:
-            return np.inf
         if self.least == 0.0:
             return 0.0
+        lowest = max(self.least_rate, self.pole * (self.blind or 0.0)) or self.pole * self.least
+        if self.needed(_FASTEST * lowest) > limit:
+            return np.inf
 
         def excess(times: float) -> float:
             return 1.0 / self.needed(float(np.exp(times)) * lowest) - 1.0 / limit
