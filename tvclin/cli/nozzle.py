@@ -87,7 +87,8 @@ def nozzle(
     elif case.nozzle.limit is None:
         raise InputError("--law needs --limit-deg, the stop of the nozzle")
     history, plant, given = case.history, case.plant.rigid, case.nozzle
-    front = rate_front(plant, history, limit=given.limit, rate_limit=given.rate_limit)
+    with waiting("angle over rate"):
+        front = rate_front(plant, history, limit=given.limit, rate_limit=given.rate_limit)
     name = blows.name(case)
     flown = None
     if law is not None:
@@ -118,4 +119,4 @@ def _write(front: "RateFront", title: str, csv: Path | None, plot: Path | None) 
     if csv is not None:
         write_text(csv, rate_curves(front).csv())
     if plot is not None:
-        save_figure(rate_chart(front, title), plot)
+        save_figure(rate_chart(front, title.replace(": ", "\n")), plot)
