@@ -8,8 +8,8 @@ from scipy.integrate import quad
 import tvclin as tv
 
 PER_DEGREE = 180.0 / np.pi
-BENCH = tv.NozzleData(
-    engine=tv.Engine(mass=1.0, arm=0.0, moment_of_inertia=1400.0),
+BENCH = tv.answers.NozzleData(
+    engine=tv.vehicle.Engine(mass=1.0, arm=0.0, moment_of_inertia=1400.0),
     stiffness=15200.0 * PER_DEGREE,
     damping=174.0 * PER_DEGREE,
 )
@@ -17,7 +17,7 @@ BENCH = tv.NozzleData(
 
 def test_a_sine_asks_for_what_its_phasor_says():
     times = np.linspace(0.0, 1.0, 60_001)
-    card = tv.nozzle_card(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
+    card = tv.answers.nozzle_card(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
     work = card.work
     X, w = np.radians(1.0), 6.0 * np.pi
     torque = X * np.hypot(BENCH.stiffness - 1400.0 * w**2, BENCH.damping * w)
@@ -45,9 +45,9 @@ def ramp(t):
     [(0.0, [14731.2, 489.67, 138.31]), (2000.0, [16731.2, 559.48, 173.22])],
 )
 def test_a_ramp_asks_for_what_is_integrated_of_its_parts(friction, expected):
-    nozzle = tv.NozzleData(**vars(BENCH) | {"friction": friction})
+    nozzle = tv.answers.NozzleData(**vars(BENCH) | {"friction": friction})
     times = np.linspace(0.0, 0.6, 30_001)
-    work = tv.nozzle_card(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
+    work = tv.answers.nozzle_card(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
     found = [work.torque.value, work.power.value, work.energy]
     assert found == pytest.approx(expected, rel=1e-4)  # a corner lies between two times
 
@@ -89,12 +89,12 @@ def test_the_torque_in_flight_is_that_of_lagrange():
 
 def test_a_flight_s_torque_has_every_term():
     vehicle = tv.load_vehicle("configuration-i")
-    engine = tv.Engine(mass=2000.0, arm=0.8, moment_of_inertia=300.0)
+    engine = tv.vehicle.Engine(mass=2000.0, arm=0.8, moment_of_inertia=300.0)
     data = {"stiffness": 1e5, "damping": 1e4, "friction": 500.0}
-    nozzle = tv.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
+    nozzle = tv.answers.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
     times = np.linspace(0.0, 2.0, 2001)
     delta, theta, alpha = 0.01 * times**2, 0.003 * times**2, 0.02 * times
-    found = tv.nozzle_card(
+    found = tv.answers.nozzle_card(
         times, delta, nozzle=nozzle, vehicle=vehicle, angle_of_attack=alpha, attitude=theta
     ).work.torque
     T, m, F = vehicle.thrust, vehicle.mass, vehicle.axial_force
@@ -110,7 +110,7 @@ def test_a_flight_s_torque_has_every_term():
 def test_time_at_the_stop_and_the_steady_rate():
     times = np.linspace(0.0, 4.0, 4001)
     delta = np.clip(0.01 * times, 0.0, 0.02) - np.clip(0.01 * (times - 3.0), 0.0, 1.0)
-    card = tv.nozzle_card(times, delta, limit=0.02, window=1.5)
+    card = tv.answers.nozzle_card(times, delta, limit=0.02, window=1.5)
     assert card.time_at_stop == pytest.approx(1.0, abs=0.005)
     assert card.steady_rate == pytest.approx(0.01, rel=1e-9)
     assert card.reversals == 1
@@ -129,4 +129,4 @@ def test_time_at_the_stop_and_the_steady_rate():
 )
 def test_what_is_no_motion_is_refused(given, words):
     with pytest.raises(tv.InputError, match=words):
-        tv.nozzle_card(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)
+        tv.answers.nozzle_card(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)

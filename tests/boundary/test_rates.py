@@ -23,7 +23,7 @@ def triangle(plant, tau_beta):
 
 
 def relative(plant, wind, rates, **options):
-    front = tv.rate_front(plant, wind, rates, **options)
+    front = tv.boundary.rate_front(plant, wind, rates, **options)
     return front.limits / (plant.coefficients.B * PEAK)
 
 
@@ -40,7 +40,7 @@ def relative(plant, wind, rates, **options):
 )
 def test_triangles_need_what_a_program_of_their_own_found(plant, tau_beta, expected):
     wind = triangle(plant, tau_beta)
-    rates = MULTIPLES * tv.rate_front(plant, wind).least_rate
+    rates = MULTIPLES * tv.boundary.rate_front(plant, wind).least_rate
     assert relative(plant, wind, rates) == pytest.approx(expected, abs=6e-6)
 
 
@@ -90,7 +90,7 @@ def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
         bounds=(None, None),
     )
     assert found.status == 0
-    least = tv.rate_front(FIXED, wind, [rate], **most).limits[0]
+    least = tv.boundary.rate_front(FIXED, wind, [rate], **most).limits[0]
     assert least == pytest.approx(found.fun, rel=1e-4)
 
 
@@ -100,7 +100,7 @@ def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
     for tau_beta in (2.0, 8.0, 20.0):
         wind = triangle(plant, tau_beta)
         least = tv.optimum_deflection(plant, wind).peak
-        found = tv.rate_front(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
+        found = tv.boundary.rate_front(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
         programmed = model == "drift-and-speed" or (model == "drift-exact" and tau_beta == 20.0)
         assert found == pytest.approx(least, rel=1e-6 if programmed else 2e-9)
     assert ramped_deflection(0.3, 0.5, np.inf) == 0.3
@@ -112,8 +112,8 @@ def test_two_poles_are_never_told_too_little():
     plant = exact()
     for tau_beta in (8.0, 13.0, 15.0, 16.0, 20.0):
         wind = triangle(plant, tau_beta)
-        front = tv.rate_front(plant, wind, MULTIPLES * tv.rate_front(plant, wind).least_rate)
-        by_program = [tv.optimum_with_rate_limit(plant, wind, float(r)).peak for r in front.rates]
+        front = tv.boundary.rate_front(plant, wind, MULTIPLES * tv.boundary.rate_front(plant, wind).least_rate)
+        by_program = [tv.boundary.optimum_with_rate_limit(plant, wind, float(r)).peak for r in front.rates]
         assert front.limits == pytest.approx(by_program, rel=1e-5)
 
 
@@ -123,7 +123,7 @@ def test_the_bound_without_a_forecast_is_reached_within_what_is_known_of_it():
         (4.0, [0.6, 1.0, 2.0, 5.0], [0.734, 0.514, 0.416, 0.389]),
         (8.0, [0.6, 1.0, 2.0, 5.0], [0.934, 0.636, 0.512, 0.450]),
     ):
-        front = tv.rate_front(FIXED, triangle(FIXED, tau_beta), np.array(rho) * BETA * B * PEAK)
+        front = tv.boundary.rate_front(FIXED, triangle(FIXED, tau_beta), np.array(rho) * BETA * B * PEAK)
         bounds = front.bounds / (B * PEAK)
         assert np.all(bounds <= np.array(program) + 0.002)
         assert np.all(front.bounds >= front.limits * (1.0 - 1e-12))
@@ -143,35 +143,35 @@ def test_a_stop_and_the_wind_to_come_leave_no_state_below_the_bound():
 
 def test_the_nozzle_s_point_is_judged_by_the_larger_of_both():
     plant, wind = exact(), triangle(exact(), 8.0)
-    front = tv.rate_front(plant, wind, limit=0.006, rate_limit=0.01)
-    at = tv.rate_front(plant, wind, [0.01, front.needed_rate])
+    front = tv.boundary.rate_front(plant, wind, limit=0.006, rate_limit=0.01)
+    at = tv.boundary.rate_front(plant, wind, [0.01, front.needed_rate])
     assert front.needed == max(at.limits[0], at.bounds[0])
     assert max(at.limits[1], at.bounds[1]) == pytest.approx(0.006, rel=1e-8)
     assert (front.left > 0.0) == (front.left_rate > 0.0) == front.enough
-    assert tv.rate_front(plant, wind, limit=1e-4).needed_rate == np.inf
+    assert tv.boundary.rate_front(plant, wind, limit=1e-4).needed_rate == np.inf
 
 
 def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():
     wind = triangle(FIXED, 4.0)
-    front = tv.rate_front(FIXED, wind)
+    front = tv.boundary.rate_front(FIXED, wind)
     assert front.least_rate == pytest.approx(BETA * tv.optimum_deflection(FIXED, wind).peak)
     with pytest.raises(tv.InputError, match=f"{front.least_rate:.6g} rad/s"):
-        tv.rate_front(FIXED, wind, rate_limit=front.least_rate)
-    assert np.isinf(tv.rate_front(FIXED, wind, [front.least_rate]).limits[0])
+        tv.boundary.rate_front(FIXED, wind, rate_limit=front.least_rate)
+    assert np.isinf(tv.boundary.rate_front(FIXED, wind, [front.least_rate]).limits[0])
     with pytest.raises(tv.InputError, match="acceleration_limit must be above"):
-        tv.rate_front(FIXED, wind, acceleration_limit=BETA * front.least_rate)
+        tv.boundary.rate_front(FIXED, wind, acceleration_limit=BETA * front.least_rate)
     with pytest.raises(tv.InputError, match="one unstable pole decides"):
-        tv.rate_front(exact(), triangle(exact(), 20.0), acceleration_limit=10.0)
+        tv.boundary.rate_front(exact(), triangle(exact(), 20.0), acceleration_limit=10.0)
 
 
 def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_needs_nothing():
     wind = triangle(FIXED, 4.0)
-    front = tv.rate_front(FIXED, wind - 0.5 * wind.shift(8.0))
+    front = tv.boundary.rate_front(FIXED, wind - 0.5 * wind.shift(8.0))
     assert front.bounds is None
     assert np.all(np.isfinite(front.limits))
     assert "changes its sign" in next(front.notes)
     still = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0), "fixed-path")
-    front = tv.rate_front(still, wind, limit=0.01, rate_limit=0.01)
+    front = tv.boundary.rate_front(still, wind, limit=0.01, rate_limit=0.01)
     assert front.enough
     assert not np.any(front.limits)
     assert "neither" in next(front.notes)

@@ -16,10 +16,10 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, ["nozzle", *arguments])
 
 
-def front(**nozzle: float) -> tv.RateFront:
+def front(**nozzle: float) -> tv.boundary.RateFront:
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
-    return tv.rate_front(plant, wind, **{key: np.radians(x) for key, x in nozzle.items()})
+    return tv.boundary.rate_front(plant, wind, **{key: np.radians(x) for key, x in nozzle.items()})
 
 
 def test_json_equals_the_library() -> None:
@@ -59,7 +59,7 @@ def test_the_card_is_of_the_flight() -> None:
     options = ("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot", "--json")
     card = json.loads(run(*options).stdout)["flown"]["card"]
     case = tv.Case(vehicle=tv.load_vehicle("configuration-i"))
-    law = tv.design_law("autopilot", case.plant, float(case.history.peak))
+    law = tv.control.design_law("autopilot", case.plant, float(case.history.peak))
     limits = {"deflection_limit": np.radians(2.0), "rate_limit": np.radians(5.0)}
     flown = tv.fly_many(
         case.plant,

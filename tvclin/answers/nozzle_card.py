@@ -271,7 +271,7 @@ def nozzle_card(
     --------
     >>> import numpy as np, tvclin as tv
     >>> times = np.linspace(0.0, 1.0, 2001)
-    >>> card = tv.nozzle_card(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
+    >>> card = tv.answers.nozzle_card(times, np.radians(1.0) * np.sin(2 * np.pi * 3 * times))
     >>> round(float(np.degrees(card.rate.value)), 2), round(float(np.degrees(card.travel)), 2)
     (18.85, 12.0)
     """

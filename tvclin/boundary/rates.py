@@ -255,7 +255,7 @@ def rate_front(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=-0.1, duration=7.5)
-    >>> front = tv.rate_front(plant, wind, [0.005, 0.05])
+    >>> front = tv.boundary.rate_front(plant, wind, [0.005, 0.05])
     >>> (front.limits / front.least_deflection).round(3).tolist()
     [1.284, 1.02]
     """
