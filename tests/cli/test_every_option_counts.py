@@ -45,6 +45,7 @@ STARTS = {
     ],
     "margins": [(V,), ("made-up-launcher", "--natural-frequency", "1.2"), (F,)],
     "fly": [(V, "--engine", "linear", "--limit-deg", "2"), (V, "--limit-deg", "2"), (F,)],
+    "nozzle": [(V, "--law", "autopilot", "--limit-deg", "2"), (V,), (F,)],
     "poles": [(V,), (F,)],
     "boundary": [(V, "--tau-beta", "3"), (F, "--tau-beta", "3")],
     "laws": [(F,)],

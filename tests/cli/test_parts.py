@@ -47,6 +47,7 @@ LINEAR = ("--engine", "linear", "--law", "autopilot", "--limit-deg", 2)
 BASE = {
     "laws": ("--wind", "triangle"),
     "fly": LINEAR,
+    "nozzle": ("--law", "autopilot", "--limit-deg", 2),
     "size": ("--from", 70, "--to", 70),
     "availability": ("--limit-deg", 0.35, "--azimuth-deg", 45),
 }
@@ -64,6 +65,7 @@ OTHERWISE = {
     ),
     ("availability", "measured wind"): (SOUNDING, "--limit-deg", 0.35, "--azimuth-deg", 45),
     ("fly", "limit"): (*LINEAR[:-1], 1.5),
+    ("nozzle", "limit"): ("--law", "autopilot", "--limit-deg", 1.5),
     ("size", "measured wind"): ("--winds", SOUNDING, "--azimuth-deg", 90),
     ("size", "gust"): ("--gust", 1.5, 1.0),
     ("availability", "heading"): ("--limit-deg", 0.35, "--azimuth-deg", 90),
@@ -212,6 +214,7 @@ OF_ONE_TIME = {
     "autopilot": (),
     "laws": ("--rigid",),
     "fly": ("--engine", "linear"),
+    "nozzle": ("--law", "autopilot"),
 }
 
 

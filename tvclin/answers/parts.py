@@ -52,6 +52,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
     "autopilot": ("rate limit", *_SEVERAL),
     "laws": (*_SEVERAL, "limit"),
     "fly": _SEVERAL,
+    "nozzle": _SEVERAL,
     "size": _LOOP,
     "availability": (*_LOOP, "head wind", "dispersion"),
     "campaign": ("shape of the stop",),
@@ -63,6 +64,7 @@ _ONLY_ASIDE: dict[str, tuple[str, ...]] = {
     "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
     "fly without --law autopilot": ("gains",),
+    "nozzle without --law": (*_LAW, "sample rate", "gains"),
 }
 """What a question that computes a part leaves out of a file, as it is asked here."""
 _HERE = "these numbers"
@@ -71,6 +73,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "report": "boundaries and sizes on the page",
     "autopilot": "boundaries and minimum",
     "campaign": "all but margins and flights",
+    "nozzle": "angle over rate",
     **dict.fromkeys(
         ("respond", "optimum", "boundary", "poles", "size", "availability"),
         _HERE,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-_IN_DEGREES = re.compile(r"(^|_)deg(_per_s|_s)?$")
+_IN_DEGREES = re.compile(r"(^|_)deg(_per_s2?|_s)?$")
 
 
 def keyed(keys: str) -> Callable[[Any], dict[str, Any]]:

@@ -18,6 +18,8 @@ from .planes.limit import PlaneLimit as PlaneLimit
 from .planes.limit import plane_limit as plane_limit
 from .planes.optimum import PlaneOptimum as PlaneOptimum
 from .planes.optimum import plane_optimum as plane_optimum
+from .rates import RateFront as RateFront
+from .rates import rate_front as rate_front
 from .stops import CircularStop as CircularStop
 from .stops import EllipticStop as EllipticStop
 from .stops import PolygonStop as PolygonStop

@@ -18,7 +18,7 @@ from tvclin.winds.histories import History
 
 FloatArray = NDArray[np.float64]
 
-_FATES = {
+FATES = {
     "survived": "survives",
     "lost": "is lost",
     "rings": "is brought back, and its nozzle keeps oscillating",
@@ -48,7 +48,7 @@ class SampledFlight(FlightBeside):
     @property
     def fates(self) -> tuple[str, str]:
         """What becomes of both, in words."""
-        return _FATES[self.status[0]], _FATES[self.status[1]]
+        return FATES[self.status[0]], FATES[self.status[1]]
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:

@@ -24,6 +24,8 @@ from .nyquist import nyquist_chart as nyquist_chart
 from .planes import plane_chart as plane_chart
 from .planes import study_planes_chart as study_planes_chart
 from .poles import pole_map as pole_map
+from .rates import rate_chart as rate_chart
+from .rates import rate_curves as rate_curves
 from .responses import attitude_chart as attitude_chart
 from .responses import figure_3 as figure_3
 from .responses import figure_4 as figure_4

@@ -1,0 +1,132 @@
+"""What a motion asks of a nozzle, against formulas, integrals and the equations of motion."""
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import quad
+
+import tvclin as tv
+
+PER_DEGREE = 180.0 / np.pi
+BENCH = tv.answers.NozzleData(
+    engine=tv.vehicle.Engine(mass=1.0, arm=0.0, moment_of_inertia=1400.0),
+    stiffness=15200.0 * PER_DEGREE,
+    damping=174.0 * PER_DEGREE,
+)
+
+
+def test_a_sine_asks_for_what_its_phasor_says():
+    times = np.linspace(0.0, 1.0, 60_001)
+    card = tv.answers.nozzle_card(times, np.radians(np.sin(6.0 * np.pi * times)), nozzle=BENCH)
+    work = card.work
+    X, w = np.radians(1.0), 6.0 * np.pi
+    torque = X * np.hypot(BENCH.stiffness - 1400.0 * w**2, BENCH.damping * w)
+    assert torque == pytest.approx(7296.9, abs=0.05)
+    assert abs(work.torque.value) == pytest.approx(torque, rel=1e-5)
+    assert work.rms_torque == pytest.approx(torque / np.sqrt(2.0), rel=1e-5)
+    assert work.power.value == pytest.approx(1739.8, abs=0.05)
+    assert work.energy - work.returned == pytest.approx(539.5, abs=0.05)  # of one second
+    assert card.rate.value == pytest.approx(X * w, rel=1e-6)
+    assert abs(card.acceleration.value) == pytest.approx(X * w**2, rel=1e-5)
+    assert card.travel == pytest.approx(12.0 * X, rel=1e-6)
+    assert card.reversals == 6
+    assert card.rms_rate == pytest.approx(X * w / np.sqrt(2.0), rel=1e-6)
+
+
+def ramp(t):
+    """One degree at 2 deg/s with 20 deg/s2, from rest to rest: deflection and its rate [deg]."""
+    rate = 20.0 * np.minimum(np.minimum(t, 0.1), 0.6 - t)
+    early, late = 10.0 * t**2, 1.0 - 10.0 * (0.6 - t) ** 2
+    return np.where(t < 0.1, early, np.where(t < 0.5, 0.1 + 2.0 * (t - 0.1), late)), rate
+
+
+@pytest.mark.parametrize(
+    ("friction", "expected"),
+    [(0.0, [14731.2, 489.67, 138.31]), (2000.0, [16731.2, 559.48, 173.22])],
+)
+def test_a_ramp_asks_for_what_is_integrated_of_its_parts(friction, expected):
+    nozzle = tv.answers.NozzleData(**vars(BENCH) | {"friction": friction})
+    times = np.linspace(0.0, 0.6, 30_001)
+    work = tv.answers.nozzle_card(times, np.radians(ramp(times)[0]), nozzle=nozzle).work
+    found = [work.torque.value, work.power.value, work.energy]
+    assert found == pytest.approx(expected, rel=1e-4)  # a corner lies between two times
+
+    def power(t):
+        angle, rate = np.radians(ramp(t))
+        bend = np.radians(20.0 * ((t < 0.1) - 1.0 * (t > 0.5)))
+        torque = 1400.0 * bend + BENCH.stiffness * angle + BENCH.damping * rate + friction
+        return max(float(torque * rate), 0.0)
+
+    assert work.energy == pytest.approx(quad(power, 0.0, 0.6, points=[0.1, 0.5])[0], rel=1e-5)
+
+
+def test_the_torque_in_flight_is_that_of_lagrange():
+    """A body under thrust with an engine that turns on it, linear in all angles, by sympy."""
+    t = sp.Symbol("t")
+    m, whole, lc, mE, lE, IE, ax = sp.symbols("m I l_c m_E l_E I_E a_x", positive=True)
+    y, theta, delta = (sp.Function(name)(t) for name in ("y", "theta", "delta"))
+    hinge = y - lc * theta  # of the whole, engine straight
+    tail = hinge - lE * (theta + delta)
+    # the rest of the vehicle, so that mass, centre and inertia of the whole are m, 0 and I
+    rest, at = m - mE, -mE * (-(lc + lE)) / (m - mE)
+    own = whole - IE - mE * (lc + lE) ** 2 - rest * at**2
+    kinetic = (
+        rest * (y + at * theta).diff(t) ** 2
+        + own * theta.diff(t) ** 2
+        + mE * tail.diff(t) ** 2
+        + IE * (theta + delta).diff(t) ** 2
+    ) / 2
+    # in a frame that is accelerated by a_x along the path, masses weigh a_x aft: the engine's
+    # centre is l_E (1 - cos(theta + delta)) and the hinge l_c (1 - cos theta) less far aft
+    height = mE * lE * (theta + delta) ** 2 / 2 + (mE * lc - rest * at) * theta**2 / 2
+    L = kinetic - ax * height
+    moment = L.diff(delta.diff(t)).diff(t) - L.diff(delta)
+    JE, sE = IE + mE * lE**2, mE * lE
+    normal = (y.diff(t, 2) - ax * theta) - lc * theta.diff(t, 2)  # felt, across the body
+    ours = JE * (delta.diff(t, 2) + theta.diff(t, 2)) + sE * (ax * delta - normal)
+    assert sp.simplify(sp.expand(moment - ours)) == 0
+
+
+def test_a_flight_s_torque_has_every_term():
+    vehicle = tv.load_vehicle("configuration-i")
+    engine = tv.vehicle.Engine(mass=2000.0, arm=0.8, moment_of_inertia=300.0)
+    data = {"stiffness": 1e5, "damping": 1e4, "friction": 500.0}
+    nozzle = tv.answers.NozzleData(engine=engine, offset=0.01, thrust_offset=0.002, **data)
+    times = np.linspace(0.0, 2.0, 2001)
+    delta, theta, alpha = 0.01 * times**2, 0.003 * times**2, 0.02 * times
+    found = tv.answers.nozzle_card(
+        times, delta, nozzle=nozzle, vehicle=vehicle, angle_of_attack=alpha, attitude=theta
+    ).work.torque
+    T, m, F = vehicle.thrust, vehicle.mass, vehicle.axial_force
+    JE, sE, at = 300.0 + 2000.0 * 0.64, 1600.0, found.time
+    a_x = (T - F) / m
+    a_n = (vehicle.normal_force_slope * 0.02 * at + T * 0.01 * at**2) / m
+    a_n -= vehicle.control_arm * 0.006
+    expected = JE * 0.026 + sE * (a_x * 0.01 * at**2 - a_n) + 1e4 * 0.02 * at
+    expected += 1e5 * 0.01 * at**2 + 500.0 + 2000.0 * a_x * 0.01 + T * 0.002
+    assert found.value == pytest.approx(expected, rel=1e-6)
+
+
+def test_time_at_the_stop_and_the_steady_rate():
+    times = np.linspace(0.0, 4.0, 4001)
+    delta = np.clip(0.01 * times, 0.0, 0.02) - np.clip(0.01 * (times - 3.0), 0.0, 1.0)
+    card = tv.answers.nozzle_card(times, delta, limit=0.02, window=1.5)
+    assert card.time_at_stop == pytest.approx(1.0, abs=0.005)
+    assert card.steady_rate == pytest.approx(0.01, rel=1e-9)
+    assert card.reversals == 1
+    assert card.work is None
+    assert "torque, power and energy need" in card.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"times": [0.0, 0.0, 1.0]}, "each after"),
+        ({"deflection": [0.0, 1.0]}, "row of 3"),
+        ({"nozzle": BENCH, "attitude": [0.0, 0.0, 0.0]}, "need a vehicle"),
+        ({"limit": 4.0}, "90 degrees"),
+    ],
+)
+def test_what_is_no_motion_is_refused(given, words):
+    with pytest.raises(tv.InputError, match=words):
+        tv.answers.nozzle_card(**{"times": [0.0, 0.5, 1.0], "deflection": [0.0, 0.01, 0.0]} | given)

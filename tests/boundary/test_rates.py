@@ -1,0 +1,178 @@
+"""Angle and rate together, against linear programs, integrals and the minimum of appendix C."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.integrate import quad
+from scipy.optimize import linprog
+
+import tvclin as tv
+from tvclin.boundary import optimum_with_rate_limit, rate_front
+from tvclin.boundary.rates import ramped_deflection
+
+PEAK, B, BETA = 0.1, 0.1, 0.5
+FIXED = tv.Plant(tv.Coefficients.from_beta(beta=BETA, B=B), "fixed-path")
+MULTIPLES = np.array([1.1, 1.5, 2.0, 4.0])
+
+
+def exact():
+    return tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+
+
+def triangle(plant, tau_beta):
+    return tv.TriangularWind(peak=-PEAK, duration=tau_beta / plant.coefficients.beta)
+
+
+def relative(plant, wind, rates, **options):
+    front = rate_front(plant, wind, rates, **options)
+    return front.limits / (plant.coefficients.B * PEAK)
+
+
+@pytest.mark.parametrize(
+    ("plant", "tau_beta", "expected"),
+    [
+        (FIXED, 2.0, [1.05396, 0.65847, 0.55393, 0.45980]),
+        (FIXED, 4.0, [0.98603, 0.61603, 0.51823, 0.43017]),
+        (FIXED, 8.0, [0.63549, 0.39703, 0.33399, 0.27724]),
+        (exact(), 2.0, [1.02481, 0.64026, 0.53861, 0.44709]),
+        (exact(), 4.0, [0.97778, 0.61088, 0.51389, 0.42657]),
+        (exact(), 8.0, [0.64145, 0.40075, 0.33713, 0.27984]),
+    ],
+)
+def test_triangles_need_what_a_program_of_their_own_found(plant, tau_beta, expected):
+    wind = triangle(plant, tau_beta)
+    rates = MULTIPLES * rate_front(plant, wind).least_rate
+    assert relative(plant, wind, rates) == pytest.approx(expected, abs=6e-6)
+
+
+def test_other_winds_and_an_acceleration_limit():
+    pole, unit = BETA, B * PEAK
+    length = 4.0 / pole
+    jump = tv.RectangularWind(peak=-PEAK, duration=length)
+    least = tv.optimum_deflection(FIXED, jump).peak
+    assert relative(FIXED, jump, pole * least * np.array([1.25, 5.0])) == pytest.approx(
+        [1.97495, 1.09528], abs=6e-6
+    )
+    gust = tv.OneMinusCosineGust(peak=-PEAK, duration=length)
+    least = tv.optimum_deflection(FIXED, gust).peak
+    found = relative(FIXED, gust, pole * least * np.array([1.25, 5.0]))
+    assert found == pytest.approx([0.70269, 0.38970], abs=6e-6)
+    wind = triangle(FIXED, 4.0)
+    found = relative(FIXED, wind, [2.0 * pole * unit], acceleration_limit=4.0 * pole**2 * unit)
+    assert found == pytest.approx([0.53249], abs=6e-6)
+
+
+@pytest.mark.parametrize("acceleration", [None, 0.5])
+def test_a_linear_program_on_a_fine_grid_needs_the_same(acceleration):
+    """Values at even nodes, straight between them, with exact moments; the last is held."""
+    wind, rate, h, count = triangle(FIXED, 4.0), 0.004, 0.03, 900
+    times, x = h * np.arange(count), BETA * h
+    share = np.exp(-BETA * times) * (2.0 * np.cosh(x) - 2.0) / (BETA**2 * h)
+    share[-1] = np.exp(-BETA * times[-1]) * ((np.expm1(x) - x) / (BETA**2 * h) + 1.0 / BETA)
+    demand = -B * quad(lambda t: np.exp(-BETA * t) * wind(t), 0.0, 8.0, points=[4.0])[0]
+    unit, still = sparse.eye_array(count, format="csr"), np.zeros((count, 1))
+    turning = unit[1:] - unit[:-1]
+    rows = [sparse.hstack([s * unit, still - 1.0]) for s in (1.0, -1.0)]
+    rows += [sparse.hstack([s * turning, still[1:]]) for s in (1.0, -1.0)]
+    below, most = [np.zeros(2 * count), np.full(2 * count - 2, rate * h)], {}
+    if acceleration is not None:
+        most = {"acceleration_limit": acceleration * rate}
+        bends = sparse.vstack([turning[:1], turning[1:] - turning[:-1], turning[-1:]])
+        rows += [sparse.hstack([s * bends, still]) for s in (1.0, -1.0)]
+        apart = np.r_[0.5, np.ones(count - 2), 0.5]  # half a step to and from rest
+        below += [acceleration * rate * h**2 * apart] * 2
+    first = np.eye(1, count + 1)
+    found = linprog(
+        np.append(np.zeros(count), 1.0),
+        A_ub=sparse.vstack(rows),
+        b_ub=np.concatenate(below),
+        A_eq=np.vstack([np.append(share, 0.0), first]),
+        b_eq=[demand, 0.0],
+        bounds=(None, None),
+    )
+    assert found.status == 0
+    least = rate_front(FIXED, wind, [rate], **most).limits[0]
+    assert least == pytest.approx(found.fun, rel=1e-4)
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
+def test_at_any_rate_it_is_the_minimum_of_appendix_c(model):
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), model)
+    for tau_beta in (2.0, 8.0, 20.0):
+        wind = triangle(plant, tau_beta)
+        least = tv.optimum_deflection(plant, wind).peak
+        found = rate_front(plant, wind, [1e9 * plant.coefficients.pole * least]).limits[0]
+        programmed = model == "drift-and-speed" or (model == "drift-exact" and tau_beta == 20.0)
+        assert found == pytest.approx(least, rel=1e-6 if programmed else 2e-9)
+    assert ramped_deflection(0.3, 0.5, np.inf) == 0.3
+    assert ramped_deflection(0.3, 0.5, np.inf, np.inf) == 0.3
+
+
+def test_two_poles_are_never_told_too_little():
+    """Where the flight path decides the limit is that of the program, above the fast pole's."""
+    plant = exact()
+    for tau_beta in (8.0, 13.0, 15.0, 16.0, 20.0):
+        wind = triangle(plant, tau_beta)
+        front = rate_front(plant, wind, MULTIPLES * rate_front(plant, wind).least_rate)
+        by_program = [optimum_with_rate_limit(plant, wind, float(r)).peak for r in front.rates]
+        assert front.limits == pytest.approx(by_program, rel=1e-5)
+
+
+def test_the_bound_without_a_forecast_is_reached_within_what_is_known_of_it():
+    for tau_beta, rho, program in (
+        (2.0, [1.2, 2.0], [0.486, 0.446]),
+        (4.0, [0.6, 1.0, 2.0, 5.0], [0.734, 0.514, 0.416, 0.389]),
+        (8.0, [0.6, 1.0, 2.0, 5.0], [0.934, 0.636, 0.512, 0.450]),
+    ):
+        front = rate_front(FIXED, triangle(FIXED, tau_beta), np.array(rho) * BETA * B * PEAK)
+        bounds = front.bounds / (B * PEAK)
+        assert np.all(bounds <= np.array(program) + 0.002)
+        assert np.all(front.bounds >= front.limits * (1.0 - 1e-12))
+    assert bounds[2] == pytest.approx(0.465, abs=6e-4)
+
+
+def test_a_stop_and_the_wind_to_come_leave_no_state_below_the_bound():
+    """States (z, v) from which both a stop and the wind still to come are survived."""
+    rho, ahead = 2.0, 0.7  # W, in B A
+    bound = -rho * np.log1p(-ahead / 2.0 / rho)
+    for y, some in ((bound * 0.999, False), (bound * 1.001, True)):
+        v = np.linspace(-y, y, 2001)
+        upper = rho * -np.expm1(-(y + v) / rho)
+        lower = ahead - rho * -np.expm1(-(y - v) / rho)
+        assert bool(np.any(lower < upper)) is some
+
+
+def test_the_nozzle_s_point_is_judged_by_the_larger_of_both():
+    plant, wind = exact(), triangle(exact(), 8.0)
+    front = rate_front(plant, wind, limit=0.006, rate_limit=0.01)
+    at = rate_front(plant, wind, [0.01, front.needed_rate])
+    assert front.needed == max(at.limits[0], at.bounds[0])
+    assert max(at.limits[1], at.bounds[1]) == pytest.approx(0.006, rel=1e-8)
+    assert (front.left > 0.0) == (front.left_rate > 0.0) == front.enough
+    assert rate_front(plant, wind, limit=1e-4).needed_rate == np.inf
+
+
+def test_what_no_rate_or_acceleration_survives_is_refused_with_the_least():
+    wind = triangle(FIXED, 4.0)
+    front = rate_front(FIXED, wind)
+    assert front.least_rate == pytest.approx(BETA * tv.optimum_deflection(FIXED, wind).peak)
+    with pytest.raises(tv.InputError, match=f"{front.least_rate:.6g} rad/s"):
+        rate_front(FIXED, wind, rate_limit=front.least_rate)
+    assert np.isinf(rate_front(FIXED, wind, [front.least_rate]).limits[0])
+    with pytest.raises(tv.InputError, match="acceleration_limit must be above"):
+        rate_front(FIXED, wind, acceleration_limit=BETA * front.least_rate)
+    with pytest.raises(tv.InputError, match="one unstable pole decides"):
+        rate_front(exact(), triangle(exact(), 20.0), acceleration_limit=10.0)
+
+
+def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_needs_nothing():
+    wind = triangle(FIXED, 4.0)
+    front = rate_front(FIXED, wind - 0.5 * wind.shift(8.0))
+    assert front.bounds is None
+    assert np.all(np.isfinite(front.limits))
+    assert "changes its sign" in next(front.notes)
+    still = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=2.0), "fixed-path")
+    front = rate_front(still, wind, limit=0.01, rate_limit=0.01)
+    assert front.enough
+    assert not np.any(front.limits)
+    assert "neither" in next(front.notes)

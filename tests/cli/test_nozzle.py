@@ -1,0 +1,89 @@
+"""`tvclin nozzle`: the numbers of the library, a verdict with its exit code, and refusals."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+import tvclin as tv
+from tvclin.cli.app import app
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(app, ["nozzle", *arguments])
+
+
+def front(**nozzle: float) -> tv.boundary.RateFront:
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    return tv.boundary.rate_front(plant, wind, **{key: np.radians(x) for key, x in nozzle.items()})
+
+
+def test_json_equals_the_library() -> None:
+    found = json.loads(run("--limit-deg", "0.35", "--rate-limit-deg", "2", "--json").stdout)
+    expected = front(limit=0.35, rate_limit=2.0)
+    assert found["front"]["limits_deg"] == pytest.approx(np.degrees(expected.limits), rel=1e-12)
+    assert found["front"]["needed_deg"] == pytest.approx(np.degrees(expected.needed), rel=1e-12)
+    assert found["front"]["enough"] is True
+    assert found["flown"] is None
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (("--limit-deg", "0.35", "--rate-limit-deg", "2"), 0, "enough by theory"),
+        (("--limit-deg", "0.21", "--rate-limit-deg", "0.5"), 1, "NOT enough"),
+        (("--limit-deg", "0.35"), 0, "with the rate limit needed"),
+        (("--limit-deg", "0.1"), 1, "NOT enough"),
+        (("--rate-limit-deg", "2"), 0, "with the limit needed"),
+        ((), 0, "give a limit"),
+        (("--limit-deg", "0.35", "--rate-limit-deg", "0.5", "--law", "trim"), 1, "trim is lost"),
+        (("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot"), 0, "survives"),
+        (("--rate-limit-deg", "0.05"), 2, "more than 0.101665 deg/s"),
+        (("--law", "trim"), 2, "--limit-deg"),
+        (("--law", "trm", "--limit-deg", "1"), 2, "trim"),
+        (("--attitude-gain", "1"), 2, "--law"),
+    ],
+)
+def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:
+    result = run(*options)
+    assert result.exit_code == code, result.output
+    assert words in " ".join(result.output.split())
+
+
+def test_the_card_is_of_the_flight() -> None:
+    """Its peaks are those of `fly_many`, its travel the integral of the rate."""
+    options = ("--limit-deg", "2", "--rate-limit-deg", "5", "--law", "autopilot", "--json")
+    card = json.loads(run(*options).stdout)["flown"]["card"]
+    case = tv.Case(vehicle=tv.load_vehicle("configuration-i"))
+    law = tv.control.design_law("autopilot", case.plant, float(case.history.peak))
+    limits = {"deflection_limit": np.radians(2.0), "rate_limit": np.radians(5.0)}
+    flown = tv.fly_many(
+        case.plant,
+        law,
+        case.history,
+        **limits,
+        actuator=case.nozzle.actuator,
+        sample_rate=100.0,
+    )
+    assert abs(card["angle_deg"]) == pytest.approx(np.degrees(flown.peak_deflection), rel=1e-4)
+    # there a mean over a sample, here over an eighth of one
+    rate = float(np.degrees(flown.peak_deflection_rate))
+    assert abs(card["rate_deg_per_s"]) == pytest.approx(rate, rel=0.02)
+    assert card["travel_deg"] > 2.0 * abs(card["angle_deg"])
+
+
+def test_files_hold_the_front_and_the_nozzle(tmp_path: Path) -> None:
+    table, figure = tmp_path / "front.csv", tmp_path / "front.png"
+    options = ("--limit-deg", "0.35", "--rate-limit-deg", "2")
+    assert run(*options, "--csv", str(table), "--plot", str(figure)).exit_code == 0
+    assert figure.stat().st_size > 5000
+    lines = [line for line in table.read_text().splitlines() if not line.startswith("#")]
+    rows = [list(row.values()) for row in csv.DictReader(lines)]
+    expected = front(limit=0.35, rate_limit=2.0)
+    known = [float(row[1]) for row in rows]
+    assert known == pytest.approx(np.degrees(expected.limits), rel=1e-6)
+    assert [float(row[3]) for row in rows if row[3] not in ("", "nan")] == pytest.approx([0.35])
