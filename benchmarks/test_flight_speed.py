@@ -50,7 +50,7 @@ def control_system() -> Any:
     )
 
 
-def dispersed(cases: int) -> tuple[tv.Plant, tv.History, Any]:
+def dispersed(cases: int) -> tuple[tv.Plant, tv.winds.History, Any]:
     factors = np.random.default_rng(1).uniform(0.97, 1.03, (4, cases))
     coefficients = tv.Coefficients(
         mu_alpha=C.mu_alpha * factors[0], mu_delta=C.mu_delta * factors[1]
@@ -73,7 +73,7 @@ def off(times: Any, attitude: Any) -> str:
     return f"off by {np.max(np.abs(attitude - true)) / largest:.0e}"
 
 
-def flights(cases: tuple[tv.Plant, tv.History, Any], law: Any, **options: Any) -> Any:
+def flights(cases: tuple[tv.Plant, tv.winds.History, Any], law: Any, **options: Any) -> Any:
     plant, wind, limit = cases
     options = {"deflection_limit": limit, "sample_rate": RATE_HZ, "until": STOP} | options
     return tv.fly_many(plant, law, wind, **options)
@@ -130,7 +130,7 @@ def test_other_laws_beside_lsoda(benchmark: Any, name: str) -> None:
     drift = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     laws = {
         "trim": (plant, tv.TrimLaw(PLANT)),
-        "dead band": (plant, tv.DeadBandLaw(PLANT)),
+        "dead band": (plant, tv.control.DeadBandLaw(PLANT)),
         "lean": (plant, tv.RecoverableAttitudeLaw(PLANT, design_peak=PEAK)),
         "lean with drift": (drift, tv.RecoverableAttitudeLaw(drift, design_peak=PEAK)),
     }

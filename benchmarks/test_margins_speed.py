@@ -47,7 +47,7 @@ def test_margins(benchmark, delays):
     some = systems(loop.take(range(OF_PEER)))
     ratio(
         benchmark,
-        lambda: tv.loop_margins(loop),
+        lambda: tv.control.loop_margins(loop),
         lambda: [control.margin(one) for one in some],
         peer_name="control.margin in a loop, without delay",
         per=CASES,
@@ -67,7 +67,7 @@ def test_margins_beside_those_of_a_disk_too(benchmark):
 
     ratio(
         benchmark,
-        lambda: tv.loop_margins(loop),
+        lambda: tv.control.loop_margins(loop),
         peer,
         peer_name="control.margin and disk_margins in a loop",
         per=CASES,

@@ -37,11 +37,11 @@ def case(model: str, peak: Any = PEAK, duration: Any = DURATION, spread: Any = 1
     return plant, tv.trim_then_hold(plant, wind, limit), wind
 
 
-def sampled(plant: tv.Plant, deflection: tv.History, wind: tv.History) -> tuple[Any, np.ndarray]:
+def sampled(plant: tv.Plant, deflection: tv.winds.History, wind: tv.winds.History) -> tuple[Any, np.ndarray]:
     return plant.ss(), np.stack([deflection(TIMES), wind(TIMES)])
 
 
-def exact(plant: tv.Plant, inputs: tuple[tv.History, tv.History], t: float) -> float:
+def exact(plant: tv.Plant, inputs: tuple[tv.winds.History, tv.winds.History], t: float) -> float:
     """The attitude at one time: of each mode, the integral of e^(p (t - v)) f(v) to 30 digits."""
     with mp.workdps(30):
         denominator, total = [mp.mpf(float(a)) for a in plant.denominator], mp.mpf(0)
@@ -55,7 +55,7 @@ def exact(plant: tv.Plant, inputs: tuple[tv.History, tv.History], t: float) -> f
         return float(mp.re(total))
 
 
-def _discounted(history: tv.History, i: int, p: Any, t: float) -> Any:
+def _discounted(history: tv.winds.History, i: int, p: Any, t: float) -> Any:
     """One piece times e^(p (t - v)), as a function of the time v."""
     start, rates = history.knots[i], history.pieces.rates
     rows = [[mp.mpf(c) for c in row[::-1]] for row in history.pieces.coefficients[i]]

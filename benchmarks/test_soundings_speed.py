@@ -38,7 +38,7 @@ def test_file_to_profile_10000_levels(benchmark, tmp_path):
 def test_profile_to_wind_10000_levels(benchmark, tmp_path):
     profile = tv.read_sounding(sounding(tmp_path / "sounding.csv"))
     vehicle = tv.load_vehicle("configuration-i")
-    climb = tv.steady_climb(vehicle, height=11950.0, start=35.0, stop=113.0)
+    climb = tv.winds.steady_climb(vehicle, height=11950.0, start=35.0, stop=113.0)
     rate = np.diff(climb.height) / np.diff(climb.time)
 
     def by_interpolation():

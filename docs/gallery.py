@@ -135,7 +135,7 @@ def _of_a_flexible_vehicle() -> list[Figure]:
         rate_gain=0.56,
         delay=0.02,
         actuator=tv.Actuator(natural_frequency=22.0, damping=0.8),
-        filters=(tv.Filter.low_pass(13.0, 0.95), tv.Filter.notch(32.0, 0.06, 0.6)),
+        filters=(tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6)),
     )
     return [
         Figure(

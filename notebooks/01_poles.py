@@ -48,9 +48,9 @@ coefficients
 # fast pole on the right, near beta. Those with a flight path have a slow one beside it.
 
 # %%
-for model in tv.available_models(coefficients):
+for model in tv.linear.available_models(coefficients):
     plant = tv.Plant.from_coefficients(coefficients, model=model)
-    print(f"{model:16s}", np.round(tv.all_modes(plant).poles, 4))
+    print(f"{model:16s}", np.round(tv.linear.all_modes(plant).poles, 4))
 
 # %%
 _ = pole_map(coefficients)

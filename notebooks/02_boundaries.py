@@ -58,7 +58,7 @@ boundary = tv.boundary_limit(plant, wind, dead_band=K)
 on_it = tv.trim_then_hold(plant, wind, boundary.deflection, dead_band=K)
 below = tv.trim_then_hold(plant, wind, 0.9 * boundary.deflection, dead_band=K)
 for name, held in {"on the boundary": on_it, "a tenth less": below}.items():
-    print(f"{name}: {'survives' if tv.judge(plant, held, wind).stable else 'is lost'}")
+    print(f"{name}: {'survives' if tv.linear.judge(plant, held, wind).stable else 'is lost'}")
 
 # %% [markdown]
 # One number decides, $\tau\beta$: the duration of the wind in units of the time in which the

@@ -80,7 +80,7 @@ response.plot().figure.set_size_inches(7.0, 9.0)
 # costs nothing.
 
 # %%
-edge = float(tv.single_pole_validity(plant.coefficients))
+edge = float(tv.boundary.single_pole_validity(plant.coefficients))
 print(f"{edge:.1f} s")
 
 # %% [markdown]
@@ -88,7 +88,7 @@ print(f"{edge:.1f} s")
 
 # %%
 rate = np.radians(0.5)
-limited = tv.optimum_with_rate_limit(plant, wind, rate_limit=rate, start=start)
+limited = tv.boundary.optimum_with_rate_limit(plant, wind, rate_limit=rate, start=start)
 print(f"{limited.peak / best.peak:.3f} times as much with {np.degrees(rate):g} deg/s")
 
 # %% [markdown]

@@ -87,7 +87,7 @@ _ = comparison_chart(beside)
 # deflection, if the angle of attack is fed back too? One wind alone is overfitted, so take three.
 
 # %% tags=["within 3e-2"]
-same = tv.Criteria.own(
+same = tv.control.Criteria.own(
     aero_margin_dB=margins.aero_margin_dB,
     gain_increase_dB=margins.gain_increase_dB,
     phase_margin_deg=margins.phase_margin_deg,
@@ -109,7 +109,7 @@ stop = 0.9 * beside.trim_deflection
 figure, (changes, needs) = plt.subplots(1, 2, figsize=(9.0, 4.0), layout="constrained")
 for place, (name, loop) in enumerate(loops.items()):
     law = tv.SaturatedLaw(replace(loop, actuator=None, delay=0.0))
-    flown = tv.flown_margins(plant, law, wind, limit=stop, **nozzle)
+    flown = tv.flights.flown_margins(plant, law, wind, limit=stop, **nozzle)
     fall, rise = flown.gain_fall, flown.gain_rise
     at = np.arange(2) + 0.4 * place
     promised = 20.0 * np.log10([fall.near_rest, rise.near_rest])

@@ -50,8 +50,8 @@ print(f"wind known {known:.3f}; no forecast {blind:.3f}; trim {trim:.3f}")
 # %% tags=["within 2e-3"]
 laws = {
     "trim": tv.TrimLaw(plant),
-    "dead band 0.5": tv.DeadBandLaw(plant, dead_band=0.5),
-    "half relief": tv.SaturatedLaw(tv.half_relief_gains(plant.coefficients)),
+    "dead band 0.5": tv.control.DeadBandLaw(plant, dead_band=0.5),
+    "half relief": tv.SaturatedLaw(tv.control.half_relief_gains(plant.coefficients)),
     "recoverable attitude": tv.RecoverableAttitudeLaw(plant, design_peak=peak),
 }
 needs = {
@@ -77,7 +77,7 @@ flown.plot().figure.set_size_inches(7.0, 9.0)
 # round finds the vehicle leaning the wrong way.
 
 # %% tags=["within 2e-3"]
-winds = tv.standard_winds(peak, float(wind.duration))
+winds = tv.answers.standard_winds(peak, float(wind.duration))
 hard = {
     kind: [
         float(tv.closed_loop_boundary(plant, laws[law], winds[kind], sample_rate=25).limit)
@@ -90,7 +90,7 @@ for kind, (by_trim, by_leaning) in hard.items():
 
 # %% [markdown]
 # **Try:** `trust=1.0`, which gives up the reserve against a wrong B; or a
-# `tv.WindEstimator(bandwidth=2)` in place of a measured angle of attack.
+# `tv.control.WindEstimator(bandwidth=2)` in place of a measured angle of attack.
 
 # %% tags=["within 2e-3"]
 by_trim, by_leaning = hard["full reversal"]

@@ -31,7 +31,7 @@ import tvclin as tv
 # %%
 vehicle = tv.load_vehicle("configuration-i")
 study = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5.0))
-first = tv.disperse_study(study)
+first = tv.answers.disperse_study(study)
 first
 
 # %% [markdown]

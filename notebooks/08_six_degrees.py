@@ -50,7 +50,7 @@ wind = tv.TriangularWind(peak=np.radians(1.0), duration=4.0 / plant.coefficients
 times = np.linspace(0.0, 2.0 * float(wind.duration), 201)
 boundary = tv.boundary_limit(plant, wind, switch="literal")
 limit = 1.1 * abs(float(boundary.deflection))
-flown = fly(vehicle, tv.ReportControl(), wind, times, deflection_limit=limit, plane=plane)
+flown = fly(vehicle, tv.flights.ReportControl(), wind, times, deflection_limit=limit, plane=plane)
 held = tv.trim_then_hold(plant, wind, 1.1 * boundary.deflection, switch="literal")
 linear = tv.attitude_response(plant, held, wind, times)
 

@@ -74,7 +74,7 @@ for time in np.arange(45.0, 91.0, 10.0):
 
 # %%
 peak_time = float(met.wind.time[np.argmax(np.abs(met.wind.angle))])
-triangle = tv.equivalent_triangle(met(flight.at(peak_time)))
+triangle = tv.winds.equivalent_triangle(met(flight.at(peak_time)))
 lasts = float(triangle.end - triangle.onset)
 print(f"{np.degrees(triangle.peak):.2f} deg for {lasts:.1f} s, from {triangle.onset:.1f} s on")
 

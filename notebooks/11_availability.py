@@ -99,7 +99,7 @@ later = tv.availability(
     soundings.local(-5.0).of(month=2),
     limit=limit,
     azimuth=azimuth,
-    persistence=tv.PairGrowth(hours=3.5),
+    persistence=tv.answers.PairGrowth(hours=3.5),
 )
 print(later.notes[-1])
 print(later.part())

@@ -60,7 +60,7 @@ def bands(autopilot, around=plant):
     return found
 
 
-low_pass = tv.Filter.low_pass(13.0, damping=0.95)
+low_pass = tv.vehicle.Filter.low_pass(13.0, damping=0.95)
 without = replace(rigid, filters=(low_pass,))
 before = bands(without)
 
@@ -72,7 +72,7 @@ before = bands(without)
 # \qquad F(j\omega) = \zeta_z/\zeta_p .$$
 
 # %%
-notch = tv.Filter.notch(32.0, zero_damping=0.06, pole_damping=0.6)
+notch = tv.vehicle.Filter.notch(32.0, zero_damping=0.06, pole_damping=0.6)
 notched = replace(rigid, filters=(low_pass, notch))
 after = bands(notched)
 print(f"at its middle the notch takes {-20.0 * np.log10(0.06 / 0.6):.0f} dB")
@@ -106,7 +106,7 @@ for factor in (0.8, 0.9, 1.0, 1.1, 1.2):
 # change leaves the least?
 
 # %%
-table = tv.detuned(notched, plant, factors=(0.9, 1.1))
+table = tv.control.detuned(notched, plant, factors=(0.9, 1.1))
 bad = [c for c, s in zip(table.changes, table.margins.status, strict=True) if s != "ok"]
 least = int(np.nanargmin(table.margins.phase_margin_deg))
 print(f"unstable: {', '.join(bad)}")
@@ -129,7 +129,7 @@ laws = {
     "low pass and notch": (plant, tv.SaturatedLaw(replace(gains, filters=notched.filters))),
     "trim law, both filters": (
         plant,
-        tv.FilteredLaw(tv.TrimLaw(plant.rigid), filters=notched.filters),
+        tv.control.FilteredLaw(tv.TrimLaw(plant.rigid), filters=notched.filters),
     ),
 }
 limits = {}
@@ -139,7 +139,7 @@ for name, (around, law) in laws.items():
     print(f"{name}: {limits[name]:.3f} deg")
 
 # %% [markdown]
-# **Try:** a notch where the file has the mode, `tv.Filter.notch(30.18, ...)`: free liquid and the
+# **Try:** a notch where the file has the mode, `tv.vehicle.Filter.notch(30.18, ...)`: free liquid and the
 # following thrust have moved it to 31 rad/s. Then a narrow one, `pole_damping=0.2`, and the second
 # mode ten percent off. And a computer, `replace(notched, sample_rate=50.0)`, in `bode_chart`.
 

@@ -79,11 +79,11 @@ _ = sizing_chart(whole, limit=np.radians(1.0))
 
 # %%
 gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
-wind = tv.PlaneWind.veering(gust, angle=0.3, rate=np.radians(90) / 7.5)
+wind = tv.winds.PlaneWind.veering(gust, angle=0.3, rate=np.radians(90) / 7.5)
 limit = tv.plane_limit(plant, wind)
 law = tv.TrimLaw(plant)
 for part in (0.95, 1.05):
-    flown = tv.fly_planes(
+    flown = tv.flights.fly_planes(
         plant, law, wind, deflection_limit=part * limit.deflection, sample_rate=50.0
     )
     print(f"{part:.2f} of the boundary: {flown.status}")

@@ -151,7 +151,7 @@ def doors(folder: Path) -> dict[str, Door]:
     limit = float(tv.boundary_limit(plant, wind).deflection)
     held = tv.trim_then_hold(plant, wind, limit)
     gust = tv.OneMinusCosineGust(peak=0.01, duration=1.0)
-    autopilot = tv.canonical_gains(coefficients)
+    autopilot = tv.control.canonical_gains(coefficients)
     actuator = tv.Actuator()
     law = tv.TrimLaw(plant)
     margins = autopilot.margins(plant)
@@ -159,11 +159,11 @@ def doors(folder: Path) -> dict[str, Door]:
     schedule = tv.load_schedule("configuration-i", step=5.0)
     study = tv.Study.from_vehicle(booster, duration=7.5, peak=0.09, limit=0.01, model="fixed-path")
     west = tv.WindProfile(height=[0.0, 12e3, 40e3], east=[0.0, 60.0, 0.0], north=[0.0, 0.0, 1.0])
-    archive = tv.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
+    archive = tv.winds.Soundings.from_profiles([west, west], ["2024-02-01T00", "2024-02-01T12"])
     available = tv.availability(schedule, archive, limit=0.01, azimuth=1.5)
-    days_asked = tv.AvailabilityAsked(flight=schedule, soundings=archive, azimuth=1.5)
-    months = tv.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
-    climb = tv.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
+    days_asked = tv.answers.AvailabilityAsked(flight=schedule, soundings=archive, azimuth=1.5)
+    months = tv.winds.read_range_reference(SOUNDINGS / "T1cap19.txt")[:1]
+    climb = tv.winds.steady_climb(booster, height=11950.0, start=53.0, stop=79.0)
     dispersions = tv.Dispersions((tv.Dispersion("thrust", "truncated", 0.01),))
     shaped = tv.ShapedWind("triangular", 0.09, 7.5)
     slanting = tv.ShapedWind("triangular", 0.09, 7.5, heading=1.0)
@@ -171,26 +171,26 @@ def doors(folder: Path) -> dict[str, Door]:
     done = folder / "done"
     results = tv.run_campaign(campaign, done)
     sizing = tv.size(schedule, wind, times=[60.0, 66.0])
-    asked = tv.SizingAsked(schedule=schedule, every=30.0)
+    asked = tv.answers.SizingAsked(schedule=schedule, every=30.0)
     sampled = tv.SampledWind(time=[50.0, 60.0, 70.0], angle=[0.0, 0.09, 0.0])
-    two = tv.GainSchedule([40.0, 90.0], autopilot)
-    estimator = tv.WindEstimator(bandwidth=10.0)
-    beside = tv.fly_beside(
-        booster, tv.ReportControl(), wind, [0.0, 5.0], deflection_limit=0.01, boundary=0.006
+    two = tv.control.GainSchedule([40.0, 90.0], autopilot)
+    estimator = tv.control.WindEstimator(bandwidth=10.0)
+    beside = tv.flights.fly_beside(
+        booster, tv.flights.ReportControl(), wind, [0.0, 5.0], deflection_limit=0.01, boundary=0.006
     )
     responses = tv.attitude_responses(plant, held, wind, [0.0, 5.0])
-    loads = tv.wind_loads(plant, held, wind)
+    loads = tv.linear.wind_loads(plant, held, wind)
     line = Line("wind tunnel", 0.001)
     times = [0.0, 5.0, 20.0]
     poles = {"natural_frequency": 1.0, "damping": 0.7}
-    veering = tv.PlaneWind.veering(wind, 0.3, 0.1)
-    square, ellipse = tv.SquareStop(), tv.EllipticStop(1.0, 0.5)
-    kite = tv.PolygonStop([1.0, 1.0j, -1.0, -1.0j])
-    engines = [tv.ClusterEngine(at=at) for at in (1.0, 1.0j, -1.0)]
-    three = tv.Cluster(engines)
+    veering = tv.winds.PlaneWind.veering(wind, 0.3, 0.1)
+    square, ellipse = tv.boundary.SquareStop(), tv.boundary.EllipticStop(1.0, 0.5)
+    kite = tv.boundary.PolygonStop([1.0, 1.0j, -1.0, -1.0j])
+    engines = [tv.boundary.ClusterEngine(at=at) for at in (1.0, 1.0j, -1.0)]
+    three = tv.boundary.Cluster(engines)
     stops = {
         "Stop": square,
-        "CircularStop": tv.CircularStop(),
+        "CircularStop": tv.boundary.CircularStop(),
         "EllipticStop": ellipse,
         "PolygonStop": kite,
         "Cluster": three,
@@ -226,15 +226,15 @@ def doors(folder: Path) -> dict[str, Door]:
     sloshing = {"mass": 2400.0, "station": 19.9, "damping": 0.01, "pendulum_length": 2.1}
     swinging = {"mass": 700.0, "arm": 1.4, "moment_of_inertia": 2e3}
     structure = tv.Structure(
-        bending=(tv.BendingMode(**bending),),
-        slosh=(tv.SloshTank(**sloshing),),
-        engine=tv.Engine(**swinging),
-        rate_gyro=tv.Filter.low_pass(120.0, 0.7),
+        bending=(tv.vehicle.BendingMode(**bending),),
+        slosh=(tv.vehicle.SloshTank(**sloshing),),
+        engine=tv.vehicle.Engine(**swinging),
+        rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7),
     )
     flexible = tv.FlexiblePlant.from_vehicle(booster, structure, "drift-exact")
-    notch = tv.Filter.notch(32.0, 0.06, 0.6)
+    notch = tv.vehicle.Filter.notch(32.0, 0.06, 0.6)
     steered = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=actuator, filters=(notch,))
-    easy = tv.Criteria.own(aero_margin_dB=1.0)
+    easy = tv.control.Criteria.own(aero_margin_dB=1.0)
     sought = {"winds": wind, "criteria": easy, "actuator": actuator, "delay": 0.02}
     found = hasty(tv.least_deflection_gains)(plant=plant, **sought)
     detuned = {"autopilot": steered, "plant": flexible, "factors": [1.1]}
@@ -252,29 +252,29 @@ def doors(folder: Path) -> dict[str, Door]:
         **of_stops,
         "Stop.reach": Door(three.reach, {"angle": [0.0, 0.5]}),
         "Stop.inscribed": Door(square.inscribed, {"sides": 8}),
-        "EllipticStop": Door(tv.EllipticStop, {"pitch": 1.0, "yaw": 0.5}),
-        "PolygonStop": Door(tv.PolygonStop, {"corners": kite.corners}),
-        "SquareStop": Door(tv.SquareStop, {"turn": 0.3}),
+        "EllipticStop": Door(tv.boundary.EllipticStop, {"pitch": 1.0, "yaw": 0.5}),
+        "PolygonStop": Door(tv.boundary.PolygonStop, {"corners": kite.corners}),
+        "SquareStop": Door(tv.boundary.SquareStop, {"turn": 0.3}),
         "ClusterEngine": Door(
-            tv.ClusterEngine,
+            tv.boundary.ClusterEngine,
             {"at": 1.0, "share": 1.0, "stop": ellipse, "state": "stuck", "deflection": 0.1},
         ),
-        "Cluster": Door(tv.Cluster, {"engines": engines, "hold_roll": True}),
+        "Cluster": Door(tv.boundary.Cluster, {"engines": engines, "hold_roll": True}),
         "Cluster.offset": Door(three.offset, {"control_arm": 20.0}),
-        "PlaneWind": Door(tv.PlaneWind, {"pitch": wind, "yaw": gust}),
+        "PlaneWind": Door(tv.winds.PlaneWind, {"pitch": wind, "yaw": gust}),
         "PlaneWind.__call__": Door(veering, {"t": [0.0, 1.0]}),
         "PlaneWind.component": Door(veering.component, {"angle": 0.3}),
         "PlaneWind.future": Door(veering.future, {"s": 0.5, "t": 1.0}),
-        "PlaneWind.towards": Door(tv.PlaneWind.towards, {"wind": wind, "angle": 0.3}),
-        "PlaneWind.veering": Door(tv.PlaneWind.veering, {"wind": wind, "angle": 0.3, "rate": 0.1}),
+        "PlaneWind.towards": Door(tv.winds.PlaneWind.towards, {"wind": wind, "angle": 0.3}),
+        "PlaneWind.veering": Door(tv.winds.PlaneWind.veering, {"wind": wind, "angle": 0.3, "rate": 0.1}),
         "WindProfile.to_winds": Door(west.to_winds, {"flight": climb, "azimuth": 1.0}),
         "plane_limit": Door(tv.plane_limit, {**planes, "dead_band": 0.5, "switch": "literal"}),
-        "plane_optimum": Door(tv.plane_optimum, planes),
+        "plane_optimum": Door(tv.boundary.plane_optimum, planes),
         "Actuator": Door(tv.Actuator, {"natural_frequency": 25.0, "damping": 0.7}),
         "BandMargins.mode": Door(steered.band_margins(flexible).mode, {"name": "slosh 1"}),
-        "BendingMode": Door(tv.BendingMode, bending),
-        "Engine": Door(tv.Engine, swinging),
-        "SloshTank": Door(tv.SloshTank, {**sloshing, "frequency": None}),
+        "BendingMode": Door(tv.vehicle.BendingMode, bending),
+        "Engine": Door(tv.vehicle.Engine, swinging),
+        "SloshTank": Door(tv.vehicle.SloshTank, {**sloshing, "frequency": None}),
         "Structure": Door(
             tv.Structure,
             {
@@ -286,7 +286,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "thrust_follows": True,
             },
         ),
-        "AsymmetricTriangularWind": Door(tv.AsymmetricTriangularWind, {**pulse, "peak_time": 2.0}),
+        "AsymmetricTriangularWind": Door(tv.winds.AsymmetricTriangularWind, {**pulse, "peak_time": 2.0}),
         "Autopilot": Door(
             tv.Autopilot,
             {
@@ -320,7 +320,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Availability.today": Door(available.today, {"profile": west}),
         "Availability.with_limit": Door(available.with_limit, {"limit": 0.01}),
         "AvailabilityAsked": Door(
-            tv.AvailabilityAsked,
+            tv.answers.AvailabilityAsked,
             {
                 "flight": schedule,
                 "soundings": archive,
@@ -335,7 +335,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "AvailabilityAsked.availability": Door(
             days_asked.availability, {"case": study.case, "progress": None}
         ),
-        "BangBang": Door(tv.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
+        "BangBang": Door(tv.linear.BangBang, {"limit": 0.01, "switch_times": [1.0, 2.0], "start": 0.0}),
         "Campaign": Door(
             tv.Campaign,
             {
@@ -368,7 +368,7 @@ def doors(folder: Path) -> dict[str, Door]:
             results.quantile,
             {"output": results.angles[0], "probability": 0.5, "confidence": 0.5},
         ),
-        "CampaignResults.read": Door(tv.CampaignResults.read, {"folder": done}),
+        "CampaignResults.read": Door(tv.answers.CampaignResults.read, {"folder": done}),
         "CampaignResults.replay": Door(results.replay, {"case": 3}),
         "CampaignResults.success": Door(
             results.success, {"limit": 0.01, "output": results.angles[0], "confidence": 0.9}
@@ -376,7 +376,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "CampaignResults.survival": Door(results.survival, {"confidence": 0.9}),
         "CampaignResults.worst": Door(results.worst, {"count": 2, "output": results.angles[0]}),
         "Climb": Door(
-            tv.Climb,
+            tv.winds.Climb,
             {
                 "time": [0.0, 1.0],
                 "height": [0.0, 100.0],
@@ -385,10 +385,10 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "LinearVehicle": Door(
-            tv.LinearVehicle, {"coefficients": coefficients, "name": "Mine", "path_known": True}
+            tv.vehicle.LinearVehicle, {"coefficients": coefficients, "name": "Mine", "path_known": True}
         ),
         "LinearVehicle.known_for": Door(
-            tv.LinearVehicle(coefficients=coefficients).known_for, {"model": "fixed-path"}
+            tv.vehicle.LinearVehicle(coefficients=coefficients).known_for, {"model": "fixed-path"}
         ),
         "Coefficients": Door(
             tv.Coefficients,
@@ -412,7 +412,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Coefficients.replace": Door(coefficients.replace, {"mu_alpha": 0.3}),
         "Criteria": Door(
-            tv.Criteria, {"name": "own", "requirements": tv.CRITERIA["classic"].requirements}
+            tv.control.Criteria, {"name": "own", "requirements": tv.CRITERIA["classic"].requirements}
         ),
         "Criteria.are_met": Door(tv.CRITERIA["classic"].are_met, {"margins": margins}),
         "Criteria.changed": Door(
@@ -420,11 +420,11 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Criteria.judge": Door(tv.CRITERIA["classic"].judge, {"margins": margins}),
         "Criteria.own": Door(
-            tv.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
+            tv.control.Criteria.own, {"name": "own", "source": "us", "phase_margin_deg": 20.0}
         ),
-        "EstimatedLaw": Door(tv.EstimatedLaw, {"law": law, "estimator": estimator, "plant": plant}),
+        "EstimatedLaw": Door(tv.control.EstimatedLaw, {"law": law, "estimator": estimator, "plant": plant}),
         "FilteredLaw": Door(
-            tv.FilteredLaw,
+            tv.control.FilteredLaw,
             {
                 "law": law,
                 "filters": (notch,),
@@ -432,9 +432,9 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_filters": (notch,),
             },
         ),
-        "DeadBandLaw": Door(tv.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}),
+        "DeadBandLaw": Door(tv.control.DeadBandLaw, {"plant": plant, "gain": 1.0, "dead_band": 0.5}),
         "DeflectionTotal": Door(
-            tv.DeflectionTotal,
+            tv.answers.DeflectionTotal,
             {
                 "lines": (line,),
                 "reserve": 0.1,
@@ -452,11 +452,11 @@ def doors(folder: Path) -> dict[str, Door]:
             dispersions.apply, {"nominal": {"thrust": 1e6}, "numbers": [[0.4], [0.6]]}
         ),
         "Document": Door(
-            tv.Document,
+            tv.answers.Document,
             {"project": "Booster 1", "author": "A", "date": "2026-01-31", "revision": "B"},
         ),
-        "Document.from_table": Door(tv.Document.from_table, {"table": {"revision": "B"}}),
-        "Earth": Door(tv.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
+        "Document.from_table": Door(tv.answers.Document.from_table, {"table": {"revision": "B"}}),
+        "Earth": Door(tv.flights.Earth, {"latitude": 0.5, "heading": 1.5, "altitude": 12e3}),
         "FlexiblePlant": Door(
             tv.FlexiblePlant,
             {"vehicle": booster, "structure": structure, "model": "fixed-path", "plane": "yaw"},
@@ -466,15 +466,15 @@ def doors(folder: Path) -> dict[str, Door]:
             {"vehicle": booster, "structure": structure, "model": "drift-exact", "plane": "pitch"},
         ),
         "FlexiblePlant.with_effectiveness": Door(flexible.with_effectiveness, {"factor": 1.1}),
-        "Filter": Door(tv.Filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
-        "Filter.__call__": Door(tv.Filter.notch(32.0, 0.06, 0.6), {"s": [0.0, 1.0 + 2.0j]}),
+        "Filter": Door(tv.vehicle.Filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
+        "Filter.__call__": Door(tv.vehicle.Filter.notch(32.0, 0.06, 0.6), {"s": [0.0, 1.0 + 2.0j]}),
         "Filter.from_coefficients": Door(
-            tv.Filter.from_coefficients, {"numerator": [1.0], "denominator": [1.0, 0.5]}
+            tv.vehicle.Filter.from_coefficients, {"numerator": [1.0], "denominator": [1.0, 0.5]}
         ),
-        "Filter.lead_lag": Door(tv.Filter.lead_lag, {"zero": -3.0, "pole": 5.0}),
-        "Filter.low_pass": Door(tv.Filter.low_pass, {"frequency": 13.0, "damping": 0.95}),
+        "Filter.lead_lag": Door(tv.vehicle.Filter.lead_lag, {"zero": -3.0, "pole": 5.0}),
+        "Filter.low_pass": Door(tv.vehicle.Filter.low_pass, {"frequency": 13.0, "damping": 0.95}),
         "Filter.notch": Door(
-            tv.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
+            tv.vehicle.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
         ),
         "FlightBeside.peaks": Door(beside.peaks, {"name": "attitude"}),
         "FlightSchedule": Door(
@@ -501,10 +501,10 @@ def doors(folder: Path) -> dict[str, Door]:
         "FlightSchedule.held": Door(schedule.held, {"time": 66.0}),
         "FlightSchedule.to_csv": Door(schedule.to_csv, {"path": folder / "schedule.csv"}),
         "FlightSchedule.nominal_at": Door(schedule.nominal_at, {"time": 66.0}),
-        "GainSchedule": Door(tv.GainSchedule, {"time": [40.0, 90.0], "autopilot": autopilot}),
+        "GainSchedule": Door(tv.control.GainSchedule, {"time": [40.0, 90.0], "autopilot": autopilot}),
         "GainSchedule.at": Door(two.at, {"time": 66.0}),
         "GainSchedule.design": Door(
-            tv.GainSchedule.design,
+            tv.control.GainSchedule.design,
             {
                 "time": [40.0, 90.0],
                 "coefficients": coefficients,
@@ -538,7 +538,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.AutopilotDesign(design="canonical").autopilot,
             {"plant": plant, "actuator": tv.Actuator()},
         ),
-        "HeldDeflection": Door(tv.HeldDeflection, {"limit": 0.01, "start": 0.0}),
+        "HeldDeflection": Door(tv.linear.HeldDeflection, {"limit": 0.01, "start": 0.0}),
         "History.__call__": Door(wind, {"t": [0.0, 1.0]}),
         "History.before": Door(wind.before, {"time": 5.0}),
         "History.filter": Door(wind.filter, {"numerator": [1.0], "denominator": [1.0, 0.5]}),
@@ -549,7 +549,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "History.probe_times": Door(wind.probe_times, {"between": 4}),
         "History.shift": Door(wind.shift, {"dt": 1.0}),
         "LawsAsked": Door(
-            tv.LawsAsked,
+            tv.answers.LawsAsked,
             {
                 "names": ("trim",),
                 "winds": ("triangle",),
@@ -570,7 +570,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "least_gain_schedule": Door(
-            hasty(tv.least_gain_schedule),
+            hasty(tv.answers.least_gain_schedule),
             {
                 "time": [66.0, 70.0],
                 "plants": tv.Plant(coefficients.replace(q=[0.0, 0.0]), "fixed-path"),
@@ -578,10 +578,10 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "least_gains_front": Door(
-            hasty(tv.least_gains_front), {"found": found, "disk_margin": [0.1, 0.2]}
+            hasty(tv.answers.least_gains_front), {"found": found, "disk_margin": [0.1, 0.2]}
         ),
         "margin_bounds": Door(
-            tv.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}
+            tv.control.margin_bounds, {"plant": plant, "actuator": actuator, "delay": 0.02}
         ),
         "worst_case": Door(
             hasty(tv.worst_case),
@@ -595,7 +595,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "dead_band": 1.0,
             },
         ),
-        "LayeredGust": Door(tv.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
+        "LayeredGust": Door(tv.winds.LayeredGust, {"peak": 0.09, "blend": 1.0, "plateau": 2.0}),
         "Loads.bending_indicator": Door(loads.bending_indicator, {"normal_force_slope": 1e6}),
         "Loop": Door(tv.Loop, {"numerator": [1.0], "denominator": [1.0, 1.0], "delay": 0.1}),
         "Loop.from_matrices": Door(
@@ -607,12 +607,12 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Loop.response": Door(tv.Loop([1.0], [1.0, 1.0]).response, {"omega": [0.5, 2.0]}),
         "MeasuredWind": Door(
-            tv.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust, "notes": ("calm",)}
+            tv.answers.MeasuredWind, {"wind": sampled, "window": 20.0, "gust": gust, "notes": ("calm",)}
         ),
-        "MeasuredWind.__call__": Door(tv.MeasuredWind(sampled), {"vehicle": booster}),
-        "MeasuredWind.samples": Door(tv.MeasuredWind(sampled).samples, {"vehicle": booster}),
+        "MeasuredWind.__call__": Door(tv.answers.MeasuredWind(sampled), {"vehicle": booster}),
+        "MeasuredWind.samples": Door(tv.answers.MeasuredWind(sampled).samples, {"vehicle": booster}),
         "MeasuredWind.to_both_sides": Door(
-            tv.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
+            tv.answers.MeasuredWind(sampled).to_both_sides, {"vehicle": booster}
         ),
         "Nozzle": Door(
             tv.Nozzle,
@@ -620,7 +620,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Nozzle.from_table": Door(tv.Nozzle.from_table, {"table": {"limit_deg": 1.0}}),
         "OneMinusCosineGust": Door(tv.OneMinusCosineGust, pulse),
-        "plant_of": Door(tv.plant_of, {"vehicle": booster, "model": "fixed-path", "plane": "yaw"}),
+        "plant_of": Door(tv.linear.plant_of, {"vehicle": booster, "model": "fixed-path", "plane": "yaw"}),
         "Plant": Door(tv.Plant, {"coefficients": coefficients, "model": "drift-exact"}),
         "Plant.from_coefficients": Door(
             tv.Plant.from_coefficients, {"coefficients": coefficients, "model": "drift"}
@@ -646,9 +646,9 @@ def doors(folder: Path) -> dict[str, Door]:
                 "estimator": estimator,
             },
         ),
-        "PairGrowth": Door(tv.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
+        "PairGrowth": Door(tv.answers.PairGrowth, {"hours": 3.5, "quantile": 0.95}),
         "RectangularWind": Door(tv.RectangularWind, pulse),
-        "ReportControl": Door(tv.ReportControl, {"dead_band": 0.5}),
+        "ReportControl": Door(tv.flights.ReportControl, {"dead_band": 0.5}),
         "Responses.__getitem__": Door(lambda label: responses[label], {"label": "attitude"}),
         "SampledWind": Door(tv.SampledWind, {"time": [0.0, 1.0], "angle": [0.1, 0.0]}),
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
@@ -667,11 +667,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "Sizing.worst_in": Door(sizing.worst_in, {"wind": sizing.winds[0]}),
         "Sizing.to_csv": Door(sizing.to_csv, {"path": folder / "sizing.csv"}),
         "SizingAsked": Door(
-            tv.SizingAsked,
+            tv.answers.SizingAsked,
             {
                 **{f.name: getattr(asked, f.name) for f in dataclasses.fields(asked)},
                 "others": (shaped,),
-                "soundings": {"west": tv.SoundingAsked(west, 1.5)},
+                "soundings": {"west": tv.answers.SoundingAsked(west, 1.5)},
                 "window": 20.0,
                 "start": 60.0,
                 "stop": 70.0,
@@ -686,17 +686,17 @@ def doors(folder: Path) -> dict[str, Door]:
         "SizingAsked.total": Door(asked.total, {"case": study.case, "found": sizing}),
         "SizingAsked.winds": Door(asked.winds, {"case": study.case}),
         "Soundings": Door(
-            tv.Soundings,
+            tv.winds.Soundings,
             {f.name: getattr(archive, f.name) for f in dataclasses.fields(archive)},
         ),
         "Soundings.__getitem__": Door(lambda index: archive[index], {"index": slice(1)}),
         "Soundings.from_profiles": Door(
-            tv.Soundings.from_profiles,
+            tv.winds.Soundings.from_profiles,
             {"profiles": [west], "times": ["2024-02-01"], "station": "X"},
         ),
         "Soundings.local": Door(archive.local, {"utc_offset": -5.0}),
         "Soundings.of": Door(archive.of, {"month": 2, "year": 2024, "hour": 0}),
-        "SoundingAsked": Door(tv.SoundingAsked, {"profile": west, "azimuth": 1.5}),
+        "SoundingAsked": Door(tv.answers.SoundingAsked, {"profile": west, "azimuth": 1.5}),
         "Study.from_vehicle": Door(
             tv.Study.from_vehicle,
             {
@@ -716,7 +716,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Study.of": Door(tv.Study.of, {"case": study.case, "dead_band": 0.5, "switch": "report"}),
         "StudyPlan": Door(
-            tv.StudyPlan,
+            tv.answers.StudyPlan,
             {
                 "vehicle": booster.replace(structure=structure),
                 "model": "drift",
@@ -725,7 +725,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "dead_band": 0.5,
                 "switch": "report",
                 "nozzle": tv.Nozzle(limit=0.01, stop="square"),
-                "laws": tv.LawsAsked(),
+                "laws": tv.answers.LawsAsked(),
                 "design": tv.AutopilotDesign(design="canonical"),
                 "criteria": tv.CRITERIA["classic"],
                 "dispersions": dispersions,
@@ -735,12 +735,12 @@ def doors(folder: Path) -> dict[str, Door]:
                 "confidence": 0.9,
                 "sizing": asked,
                 "availability": days_asked,
-                "document": tv.Document(project="Booster 1"),
+                "document": tv.answers.Document(project="Booster 1"),
             },
         ),
-        "StudyPlan.of_study": Door(tv.StudyPlan.of_study, {"study": study}),
+        "StudyPlan.of_study": Door(tv.answers.StudyPlan.of_study, {"study": study}),
         "TrapezoidalWind": Door(
-            tv.TrapezoidalWind, {"peak": 0.09, "rise": 1.0, "hold": 2.0, "fall": 1.0}
+            tv.winds.TrapezoidalWind, {"peak": 0.09, "rise": 1.0, "hold": 2.0, "fall": 1.0}
         ),
         "TriangularWind": Door(tv.TriangularWind, pulse),
         "TrimLaw": Door(tv.TrimLaw, {"plant": plant, "gain": 10.0}),
@@ -748,7 +748,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.Vehicle, {f.name: getattr(booster, f.name) for f in dataclasses.fields(booster)}
         ),
         "aerodynamic_damping": Door(
-            tv.aerodynamic_damping,
+            tv.vehicle.aerodynamic_damping,
             {
                 "coefficient": -40.0,
                 "per": "qL/V",
@@ -759,7 +759,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "jet_damping": Door(
-            tv.jet_damping, {"mass_flow": 9000.0, "exit_arm": 25.0, "inertia_rate": -5e5}
+            tv.vehicle.jet_damping, {"mass_flow": 9000.0, "exit_arm": 25.0, "inertia_rate": -5e5}
         ),
         "Vehicle.from_aerodynamics": Door(
             tv.Vehicle.from_aerodynamics,
@@ -779,9 +779,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "Vehicle.replace": Door(booster.replace, {"weight": 1e6}),
         "WindEnsemble": Door(
-            tv.WindEnsemble, {"time": [0.0, 1.0], "angle": [[0.1, 0.0], [0.0, 0.1]]}
+            tv.winds.WindEnsemble, {"time": [0.0, 1.0], "angle": [[0.1, 0.0], [0.0, 0.1]]}
         ),
-        "WindEstimator": Door(tv.WindEstimator, {"bandwidth": 10.0, "rate_noise": 0.0, "seed": 1}),
+        "WindEstimator": Door(tv.control.WindEstimator, {"bandwidth": 10.0, "rate_noise": 0.0, "seed": 1}),
         "WindEstimator.states": Door(estimator.states, {"plant": plant}),
         "WindProfile": Door(
             tv.WindProfile,
@@ -802,7 +802,7 @@ def doors(folder: Path) -> dict[str, Door]:
             west.to_wind, {"flight": climb, "azimuth": 1.0, "plane": "pitch"}
         ),
         "add_gust": Door(
-            tv.add_gust,
+            tv.winds.add_gust,
             {
                 "profile": west,
                 "base": 5e3,
@@ -812,7 +812,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "azimuth": 1.0,
             },
         ),
-        "all_modes": Door(tv.all_modes, {"plant": exact}),
+        "all_modes": Door(tv.linear.all_modes, {"plant": exact}),
         "angle_from_speed": Door(
             tv.angle_from_speed, {"speed": 50.0, "velocity": 500.0, "flight_path_angle": 0.8}
         ),
@@ -820,11 +820,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "attitude_responses": Door(
             tv.attitude_responses, {**both, "timepts": times, "outputs": ("attitude",)}
         ),
-        "available_models": Door(tv.available_models, {"coefficients": coefficients}),
+        "available_models": Door(tv.linear.available_models, {"coefficients": coefficients}),
         "boundary_limit": Door(
             tv.boundary_limit, {**history, "dead_band": 0.5, "switch": "literal"}
         ),
-        "canonical_gains": Door(tv.canonical_gains, {"coefficients": coefficients, **options}),
+        "canonical_gains": Door(tv.control.canonical_gains, {"coefficients": coefficients, **options}),
         "closed_loop_boundary": Door(
             tv.closed_loop_boundary,
             {
@@ -844,11 +844,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "compare_with_trim": Door(
             tv.compare_with_trim, {"plant": exact, "autopilot": autopilot, "wind": wind}
         ),
-        "Detuned.row": Door(tv.detuned(**detuned).row, {"change": "nominal"}),
-        "detuned": Door(tv.detuned, {**detuned, "criteria": tv.CRITERIA["classic"]}),
+        "Detuned.row": Door(tv.control.detuned(**detuned).row, {"change": "nominal"}),
+        "detuned": Door(tv.control.detuned, {**detuned, "criteria": tv.CRITERIA["classic"]}),
         "design_gains": Door(tv.design_gains, {"coefficients": coefficients, **poles, **options}),
         "disperse_study": Door(
-            tv.disperse_study,
+            tv.answers.disperse_study,
             {
                 "study": study,
                 "dispersions": dispersions,
@@ -860,9 +860,9 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "drift_minimum_gains": Door(
-            tv.drift_minimum_gains, {"coefficients": coefficients, **poles, **options}
+            tv.control.drift_minimum_gains, {"coefficients": coefficients, **poles, **options}
         ),
-        "equivalent_triangle": Door(tv.equivalent_triangle, {"wind": wind}),
+        "equivalent_triangle": Door(tv.winds.equivalent_triangle, {"wind": wind}),
         "explore": Door(tv.explore, {"vehicle": "configuration-i"}),
         "flown_boundary": Door(
             tv.flown_boundary,
@@ -895,10 +895,10 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "fly_beside": Door(
-            tv.fly_beside,
+            tv.flights.fly_beside,
             {
                 "vehicle": booster,
-                "control": tv.ReportControl(),
+                "control": tv.flights.ReportControl(),
                 "wind": wind,
                 "timepts": [0.0, 2.0],
                 "deflection_limit": 0.01,
@@ -909,7 +909,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "boundary_map": Door(
-            tv.boundary_map,
+            tv.flights.boundary_map,
             {
                 **history,
                 "law": law,
@@ -924,7 +924,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "flown_margins": Door(
-            tv.flown_margins,
+            tv.flights.flown_margins,
             {
                 **history,
                 "law": law,
@@ -950,7 +950,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "fly_planes": Door(
-            hasty(tv.fly_planes),
+            hasty(tv.flights.fly_planes),
             {
                 "plant": exact,
                 "law": law,
@@ -966,7 +966,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "flown_plane_limit": Door(
-            hasty(tv.flown_plane_limit),
+            hasty(tv.flights.flown_plane_limit),
             {
                 "plant": exact,
                 "law": law,
@@ -1024,9 +1024,9 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "is_stable": Door(tv.is_stable, both),
         "is_sufficient": Door(tv.is_sufficient, {**history, "limit": 0.01, "dead_band": 0.5}),
-        "judge": Door(tv.judge, both),
+        "judge": Door(tv.linear.judge, both),
         "law_trials": Door(
-            tv.law_trials,
+            tv.answers.law_trials,
             {
                 "plant": plant,
                 "laws": {"trim": law},
@@ -1039,22 +1039,22 @@ def doors(folder: Path) -> dict[str, Door]:
                 **hardware,
             },
         ),
-        "load_campaign": Door(tv.load_campaign, {"path": campaign_file}),
-        "half_relief_gains": Door(tv.half_relief_gains, {"coefficients": coefficients, **options}),
+        "load_campaign": Door(tv.answers.load_campaign, {"path": campaign_file}),
+        "half_relief_gains": Door(tv.control.half_relief_gains, {"coefficients": coefficients, **options}),
         "load_minimum_gains": Door(
-            tv.load_minimum_gains, {"coefficients": coefficients, **poles, **options}
+            tv.control.load_minimum_gains, {"coefficients": coefficients, **poles, **options}
         ),
         "load_schedule": Door(
             tv.load_schedule,
             {"source": "configuration-i", "start": 60.0, "stop": 70.0, "step": 5.0},
         ),
-        "load_sizing": Door(tv.load_sizing, {"source": sizing_file, "soundings": None}),
+        "load_sizing": Door(tv.answers.load_sizing, {"source": sizing_file, "soundings": None}),
         "load_study": Door(tv.load_study, {"source": study_file}),
-        "load_any_vehicle": Door(tv.load_any_vehicle, {"source": "configuration-i"}),
+        "load_any_vehicle": Door(tv.vehicle.load_any_vehicle, {"source": "configuration-i"}),
         "load_vehicle": Door(tv.load_vehicle, {"source": "configuration-i"}),
-        "loop_margins": Door(tv.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
+        "loop_margins": Door(tv.control.loop_margins, {"loop": tv.Loop([1.0], [1.0, 1.0])}),
         "lqr_gains": Door(
-            tv.lqr_gains,
+            tv.control.lqr_gains,
             {
                 "plant": plant,
                 "attitude_weight": 1.0,
@@ -1064,17 +1064,17 @@ def doors(folder: Path) -> dict[str, Door]:
                 **options,
             },
         ),
-        "open_campaign": Door(tv.open_campaign, {"folder": done}),
+        "open_campaign": Door(tv.answers.open_campaign, {"folder": done}),
         "optimum_deflection": Door(
             tv.optimum_deflection, {**history, "start": 0.0, "horizon": 20.0}
         ),
         "optimum_with_rate_limit": Door(
-            tv.optimum_with_rate_limit,
+            tv.boundary.optimum_with_rate_limit,
             {**history, "rate_limit": 0.1, "start": 0.0, "horizon": 20.0, "steps": 20},
         ),
-        "power_law_shear": Door(tv.power_law_shear, {"change": 20.0, "thickness": 500.0}),
+        "power_law_shear": Door(tv.winds.power_law_shear, {"change": 20.0, "thickness": 500.0}),
         "read_openrocket": Door(
-            tv.read_openrocket,
+            tv.answers.read_openrocket,
             {
                 **simulated,
                 "path": SCHEDULES / "openrocket.csv",
@@ -1100,11 +1100,11 @@ def doors(folder: Path) -> dict[str, Door]:
                 "progress": None,
             },
         ),
-        "WindGrowth": Door(tv.WindGrowth, {"speed": [5.0, 6.0], "height": [0.0, 1e4]}),
-        "WindGrowth.at": Door(tv.WindGrowth(5.0).at, {"height": [0.0, 1e4]}),
-        "read_range_reference": Door(tv.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}),
+        "WindGrowth": Door(tv.answers.WindGrowth, {"speed": [5.0, 6.0], "height": [0.0, 1e4]}),
+        "WindGrowth.at": Door(tv.answers.WindGrowth(5.0).at, {"height": [0.0, 1e4]}),
+        "read_range_reference": Door(tv.winds.read_range_reference, {"path": SOUNDINGS / "T1cap19.txt"}),
         "read_rasaero": Door(
-            tv.read_rasaero,
+            tv.answers.read_rasaero,
             {
                 **simulated,
                 "path": SCHEDULES / "rasaero-flight.csv",
@@ -1116,7 +1116,7 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.read_sounding, {"path": SOUNDINGS / "wyoming.txt", "format": "wyoming", "time": None}
         ),
         "read_table": Door(
-            tv.read_table,
+            tv.answers.read_table,
             {"path": SCHEDULES / "table.csv", "columns": MAP, **span},
         ),
         "read_soundings": Door(
@@ -1133,7 +1133,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "relief_gains": Door(
-            tv.relief_gains,
+            tv.control.relief_gains,
             {"coefficients": coefficients, **poles, "alpha_ratio": 0.5, **options},
         ),
         "report_html": Door(tv.report_html, {"source": study}),
@@ -1143,7 +1143,7 @@ def doors(folder: Path) -> dict[str, Door]:
         ),
         "residues": Door(tv.residues, both),
         "resume_campaign": Door(
-            tv.resume_campaign,
+            tv.answers.resume_campaign,
             {"folder": done, "executor": None, "shard": "1/1", "progress": None},
         ),
         "run_campaign": Door(
@@ -1158,7 +1158,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "schedule_from_rocketpy": Door(
-            tv.schedule_from_rocketpy,
+            tv.answers.schedule_from_rocketpy,
             {
                 "flight": rocketpy_standin.Flight(),
                 "gimbal_position": -1.2,
@@ -1166,7 +1166,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 **span,
             },
         ),
-        "single_pole_validity": Door(tv.single_pole_validity, {"coefficients": coefficients}),
+        "single_pole_validity": Door(tv.boundary.single_pole_validity, {"coefficients": coefficients}),
         "size": Door(
             tv.size,
             {
@@ -1185,16 +1185,16 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "standard_laws": Door(
-            tv.standard_laws, {"plant": plant, "peak": 0.09, "autopilot": autopilot}
+            tv.answers.standard_laws, {"plant": plant, "peak": 0.09, "autopilot": autopilot}
         ),
-        "design_law": Door(tv.design_law, {"name": "trim", "plant": plant, "peak": 0.09}),
-        "standard_winds": Door(tv.standard_winds, pulse),
+        "design_law": Door(tv.control.design_law, {"name": "trim", "plant": plant, "peak": 0.09}),
+        "standard_winds": Door(tv.answers.standard_winds, pulse),
         "steady_climb": Door(
-            tv.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}
+            tv.winds.steady_climb, {"vehicle": booster, "height": 12e3, "start": 60.0, "stop": 70.0}
         ),
         "survivable_peak": Door(tv.survivable_peak, {**history, "limit": 0.01, "dead_band": 0.5}),
         "synthetic_profile": Door(
-            tv.synthetic_profile,
+            tv.winds.synthetic_profile,
             {
                 "height": [0.0, 1e4, 2e4],
                 "speed": [10.0, 50.0, 20.0],
@@ -1205,7 +1205,7 @@ def doors(folder: Path) -> dict[str, Door]:
             },
         ),
         "total_deflection": Door(
-            tv.total_deflection,
+            tv.answers.total_deflection,
             {
                 "vehicle": booster,
                 "wind": 0.006,
@@ -1218,16 +1218,16 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.02,
             },
         ),
-        "triangle_error": Door(tv.triangle_error, {**history, "dead_band": 0.5}),
+        "triangle_error": Door(tv.boundary.triangle_error, {**history, "dead_band": 0.5}),
         "trim_deflection": Door(tv.trim_deflection, history),
         "trim_then_hold": Door(
             tv.trim_then_hold,
             {**history, "limit": limit, "dead_band": 0.5, "switch": "literal"},
         ),
         "unstable_modes": Door(tv.unstable_modes, {"plant": exact}),
-        "wind_loads": Door(tv.wind_loads, both),
+        "wind_loads": Door(tv.linear.wind_loads, both),
         "worst_duration": Door(
-            tv.worst_duration,
+            tv.control.worst_duration,
             {
                 "plant": plant,
                 "autopilot": autopilot,
@@ -1237,7 +1237,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "shape": tv.TriangularWind,
             },
         ),
-        "worst_month": Door(tv.worst_month, {"months": months, "percentile": 95.0}),
+        "worst_month": Door(tv.winds.worst_month, {"months": months, "percentile": 95.0}),
         "worst_total": Door(
             tv.worst_total,
             {
@@ -1321,7 +1321,7 @@ def hostile() -> dict[str, Any]:
         "long wind": tv.RectangularWind(peak=0.01, duration=1e9),
         "short wind": tv.RectangularWind(peak=1e-12, duration=1e-9),
         "late wind": tv.TriangularWind(peak=0.01, duration=3.0).shift(1e6),
-        "held": tv.HeldDeflection(limit=-0.004),
+        "held": tv.linear.HeldDeflection(limit=-0.004),
         "calm": batch * 0.0,
         "vehicle": tv.load_vehicle("configuration-ii"),
         "vehicles": tv.load_vehicle("configuration-i").replace(weight=[1e6, 2e6]),
@@ -1351,7 +1351,7 @@ def hostile() -> dict[str, Any]:
 
 def flaws(value: Any, name: str = "") -> Iterator[str]:
     """Yield where a value holds a number that is none; not where its status says so."""
-    if isinstance(value, tv.History):
+    if isinstance(value, tv.winds.History):
         pieces = value.pieces
         value = {"knots": pieces.knots, "pieces": pieces.coefficients, "peak": value.peak}
     elif isinstance(value, tuple | list):

@@ -20,7 +20,7 @@ BOOSTER = tv.Vehicle(
     attitude=np.radians(44.83),
 )
 MODES = (
-    tv.BendingMode(
+    tv.vehicle.BendingMode(
         frequency=13.58,
         damping=0.005,
         modal_mass=5.10e5,
@@ -32,7 +32,7 @@ MODES = (
         tank_displacements=(0.250, 1.305),
         tank_slopes=(0.1664, 0.2452),
     ),
-    tv.BendingMode(
+    tv.vehicle.BendingMode(
         frequency=30.18,
         damping=0.005,
         modal_mass=2.15e5,
@@ -44,7 +44,7 @@ MODES = (
         tank_displacements=(0.679, 0.105),
         tank_slopes=(-0.0473, -0.1721),
     ),
-    tv.BendingMode(
+    tv.vehicle.BendingMode(
         frequency=61.18,
         damping=0.005,
         modal_mass=1.96e5,
@@ -58,15 +58,15 @@ MODES = (
     ),
 )
 TANKS = (
-    tv.SloshTank(mass=24000.0, station=19.94, damping=0.01, pendulum_length=2.10),
-    tv.SloshTank(mass=7000.0, station=24.94, damping=0.01, pendulum_length=1.79),
+    tv.vehicle.SloshTank(mass=24000.0, station=19.94, damping=0.01, pendulum_length=2.10),
+    tv.vehicle.SloshTank(mass=7000.0, station=24.94, damping=0.01, pendulum_length=1.79),
 )
-ENGINE = tv.Engine(mass=7000.0, arm=1.4, moment_of_inertia=2.0e4)
+ENGINE = tv.vehicle.Engine(mass=7000.0, arm=1.4, moment_of_inertia=2.0e4)
 STRUCTURE = tv.Structure(
-    bending=MODES, slosh=TANKS, engine=ENGINE, rate_gyro=tv.Filter.low_pass(120.0, 0.7)
+    bending=MODES, slosh=TANKS, engine=ENGINE, rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7)
 )
 
-MODE = tv.BendingMode(
+MODE = tv.vehicle.BendingMode(
     frequency=24.0 * np.pi,
     damping=0.005,
     modal_mass=5e4,
@@ -75,7 +75,7 @@ MODE = tv.BendingMode(
     attitude_slope=-0.4,
     rate_slope=-0.4,
 )
-TANK = tv.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
+TANK = tv.vehicle.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
 MODE_AND_TANK = """
 [[bending]]
 frequency_Hz = 12.0

@@ -20,7 +20,7 @@ LAWS = {
     "trim": lambda plant: tv.TrimLaw(plant_of(), gain=4.0),
     "lean": lambda plant: tv.RecoverableAttitudeLaw(plant, gain=5.0, design_peak=PEAK),
     "estimated": lambda plant: tv.RecoverableAttitudeLaw(
-        plant, reach=0.7, gain=4.0, estimator=tv.WindEstimator(bandwidth=6.0)
+        plant, reach=0.7, gain=4.0, estimator=tv.control.WindEstimator(bandwidth=6.0)
     ),
 }
 

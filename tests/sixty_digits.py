@@ -8,7 +8,7 @@ import numpy as np
 import tvclin as tv
 
 
-def carried(inputs: list[tv.History], times: np.ndarray, matrices: list[np.ndarray]) -> np.ndarray:
+def carried(inputs: list[tv.winds.History], times: np.ndarray, matrices: list[np.ndarray]) -> np.ndarray:
     """The outputs at rising times from zero on: one matrix exponential a step.
 
     The inputs are straight lines between their knots; beside the states the exponential carries

@@ -54,7 +54,7 @@ def profile(seed, top=35e3):
 
 
 def one(wind):
-    return tv.Soundings.from_profiles([wind], ["2024-02-01"])
+    return tv.winds.Soundings.from_profiles([wind], ["2024-02-01"])
 
 
 def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST):
@@ -107,7 +107,7 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     for seed in (0, 3, 8, 17, 23):
         noise = np.random.default_rng(seed).normal(0, 20, height.size) * np.sqrt(shape)
         winds.append(tv.WindProfile(height=height, east=40.0 * shape + noise, north=0.0 * height))
-    rough = tv.Soundings.from_profiles(winds, days("2023-02-01T00", 5))
+    rough = tv.winds.Soundings.from_profiles(winds, days("2023-02-01T00", 5))
     needed = np.array([size_says(flight, wind) for wind in winds])
     found = tv.availability(flight, rough, limit=1e-4, **PITCH)
     doubted = found.most > found.least
@@ -209,7 +209,7 @@ def test_a_placard_is_the_limit_with_which_so_many_fly(flight, archive) -> None:
 
 def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, archive) -> None:
     burst = archive[11].between(0.0, 5.9e3)
-    both = tv.Soundings.from_profiles([*archive, burst], days("2023-02-01T00", 21))
+    both = tv.winds.Soundings.from_profiles([*archive, burst], days("2023-02-01T00", 21))
     found = tv.availability(flight, both, limit=np.radians(0.3), **PITCH)
 
     assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < found.need[11]
@@ -240,7 +240,7 @@ def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
     flight, archive
 ) -> None:
     cut = [wind.between(0.0, 16e3) for wind in archive]
-    old = tv.Soundings.from_profiles(cut, archive.times)
+    old = tv.winds.Soundings.from_profiles(cut, archive.times)
     whole, found = (
         tv.availability(flight, some, limit=np.radians(0.3), **PITCH) for some in (archive, old)
     )
@@ -324,7 +324,7 @@ def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, arch
 def test_persistence_is_an_angle_or_a_wind_against_the_vehicle(flight, archive) -> None:
     bare, angle, speed = (
         tv.availability(flight, archive, limit=np.radians(0.3), persistence=one_, **PITCH)
-        for one_ in (None, 0.001, tv.WindGrowth(speed=[5.0, 5.0], height=[0.0, 40e3]))
+        for one_ in (None, 0.001, tv.answers.WindGrowth(speed=[5.0, 5.0], height=[0.0, 40e3]))
     )
     assert np.allclose(angle.least, bare.least + 0.001, rtol=1e-14, atol=0.0)
     for i in (3, 9):
@@ -338,7 +338,7 @@ def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
     """The jets grow by 5 m/s in 12 h, and needs nearly in proportion."""
     bare = tv.availability(flight, archive, limit=np.radians(0.3), **PITCH)
     grown = tv.availability(
-        flight, archive, limit=np.radians(0.3), persistence=tv.PairGrowth(1.5, 0.5), **PITCH
+        flight, archive, limit=np.radians(0.3), persistence=tv.answers.PairGrowth(1.5, 0.5), **PITCH
     )
     expected = 0.5 * np.median(np.diff(bare.least))  # (1.5/12)^(1/3) is a half
 
@@ -351,7 +351,7 @@ def test_pairs_of_the_archive_say_how_needs_grow(flight, archive) -> None:
 def test_months_are_counted_by_local_time_and_empty_ones_are_not_there(flight) -> None:
     wind = profile(1)
     times = days("2024-02-28T12", 5)
-    some = tv.Soundings.from_profiles([wind] * 5, times)
+    some = tv.winds.Soundings.from_profiles([wind] * 5, times)
     utc, cape = (
         tv.availability(flight, some, limit=1.0, utc_offset=hours, **PITCH).by_month()
         for hours in (None, -5.0)
@@ -392,7 +392,7 @@ def test_how_many_winds_are_too_steep_is_told_and_from_when_on_none_is(archive) 
         tv.WindProfile(height=levels, east=np.where(levels > 0.0, 5.0, v), north=0.0 * levels)
         for v in (10.0, 15.0, 60.0)
     ]
-    some = tv.Soundings.from_profiles(winds, days("2023-02-01T00", 3))
+    some = tv.winds.Soundings.from_profiles(winds, days("2023-02-01T00", 3))
     found = tv.availability(slow, some, limit=1.0, **PITCH)
     fast = ["30 deg" in why for why in found.why]
     assert fast == [False, False, True]

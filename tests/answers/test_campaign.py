@@ -131,7 +131,7 @@ def test_sensitivities_find_what_drives():
 
 
 def test_dispersed_cases_are_those_of_single_studies(nominal):
-    found = tv.disperse_study(nominal, cases=50, seed=9)
+    found = tv.answers.disperse_study(nominal, cases=50, seed=9)
     for case in (0, 17, 49):
         values = {name: float(column[case]) for name, column in found.values.items()}
         duration = values.pop("wind_duration")
@@ -144,12 +144,12 @@ def test_dispersed_cases_are_those_of_single_studies(nominal):
 
 
 def test_the_first_cases_do_not_depend_on_how_many_follow(nominal):
-    few, many = (tv.disperse_study(nominal, cases=n, seed=3) for n in (40, 1500))
+    few, many = (tv.answers.disperse_study(nominal, cases=n, seed=3) for n in (40, 1500))
     np.testing.assert_array_equal(few.deflection, many.deflection[:40])
     bound = stats.beta.ppf(0.05, *_counts(many, nominal.limit))
     assert many.success.lower == pytest.approx(bound, rel=1e-9)
     assert not np.array_equal(
-        few.deflection, tv.disperse_study(nominal, cases=40, seed=4).deflection
+        few.deflection, tv.answers.disperse_study(nominal, cases=40, seed=4).deflection
     )
 
 
@@ -160,7 +160,7 @@ def _counts(found, limit):
 
 def test_one_bad_case_has_its_own_status(nominal):
     wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
-    found = tv.disperse_study(nominal, wild, cases=400, seed=1)
+    found = tv.answers.disperse_study(nominal, wild, cases=400, seed=1)
     bad = found.values["thrust"] <= 0.0
     assert 0 < bad.sum() < 50
     np.testing.assert_array_equal(found.status == "impossible vehicle or wind", bad)
@@ -191,7 +191,7 @@ def test_the_command_line_says_the_same(nominal):
     arguments += ["--model", "fixed-path"]
     text = CliRunner().invoke(app, arguments).output
     document = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).stdout)["dispersed"]
-    found = tv.disperse_study(nominal, cases=1800, seed=2)
+    found = tv.answers.disperse_study(nominal, cases=1800, seed=2)
     assert document["upper_deg"] == pytest.approx(np.degrees(found.required.upper), rel=1e-12)
     assert f"{document['upper_deg']:.4f} deg" in text
     assert document["drivers"] == pytest.approx(found.drivers)
@@ -215,7 +215,7 @@ def test_the_command_line_says_the_same(nominal):
             "correlation must have ones on its diagonal",
         ),
         (
-            lambda: tv.WindEnsemble(time=[0.0, 1.0], angle=[0.1, 0.0]),
+            lambda: tv.winds.WindEnsemble(time=[0.0, 1.0], angle=[0.1, 0.0]),
             r"angle must hold one wind in each row; got an array of shape \(2,\)",
         ),
         (
@@ -248,17 +248,17 @@ def test_bad_input_is_one_clear_sentence(attempt, message):
 def test_a_study_in_which_no_case_can_be_says_so(nominal):
     turned = tv.Dispersions((tv.Dispersion("wind_peak", "normal", 1e9),))
     with pytest.raises(tv.InputError, match="no case has an answer; the first is: impossible"):
-        tv.disperse_study(nominal, turned, cases=20)
+        tv.answers.disperse_study(nominal, turned, cases=20)
 
 
 def test_bad_input_to_a_dispersed_study(nominal):
     with pytest.raises(tv.InputError, match="cases must be from 1 to 10000000; got 0"):
-        tv.disperse_study(nominal, cases=0)
+        tv.answers.disperse_study(nominal, cases=0)
     with pytest.raises(tv.InputError, match="seed must be an integer"):
-        tv.disperse_study(nominal, seed=-1)
+        tv.answers.disperse_study(nominal, seed=-1)
     gain = tv.Dispersions((tv.Dispersion("rate_gain", "normal", 0.1),))
     with pytest.raises(tv.InputError, match="rate_gain is dispersed, but has no nominal value"):
-        tv.disperse_study(nominal, gain)
+        tv.answers.disperse_study(nominal, gain)
     result = CliRunner().invoke(app, ["study", "--disperse", "--seed", "-3"])
     assert result.exit_code == 2
     assert "Error: seed must be an integer" in result.stderr

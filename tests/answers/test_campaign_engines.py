@@ -61,9 +61,9 @@ def test_a_killed_process_is_one_sentence_and_the_others_have_done_their_part(
         processes(2) as pool,
     ):
         tv.run_campaign(plan, tmp_path, executor=pool, progress=kill_one)
-    assert 2 * 256 <= tv.open_campaign(tmp_path).cases < plan.cases
+    assert 2 * 256 <= tv.answers.open_campaign(tmp_path).cases < plan.cases
     with processes(1) as pool:
-        same(whole, tv.resume_campaign(tmp_path, executor=pool))
+        same(whole, tv.answers.resume_campaign(tmp_path, executor=pool))
 
 
 def test_a_cluster_loses_a_worker_and_nothing_else(plan, whole, tmp_path):
@@ -106,7 +106,7 @@ def test_the_command_line_runs_on_workers(tmp_path):
     for folder, more in (("one", []), ("two", ["--workers", "2"])):
         arguments = ["campaign", "run", str(file), "-o", str(tmp_path / folder), *more]
         assert CliRunner().invoke(app, arguments).exit_code == 0
-    same(*(tv.open_campaign(tmp_path / folder) for folder in ("one", "two")))
+    same(*(tv.answers.open_campaign(tmp_path / folder) for folder in ("one", "two")))
 
 
 def test_without_distributed_the_extra_is_named(monkeypatch):

@@ -25,7 +25,7 @@ def campaign(**tables):
 def test_the_template_is_a_campaign(tmp_path):
     file = tmp_path / "my.toml"
     file.write_text(template())
-    plan = tv.load_campaign(file)
+    plan = tv.answers.load_campaign(file)
     assert plan.vehicle == tv.load_vehicle("configuration-i")
     assert plan.wind == tv.ShapedWind("triangular", peak=np.radians(5), duration=7.5)
     assert plan.nozzle.limit == pytest.approx(np.radians(0.42), rel=1e-15)
@@ -108,7 +108,7 @@ def test_a_wind_that_changes_its_sign_is_the_status_of_its_cases_alone(ensemble)
     good = parse_campaign(tables | {"outputs": {"dead_bands": [0.5]}}, folder)
     turned = np.array(good.wind.angle)
     turned[2, 8] = -0.1
-    bad = replace(good, wind=tv.WindEnsemble(good.wind.time, turned))
+    bad = replace(good, wind=tv.winds.WindEnsemble(good.wind.time, turned))
     before, after = evaluate(good, 0, 300), evaluate(bad, 0, 300)
     hit = before["wind"] == 2
     assert 0 < hit.sum() < 300
@@ -265,13 +265,13 @@ def test_a_campaign_file_is_named_in_what_is_wrong_with_it(tmp_path, text, messa
     file = tmp_path / "many.toml"
     file.write_text(text)
     with pytest.raises(tv.InputError, match=rf"many\.toml:? .*{message}") as caught:
-        tv.load_campaign(file)
+        tv.answers.load_campaign(file)
     assert "\n" not in str(caught.value)
 
 
 def test_what_has_no_bound_without_forecast_is_refused_as_one_case_is(configuration_i):
     fixed = tv.Plant.from_vehicle(configuration_i, "fixed-path")
-    gust, held = tv.TriangularWind(peak=0.08, duration=7.5), tv.HeldDeflection(limit=0.1)
+    gust, held = tv.TriangularWind(peak=0.08, duration=7.5), tv.linear.HeldDeflection(limit=0.1)
     for plant, wind, said in (
         (fixed, held, "wind must end"),
         (fixed, gust - gust.shift(9.0), "not defined for a wind that changes its sign"),
@@ -293,11 +293,11 @@ def test_a_dispersed_wind_needs_a_shape(ensemble):
 
 def test_a_file_that_cannot_be_read(tmp_path):
     with pytest.raises(tv.InputError, match=r"does not exist; .* tvclin campaign init"):
-        tv.load_campaign(tmp_path / "none.toml")
+        tv.answers.load_campaign(tmp_path / "none.toml")
     bad = tmp_path / "bad.toml"
     bad.write_text("[campaign")
     with pytest.raises(tv.InputError, match=r"bad\.toml is not valid TOML"):
-        tv.load_campaign(bad)
+        tv.answers.load_campaign(bad)
 
 
 GUST = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.0)

@@ -13,7 +13,7 @@ from tvclin.answers.campaign.replay import replay_case
 
 VEHICLE = tv.load_vehicle("configuration-i")
 STRUCTURE = tv.Structure(bending=(MODE,), slosh=(TANK,))
-NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)
+NOTCH = tv.vehicle.Filter.notch(24.0 * np.pi, 0.05, 0.5)
 DESIGN = tv.AutopilotDesign(natural_frequency=1.5, delay=0.01, filters=(NOTCH,))
 NOZZLE = tv.Nozzle(limit=np.radians(0.41))
 FACTORS = ("bending_frequency", "bending_1_damping", "slosh_frequency", "slosh_1_damping")
@@ -101,8 +101,8 @@ def test_a_flight_that_rings_has_not_survived():
 
 
 def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
-    engine = tv.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
-    whole = replace(STRUCTURE, engine=engine, rate_gyro=tv.Filter.low_pass(120.0, 0.7))
+    engine = tv.vehicle.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
+    whole = replace(STRUCTURE, engine=engine, rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7))
     asked = campaign(vehicle=VEHICLE.replace(structure=whole))
     again = parse_campaign(document_of(asked))
     assert document_of(again) == document_of(asked)

@@ -64,7 +64,7 @@ def test_a_case_flies_with_its_own_gains_and_plant():
         model="drift",
         cases=3,
     )
-    nominal = tv.canonical_gains(plan.plant.coefficients)
+    nominal = tv.control.canonical_gains(plan.plant.coefficients)
     found = evaluate(plan, 0, 3)
     assert np.all(np.abs(found["attitude_gain"] / nominal.attitude_gain - 1.0) < 0.4)
     assert len(set(found["rate_gain"])) == 3

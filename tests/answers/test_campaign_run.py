@@ -82,7 +82,7 @@ def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
     winds = 0.08 * np.sin(np.pi * time / 20.0) * np.linspace(0.2, 1.0, 9)[:, np.newaxis]
     nozzle = tv.Nozzle(limit=0.01, rate_limit=0.5, actuator=tv.Actuator(natural_frequency=20.0))
     outputs = ("required", "forecast-free", "minimum", "flight")
-    for wind in (plan.wind, tv.WindEnsemble(time, winds)):
+    for wind in (plan.wind, tv.winds.WindEnsemble(time, winds)):
         spread = SPREAD if wind is plan.wind else tv.Dispersions(SPREAD.each[:2], FEW)
         given = {"wind": wind, "dispersions": spread, "nozzle": nozzle, "cases": 48}
         asked = replace(plan, model=model, outputs=outputs, **given)
@@ -122,7 +122,7 @@ def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_stu
 def test_a_part_of_no_damping_is_refused(plan):
     part = tv.Dispersions((tv.Dispersion("pitch_damping", "normal", 0.3),))
     with pytest.raises(tv.InputError, match="pitch_damping"):
-        tv.disperse_study(
+        tv.answers.disperse_study(
             tv.Study.from_vehicle(plan.vehicle, duration=7.5, peak=0.05, model="fixed-path"), part
         )
 
@@ -215,7 +215,7 @@ tv.run_campaign(plan, {str(folder)!r})
     child.wait()
     kept = {file: file.stat().st_mtime_ns for file in folder.glob("chunks/0*.parquet")}
     assert len(kept) == 2 < plan.chunks
-    same(whole, tv.resume_campaign(folder))
+    same(whole, tv.answers.resume_campaign(folder))
     assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
 
 
@@ -252,8 +252,8 @@ def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp
     assert "00000000.parquet is damaged" in said[0]
     assert "is not chunk 2 of this campaign" in said[2]
     with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
-        tv.open_campaign(tmp_path).quantile()
-    same(whole, tv.resume_campaign(tmp_path))
+        tv.answers.open_campaign(tmp_path).quantile()
+    same(whole, tv.answers.resume_campaign(tmp_path))
 
 
 @pytest.mark.parametrize("what", ["folder", "full folder", "pipe"])
@@ -265,8 +265,8 @@ def test_what_stands_in_the_place_of_a_chunk_is_moved_aside(plan, whole, tmp_pat
     if what == "full folder":
         (file / "of somebody").write_text("else")
     with pytest.raises(tv.InputError, match=r"00000000\.parquet is damaged; compute it anew with"):
-        tv.open_campaign(tmp_path).quantile()
-    same(whole, tv.resume_campaign(tmp_path))
+        tv.answers.open_campaign(tmp_path).quantile()
+    same(whole, tv.answers.resume_campaign(tmp_path))
     (aside,) = file.parent.glob("00000000.parquet.*/00000000.parquet")
     assert not aside.is_file()
     if what == "full folder":
@@ -287,7 +287,7 @@ def test_a_damaged_manifest_says_how_it_is_mended(plan, whole, tmp_path, damage)
     text = file.read_text()
     file.write_text(damage(text))
     with pytest.raises(tv.InputError, match="delete it and run the campaign file into this folder"):
-        tv.resume_campaign(tmp_path)
+        tv.answers.resume_campaign(tmp_path)
     file.unlink()
     same(whole, tv.run_campaign(plan, tmp_path))
     assert file.read_text() == text
@@ -301,14 +301,14 @@ def test_a_changed_manifest_is_refused(plan, tmp_path):
     file = tmp_path / NAME
     text = file.read_text()
     file.write_text(text.replace('"seed": 11', '"seed": 12'))
-    for attempt in (tv.resume_campaign, tv.open_campaign):
+    for attempt in (tv.answers.resume_campaign, tv.answers.open_campaign):
         with pytest.raises(tv.InputError, match="was changed after the campaign began"):
             attempt(tmp_path)
     file.write_text(text[:50])
     with pytest.raises(tv.InputError, match="is damaged: it is no manifest"):
-        tv.open_campaign(tmp_path)
+        tv.answers.open_campaign(tmp_path)
     file.write_text(text)
-    assert tv.resume_campaign(tmp_path).complete
+    assert tv.answers.resume_campaign(tmp_path).complete
 
 
 def test_other_versions_do_not_go_on(plan):
@@ -341,9 +341,9 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_is_done(plan, whole, tmp_pat
         patch.setattr(pyarrow.parquet, "write_table", full)
         with pytest.raises(tv.InputError, match="cannot be written: No space left on device"):
             tv.run_campaign(plan, tmp_path)
-    assert tv.open_campaign(tmp_path).cases == 256
+    assert tv.answers.open_campaign(tmp_path).cases == 256
     assert len(list((tmp_path / "chunks").iterdir())) == 2  # no temporary file stays behind
-    same(whole, tv.resume_campaign(tmp_path))
+    same(whole, tv.answers.resume_campaign(tmp_path))
 
 
 def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path):
@@ -423,7 +423,7 @@ def test_it_stops_when_converged_and_at_the_same_place(plan, tmp_path):
     with ThreadPoolExecutor(3) as pool:
         again = tv.run_campaign(until, tmp_path / "two", executor=pool)
     assert again.chunks == first.chunks
-    assert tv.resume_campaign(tmp_path / "two").chunks == first.chunks
+    assert tv.answers.resume_campaign(tmp_path / "two").chunks == first.chunks
 
 
 def test_checkpoints_rise_to_the_end():
@@ -447,7 +447,7 @@ def test_a_shard_cannot_see_convergence(plan, tmp_path):
     until = replace(plan, until=0.1)
     for attempt in (
         lambda: tv.run_campaign(until, tmp_path, shard="1/2"),
-        lambda: tv.resume_campaign(tmp_path, shard="1/2"),
+        lambda: tv.answers.resume_campaign(tmp_path, shard="1/2"),
     ):
         with pytest.raises(
             tv.InputError, match="does not know when the whole campaign has converged"
@@ -472,7 +472,7 @@ def test_the_nominal_case_is_that_of_the_study(plan, whole):
 
 def test_nothing_finished_yet_is_one_sentence(plan, tmp_path):
     begin(plan, tmp_path)
-    found = tv.open_campaign(tmp_path)
+    found = tv.answers.open_campaign(tmp_path)
     assert (found.cases, found.complete, found.statuses()) == (0, False, {})
     with pytest.raises(tv.InputError, match="holds no finished case with an answer"):
         found.quantile()
@@ -484,7 +484,7 @@ def test_what_killed_workers_left_is_swept_away_when_it_is_old(plan, tmp_path):
     for file in (old, young):
         file.write_text("half")
     os.utime(old, (time.time() - 7200, time.time() - 7200))
-    tv.resume_campaign(tmp_path, shard="1/6")
+    tv.answers.resume_campaign(tmp_path, shard="1/6")
     assert not old.exists()
     assert young.exists()
 
@@ -498,11 +498,11 @@ def test_without_pyarrow_the_extra_is_named_and_nothing_is_begun(plan, tmp_path,
 
 def test_a_folder_without_a_campaign(tmp_path):
     with pytest.raises(tv.InputError, match="holds no campaign"):
-        tv.open_campaign(tmp_path)
+        tv.answers.open_campaign(tmp_path)
     file = Path(tmp_path / "file")
     file.write_text("")
     with pytest.raises(tv.InputError, match="holds no campaign"):
-        tv.resume_campaign(file)
+        tv.answers.resume_campaign(file)
 
 
 def test_statistics_of_a_million_cases_take_less_than_a_gibibyte(plan, tmp_path):
@@ -519,7 +519,7 @@ def test_statistics_of_a_million_cases_take_less_than_a_gibibyte(plan, tmp_path)
         write_chunk(tmp_path, manifest, k, row | {"status": np.full(count, "ok", dtype=object)})
     code = f"""
 import tvclin as tv
-found = tv.open_campaign({str(tmp_path)!r})
+found = tv.answers.open_campaign({str(tmp_path)!r})
 print(found.cases, found.quantile().estimate, list(found.drivers())[:2], len(found.worst(5)),
       found.statuses(), len(found.convergence()), sep="|")
 print(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split()[1])

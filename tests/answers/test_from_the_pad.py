@@ -84,7 +84,7 @@ def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
 
 def test_availability_says_from_when_on_all_winds_can_be_judged(flight) -> None:
     days = np.datetime64("2024-02-01T00") + 24 * np.arange(3)
-    winds = tv.Soundings.from_profiles([sounding(s) for s in (1.0, 0.6, 1.3)], days)
+    winds = tv.winds.Soundings.from_profiles([sounding(s) for s in (1.0, 0.6, 1.3)], days)
     asked = {"limit": np.radians(4.0), "azimuth": EAST, "plane": "pitch"}
     (note,) = (one for one in tv.availability(flight, winds, **asked).notes if "--from" in one)
     begin = float(note.split("--from ")[1].rstrip(")"))

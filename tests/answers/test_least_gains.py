@@ -130,7 +130,7 @@ def test_peaks_of_many_loops_are_those_of_each(gust):
     }[gust]
     c = plant().coefficients
     frequency = np.array([0.8, 1.5, 3.0])
-    rows = tv.relief_gains(
+    rows = tv.control.relief_gains(
         c, natural_frequency=frequency, damping=0.9, alpha_ratio=[1.2, 0.5, 0.8], **NOZZLE
     )
     many = deflection_peaks(rows, plant(), wind, 8.0 / BETA)
@@ -198,7 +198,7 @@ def test_stops_are_the_winds_cut_at_even_instants():
 
 @pytest.mark.usefixtures("hasty")
 def test_what_is_overfitted_or_given_up_is_said():
-    easy = tv.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=30.0)
+    easy = tv.control.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=30.0)
     found = tv.least_deflection_gains(
         plant("fixed-path"), triangles(4), gains=THREE, criteria=easy, **NOZZLE
     )
@@ -212,10 +212,10 @@ def test_more_disk_margin_costs_what_another_search_says():
     found = tv.least_deflection_gains(
         plant("fixed-path"),
         triangles(4),
-        criteria=tv.Criteria.own(aero_margin_dB=0.0),
+        criteria=tv.control.Criteria.own(aero_margin_dB=0.0),
         **NOZZLE,
     )
-    front = tv.least_gains_front(found, [1.2, 1.4])
+    front = tv.answers.least_gains_front(found, [1.2, 1.4])
     assert front.relative[0] == pytest.approx(1.1233, abs=1e-3)
     assert front.relative[1] == np.inf
     assert front.each[1] is None
@@ -227,14 +227,14 @@ def test_more_disk_margin_costs_what_another_search_says():
 def test_a_flight_has_gains_at_each_time():
     c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     plants = tv.Plant.from_coefficients(c)
-    found = tv.least_gain_schedule([40.0, 66.0], plants, triangles(4), crossover=2.0, **NOZZLE)
+    found = tv.answers.least_gain_schedule([40.0, 66.0], plants, triangles(4), crossover=2.0, **NOZZLE)
     assert tv.CRITERIA["classic"].are_met(found.schedule.margins(plants)).all()
     assert found.deflection == max(one.deflection for one in found.each)
 
 
 def test_the_modes_of_a_flexible_vehicle_are_asked_too():
-    flexible = tv.plant_of(tv.load_vehicle("made-up-launcher"))
-    criteria = tv.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0)
+    flexible = tv.linear.plant_of(tv.load_vehicle("made-up-launcher"))
+    criteria = tv.control.Criteria.own(aero_margin_dB=6.0, phase_margin_deg=20.0, mode_gain_margin_dB=1.0)
     asked = question(plant=flexible, criteria=criteria)
     whole = question(
         plant=flexible, criteria=replace(criteria, requirements=criteria.requirements[:2])
@@ -267,7 +267,7 @@ def test_the_search_finds_the_corner_of_two_walls():
         ({"gains": ("rate", "attitude")}, "gains must be"),
         ({"gains": ("attitude", "rate", "integral")}, "gains must be"),
         ({"winds": ()}, "winds must be one or more"),
-        ({"winds": (tv.HeldDeflection(limit=0.01),)}, "must end"),
+        ({"winds": (tv.linear.HeldDeflection(limit=0.01),)}, "must end"),
         ({"winds": (tv.TriangularWind(peak=[0.05, 0.1], duration=5.0),)}, "wind"),
         (
             {"plant": tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.1, mu_delta=2.0))},
@@ -286,7 +286,7 @@ def test_criteria_that_no_gains_meet_name_the_nearest_and_the_bound():
         tv.least_deflection_gains(
             plant("fixed-path"),
             triangles(4),
-            criteria=tv.Criteria.own(disk_margin=1.5),
+            criteria=tv.control.Criteria.own(disk_margin=1.5),
             **NOZZLE,
         )
     words = str(said.value)

@@ -144,7 +144,7 @@ def test_a_slow_real_pole_of_drift_and_speed_is_flown_itself():
 def test_a_dead_band_of_one_needs_the_bound_without_a_forecast_and_the_law_flown(configuration_i):
     """A wind that jumps to its peak and falls off for long: with drift (4b) asks for too little."""
     plant = tv.Plant.from_vehicle(configuration_i, "drift-exact")
-    wind = tv.AsymmetricTriangularWind(peak=PEAK, duration=80.0, peak_time=0.0)
+    wind = tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=80.0, peak_time=0.0)
     found = tv.required_deflection(plant, wind, [1.0, 0.5])
     bound = abs(tv.forecast_free_limit(plant, wind).deflection)
     assert found.needs[NO_FORECAST].tolist() == [pytest.approx(bound), 0.0]
@@ -300,7 +300,7 @@ def fleet(rng: np.random.Generator, count: int) -> tv.Vehicle:
     )
 
 
-def blowing(rng: np.random.Generator, count: int) -> tv.History:
+def blowing(rng: np.random.Generator, count: int) -> tv.winds.History:
     """Return winds of one sign, of one kind."""
     tau = np.exp(rng.uniform(np.log(0.5), np.log(80.0), count))
     kind = rng.integers(4)
@@ -310,7 +310,7 @@ def blowing(rng: np.random.Generator, count: int) -> tv.History:
         return tv.RectangularWind(peak=-PEAK, duration=tau)
     if kind == 2:
         top = tau * rng.uniform(0.0, 1.0, count)
-        return tv.AsymmetricTriangularWind(peak=PEAK, duration=tau, peak_time=top)
+        return tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=tau, peak_time=top)
     time = np.concatenate([[0.0], np.cumsum(rng.uniform(0.05, 1.0, 5))]) * tau[0]
     angle = rng.uniform(0.0, PEAK, (count, 6)) * np.array([0.0, 1.0, 1.0, 1.0, 1.0, 0.0])
     return tv.SampledWind(time=time, angle=angle)
@@ -364,6 +364,6 @@ def test_the_report_s_control_flown_survives_with_what_is_required(seed, dead_ba
     found = tv.required_deflection(plant, wind, dead_band)
     if not np.isfinite(found.limit):
         return
-    control = tv.ReportControl(dead_band)
+    control = tv.flights.ReportControl(dead_band)
     survives = planar_verdict(vehicle, wind, control, plane="yaw")
     assert survives(1.01 * abs(found.deflection)), found

@@ -70,8 +70,8 @@ def test_each_time_has_the_vehicle_of_that_time(configuration_i) -> None:
 def test_a_pulse_is_moved_until_its_peak_meets_the_time(configuration_i) -> None:
     winds = {
         "triangle": tv.TriangularWind(peak=PEAK, duration=8.0),
-        "sawtooth": tv.AsymmetricTriangularWind(peak=PEAK, duration=8.0, peak_time=6.0),
-        "trapezoid": tv.TrapezoidalWind(peak=PEAK, rise=1.0, hold=4.0, fall=3.0),
+        "sawtooth": tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=8.0, peak_time=6.0),
+        "trapezoid": tv.winds.TrapezoidalWind(peak=PEAK, rise=1.0, hold=4.0, fall=3.0),
     }
     found = tv.size(held(configuration_i), winds, times=[70.0])
 
@@ -238,7 +238,7 @@ def test_a_dataset_says_what_it_needs(configuration_i, monkeypatch) -> None:
         ({"placing": "flight", "window": 0.0}, "window must be positive"),
         ({"winds": {}}, "one wind or more"),
         ({"winds": tv.TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one history"),
-        ({"winds": tv.HeldDeflection(limit=0.1)}, "must end"),
+        ({"winds": tv.linear.HeldDeflection(limit=0.1)}, "must end"),
         ({"winds": lambda vehicle: 3.0}, "one history"),
         ({"schedule": 3}, "schedule must be a FlightSchedule"),
     ],

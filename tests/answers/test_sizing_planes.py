@@ -29,7 +29,7 @@ def jet(height, *, towards: float, shear: float = 0.0) -> tv.WindProfile:
 @pytest.mark.parametrize("degrees", [0, 30, 45, 90, 200])
 def test_of_equal_planes_a_round_stop_takes_the_norm_of_the_scalar_answer(flight, degrees) -> None:
     straight = tv.size(flight, GUST, times=TIMES, model="fixed-path")
-    slanting = tv.PlaneWind.towards(GUST, np.radians(degrees))
+    slanting = tv.winds.PlaneWind.towards(GUST, np.radians(degrees))
     found = tv.size(flight, slanting, times=TIMES, model="fixed-path", plane="both")
     for name, values in straight.required.items():
         assert found.required[name] == pytest.approx(values, rel=1e-14), name
@@ -44,7 +44,7 @@ def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model,
     for stop in ("round", "square"):
         for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):
             alone = tv.size(flight, GUST, plane=plane, **options)
-            wind = tv.PlaneWind.towards(GUST, angle)
+            wind = tv.winds.PlaneWind.towards(GUST, angle)
             found = tv.size(flight, wind, plane="both", stop=stop, **options)
             for name, values in alone.required.items():
                 assert found.required[name].tolist() == values.tolist(), (stop, plane, name)
@@ -87,10 +87,10 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
 
 def test_the_rectangle_is_the_least_that_holds_its_corners() -> None:
     """By bisection on whether each corner is inside the grown shape."""
-    cross = tv.Cluster([tv.ClusterEngine(at=1, state="centred")] + [
-        tv.ClusterEngine(at=at) for at in (1j, -1, -1j)
+    cross = tv.boundary.Cluster([tv.boundary.ClusterEngine(at=1, state="centred")] + [
+        tv.boundary.ClusterEngine(at=at) for at in (1j, -1, -1j)
     ])  # fmt: skip
-    for stop in (tv.EllipticStop(1.0, 0.6), tv.SquareStop(0.3), cross):
+    for stop in (tv.boundary.EllipticStop(1.0, 0.6), tv.boundary.SquareStop(0.3), cross):
         corners = np.array([0.3 + 0.2j, 0.3 - 0.2j, -0.3 + 0.2j, -0.3 - 0.2j])
         around = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 7201))
 
@@ -130,7 +130,7 @@ def test_a_wind_without_a_direction_has_no_answer_in_two_planes(flight) -> None:
     with pytest.raises(tv.InputError, match="both planes each wind must have a direction"):
         tv.size(flight, GUST, times=TIMES, plane="both")
     with pytest.raises(tv.InputError, match="a PlaneWind needs plane='both'"):
-        tv.size(flight, tv.PlaneWind.towards(GUST, 0.3), times=TIMES)
+        tv.size(flight, tv.winds.PlaneWind.towards(GUST, 0.3), times=TIMES)
     with pytest.raises(tv.InputError, match="stop must be one of round"):
         tv.size(flight, GUST, times=TIMES, plane="both", stop="oval")
     shaped = tv.ShapedWind("triangular", 0.08, 7.5)

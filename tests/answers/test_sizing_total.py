@@ -29,7 +29,7 @@ def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:
 
 def test_an_offset_takes_the_deflection_that_balances_its_moment(configuration_i) -> None:
     v = configuration_i.replace(control_force_slope=0.5 * configuration_i.thrust)
-    found = tv.total_deflection(v, 0.004, thrust_offset=-0.002, gravity_offset=0.1, nominal=-1e-4)
+    found = tv.answers.total_deflection(v, 0.004, thrust_offset=-0.002, gravity_offset=0.1, nominal=-1e-4)
     size = {line.name: line.deflection for line in found.lines}
     control = v.control_force_slope * v.control_arm
     # moments about the centre of gravity: thrust aside at the nozzle, thrust and drag past it
@@ -74,13 +74,13 @@ def test_the_worst_total_is_that_of_the_flight_time_with_most(configuration_i) -
 )
 def test_bad_numbers_are_refused(configuration_i, changes, words) -> None:
     with pytest.raises(InputError, match=words):
-        tv.total_deflection(configuration_i, **({"wind": 0.01} | changes))
+        tv.answers.total_deflection(configuration_i, **({"wind": 0.01} | changes))
 
 
 def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None:
     batch = configuration_i.replace(thrust=[2e6, 3e6])
     with pytest.raises(InputError, match="one vehicle; got a batch"):
-        tv.total_deflection(batch, 0.01)
+        tv.answers.total_deflection(batch, 0.01)
     schedule = tv.FlightSchedule(configuration_i.replace(time=[40.0, 80.0]))
     turns = tv.SampledWind(time=[0.0, 2.0, 4.0, 6.0], angle=[0.0, 0.1, -0.1, 0.0])
     found = tv.size(schedule, turns, times=[60.0])

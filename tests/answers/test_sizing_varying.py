@@ -46,7 +46,7 @@ def test_constant_parameters_give_the_boundary_of_the_frozen_plant(
 @pytest.mark.parametrize("wind", ["jumps", "smooth", "two peaks"])
 def test_constant_parameters_and_any_wind_of_one_sign(configuration_i, wind) -> None:
     history = {
-        "jumps": tv.AsymmetricTriangularWind(peak=0.05, duration=6.0, peak_time=0.0),
+        "jumps": tv.winds.AsymmetricTriangularWind(peak=0.05, duration=6.0, peak_time=0.0),
         "smooth": tv.OneMinusCosineGust(peak=0.05, duration=9.0),
         "two peaks": tv.SampledWind(time=[0, 2, 3, 7, 10], angle=[0, 0.05, 0.01, 0.06, 0.0]),
     }[wind]
@@ -189,7 +189,7 @@ def test_a_planar_flight_with_varying_parameters_agrees() -> None:
     survives = planar_verdict(
         booster,
         wind.shift(66.0 - duration / 2.0),
-        tv.ReportControl(0.0),
+        tv.flights.ReportControl(0.0),
         plane="yaw",
         frozen=False,
         condition=condition,

@@ -32,7 +32,7 @@ def run(*arguments: object) -> Result:
     return CliRunner().invoke(app, [str(one) for one in arguments])
 
 
-def plan(**tables: object) -> tv.StudyPlan:
+def plan(**tables: object) -> tv.answers.StudyPlan:
     return parse_study({"study": HEAD, "wind": WIND} | tables)
 
 
@@ -77,7 +77,7 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
 def test_one_file_drives_the_study_and_the_campaign(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     assert run("init", "--study", file).exit_code == 0
-    study, campaign = tv.load_study(file), tv.load_campaign(file)
+    study, campaign = tv.load_study(file), tv.answers.load_campaign(file)
 
     for name in ("vehicle", "model", "plane", "wind", "nozzle", "dispersions", "cases", "seed"):
         assert getattr(study, name) == getattr(campaign, name), name
@@ -174,7 +174,7 @@ def test_the_three_ways_to_name_a_vehicle_are_the_same(tmp_path: Path) -> None:
 def test_a_vehicle_alone_is_a_plan_with_nothing_else(tmp_path: Path) -> None:
     bare = tv.load_study("configuration-i")
 
-    assert bare == tv.StudyPlan(vehicle=tv.load_vehicle("configuration-i"))
+    assert bare == tv.answers.StudyPlan(vehicle=tv.load_vehicle("configuration-i"))
 
 
 def test_the_study_of_a_file_is_that_of_its_options(tmp_path: Path) -> None:
@@ -380,11 +380,11 @@ def test_a_sizing_without_a_wind_or_a_dead_band_is_refused() -> None:
         ),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.SizingAsked(schedule=schedule, **given).sizing(plan())
+            tv.answers.SizingAsked(schedule=schedule, **given).sizing(plan())
 
 
 def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
-    asked = tv.SizingAsked(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
+    asked = tv.answers.SizingAsked(schedule=tv.load_schedule("configuration-i"), peak_speed=60.0)
     for plane in ("pitch", "yaw"):
         case = replace(plan(), plane=plane)
         met = asked.at(case, 66.0, case.wind)
@@ -401,7 +401,7 @@ def test_a_wind_speed_is_met_across_the_path_in_yaw() -> None:
         ('[campaign]\nvehicle = "configuration-i"\ncases = 3\n', r"\[wind\] is missing"),
     ],
 )
-@pytest.mark.parametrize("load", [tv.load_study, tv.load_sizing, tv.load_campaign])
+@pytest.mark.parametrize("load", [tv.load_study, tv.answers.load_sizing, tv.answers.load_campaign])
 def test_a_table_that_is_missing_is_named(
     tmp_path: Path, load: Callable[[Path], object], text: str, message: str
 ) -> None:
@@ -411,7 +411,7 @@ def test_a_table_that_is_missing_is_named(
         load(file)
 
 
-@pytest.mark.parametrize("load", [tv.load_study, tv.load_sizing])
+@pytest.mark.parametrize("load", [tv.load_study, tv.answers.load_sizing])
 def test_a_file_that_is_no_toml_is_refused(tmp_path: Path, load: Callable[[Path], object]) -> None:
     file = tmp_path / "half.toml"
     file.write_text("[study\n")
@@ -479,5 +479,5 @@ def test_all_faults_of_a_file_are_told_at_once_a_line_for_each(tmp_path: Path) -
     assert lines == [f"{path}: {line}" for line in said]
     assert found.stdout == ""
     with pytest.raises(tv.InputError) as error:
-        tv.load_campaign(path)
+        tv.answers.load_campaign(path)
     assert str(error.value).split("\n") == lines

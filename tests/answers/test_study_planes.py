@@ -45,8 +45,8 @@ def test_the_jet_of_the_page_needs_what_plane_limit_says(booster) -> None:
         -tv.angle_from_speed(50 * np.sin(psi), booster.velocity, np.pi / 2),
     ]
     pitch, yaw = (tv.TriangularWind(peak=part, duration=7.5) for part in parts)
-    for stop, shape in (("round", tv.CircularStop()), ("square", tv.SquareStop())):
-        exact = tv.plane_limit(plant, tv.PlaneWind(pitch=pitch, yaw=yaw), shape)
+    for stop, shape in (("round", tv.boundary.CircularStop()), ("square", tv.boundary.SquareStop())):
+        exact = tv.plane_limit(plant, tv.winds.PlaneWind(pitch=pitch, yaw=yaw), shape)
         found = json.loads(run("study", *JET, "--stop", stop, "--json").stdout)
         needed = np.radians(found["verdict"]["required_deflection_deg"])
         assert needed == pytest.approx(exact.deflection, rel=1e-8)
@@ -147,14 +147,14 @@ def test_dispersed_cases_of_both_planes_need_what_each_vehicle_needs_in_both(boo
             booster.replace(thrust=found.values["thrust"][case]), "fixed-path"
         )
         gust = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
-        exact = tv.plane_limit(plant, tv.PlaneWind.towards(gust, 0.3)).deflection
+        exact = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, 0.3)).deflection
         assert found.deflection[case] == pytest.approx(exact, rel=1e-6)
 
 
 def test_the_autopilot_of_both_planes_is_judged_by_the_vector_of_its_deflections(booster) -> None:
     found = asked(autopilot={"design": "canonical"})
     peaks = found.plan.wind.peaks(booster.attitude)
-    loop = tv.canonical_gains(tv.Coefficients.from_vehicle(booster))
+    loop = tv.control.canonical_gains(tv.Coefficients.from_vehicle(booster))
     loop, row = replace(loop, actuator=found.comparison.autopilot.actuator), -1
     plant, times = found.comparison.plant, np.linspace(0.0, 20.0, 4001)
     rows = [

@@ -29,7 +29,7 @@ def test_the_limit_rises_with_tau_beta_in_every_wind_of_one_peak():
         tv.TriangularWind(peak=0.05, duration=1.0),
         tv.RectangularWind(peak=0.05, duration=1.0),
         tv.OneMinusCosineGust(peak=0.05, duration=1.0),
-        tv.AsymmetricTriangularWind(peak=0.05, duration=1.0, peak_time=0.1),
+        tv.winds.AsymmetricTriangularWind(peak=0.05, duration=1.0, peak_time=0.1),
     ]
     random = np.random.default_rng(3)
     for _ in range(12):
@@ -45,7 +45,7 @@ def test_what_a_limit_leaves_over_grows_with_beta():
     """The integral of e^(-beta s) (w - y) is zero at the boundary, and positive for more beta."""
     from scipy.integrate import quad
 
-    wind = tv.AsymmetricTriangularWind(peak=1.0, duration=4.0, peak_time=1.0)
+    wind = tv.winds.AsymmetricTriangularWind(peak=1.0, duration=4.0, peak_time=1.0)
 
     def left_over(beta, y):
         start, end = y * 1.0, 4.0  # where w = y, on the way up

@@ -51,7 +51,7 @@ def test_a_boundary_shows_its_numbers():
 
 
 def test_margins_are_shown_in_the_units_they_name():
-    margins = tv.canonical_gains(PLANT.coefficients).margins(PLANT)
+    margins = tv.control.canonical_gains(PLANT.coefficients).margins(PLANT)
     shown = cells(margins)
 
     assert float(shown["phase"][0]) == pytest.approx(np.degrees(margins.phase_margin), abs=5e-3)
@@ -70,7 +70,7 @@ def test_a_quantile_shows_its_bounds():
 
 
 def test_the_boundary_of_a_law_shows_degrees():
-    found = tv.ClosedLoopBoundary(
+    found = tv.flights.ClosedLoopBoundary(
         limit=0.8,
         deflection=np.radians(0.4),
         scan=np.array([0.7, 0.9]),
@@ -100,7 +100,7 @@ def test_the_boundary_of_a_law_shows_degrees():
         PLANT,
         WIND,
         tv.load_schedule("configuration-i"),
-        tv.RecoverableAttitudeLaw(PLANT, estimator=tv.WindEstimator(bandwidth=2.0)),
+        tv.RecoverableAttitudeLaw(PLANT, estimator=tv.control.WindEstimator(bandwidth=2.0)),
         tv.Coefficients(mu_alpha=-1.0, mu_delta=2.0),
         tv.Coefficients(mu_alpha=np.linspace(0.1, 2.0, 50), mu_delta=2.0),
     ],
@@ -114,7 +114,7 @@ def test_every_line_has_a_name_a_value_and_a_unit(record):
 
 
 def test_an_autopilot_shows_what_it_has_and_how_many_filters():
-    low_pass = tv.Filter.low_pass(13.0)
+    low_pass = tv.vehicle.Filter.low_pass(13.0)
     bare = tv.Autopilot(attitude_gain=0.5, rate_gain=0.25)
     full = replace(
         bare, actuator=tv.Actuator(natural_frequency=25.0), delay=0.02, filters=(low_pass, low_pass)
@@ -132,7 +132,7 @@ def test_an_autopilot_shows_what_it_has_and_how_many_filters():
 def test_laws_show_what_is_inside_them():
     gains = tv.Autopilot(attitude_gain=0.5, rate_gain=0.25)
     trim = tv.TrimLaw(PLANT, gain=3.0)
-    filtered = tv.FilteredLaw(trim, filters=(tv.Filter.low_pass(13.0),))
+    filtered = tv.control.FilteredLaw(trim, filters=(tv.vehicle.Filter.low_pass(13.0),))
 
     assert cells(tv.SaturatedLaw(gains))["autopilot, rate gain"] == ("0.25", "s")
     assert cells(trim) == {"model": ("drift-exact", ""), "gain": ("3", "")}
@@ -157,7 +157,7 @@ def test_a_sizing_shows_its_worst_and_a_total_its_lines_in_degrees():
 
 def test_trials_are_one_table_of_laws_and_winds():
     fixed = tv.Plant.from_coefficients(PLANT.coefficients)
-    trials = tv.law_trials(fixed, {"<trim>": tv.TrimLaw(fixed)}, {"gust": WIND}, loads=False)
+    trials = tv.answers.law_trials(fixed, {"<trim>": tv.TrimLaw(fixed)}, {"gust": WIND}, loads=False)
     heads, row = Cells(trials._repr_html_()).rows
 
     assert heads[:2] == ["law", "wind"]
@@ -177,7 +177,7 @@ def test_residues_of_modes_that_oscillate_are_shown_in_degrees():
 
 
 SCHEDULE = tv.load_schedule("configuration-i")
-GAINS = tv.canonical_gains(PLANT.coefficients)
+GAINS = tv.control.canonical_gains(PLANT.coefficients)
 BATCH = tv.TriangularWind(peak=np.full(900, 0.05), duration=7.5)
 
 

@@ -47,7 +47,7 @@ def test_a_key_in_degrees_is_converted_once():
 
 
 def test_every_value_of_a_mapping_is_converted():
-    found = picked(tv.Loads(np.pi, 1.0, 0.0, 1.0), "deg=peak_angle_of_attack")
+    found = picked(tv.linear.Loads(np.pi, 1.0, 0.0, 1.0), "deg=peak_angle_of_attack")
     assert found == {"deg": 180.0}
     study = tv.Study.from_vehicle(tv.load_vehicle("configuration-i"), duration=7.5, peak=0.1)
     assert picked(study, "minimum_deg=minima")["minimum_deg"] == {

@@ -120,7 +120,7 @@ def test_nothing_is_gained_in_a_rectangle(tau_beta):
 
 SMOOTH = (
     tv.OneMinusCosineGust(peak=-0.07, duration=9.0),
-    tv.LayeredGust(peak=0.07, blend=2.0, plateau=5.0),
+    tv.winds.LayeredGust(peak=0.07, blend=2.0, plateau=5.0),
     triangle(6.0).filter([1.0], [1.0, 1.0]).before(40.0),
 )
 
@@ -246,7 +246,7 @@ def test_with_drift_it_is_the_bound_of_the_fast_mode(name, model):
     [
         (SampledWind(time=[0, 1, 2, 3], angle=[0, 0.1, -0.01, 0]), "changes its sign"),
         (triangle(4.0) - triangle(4.0).shift(20.0), "changes its sign"),
-        (tv.HeldDeflection(limit=0.1), "wind must end"),
+        (tv.linear.HeldDeflection(limit=0.1), "wind must end"),
         (0.0 * triangle(4.0), "wind must end, and be other than zero"),
         (0.1, "wind must be a History"),
     ],

@@ -275,8 +275,8 @@ def test_the_survivable_peak_is_the_one_whose_boundary_is_the_given_limit(peak):
     [
         (sampled(angle=GUST - 0.5), "wind must not change its sign .* -0.04 to 0.04 rad$"),
         (sampled(angle=[GUST, GUST - 0.5]), "wind must not change its sign .* -0.04 to 0.08 rad$"),
-        (tvclin.HeldDeflection(limit=0.05), "wind must end"),
-        (sampled() + tvclin.HeldDeflection(limit=0.05) * [0.0, 1.0], "wind must end"),
+        (tvclin.linear.HeldDeflection(limit=0.05), "wind must end"),
+        (sampled() + tvclin.linear.HeldDeflection(limit=0.05) * [0.0, 1.0], "wind must end"),
         (0.0 * sampled(), "wind must differ from zero"),
         (sampled() * [0.0, 1.0], "wind must differ from zero"),
     ],

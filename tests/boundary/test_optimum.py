@@ -145,7 +145,7 @@ def test_exact_third_order_in_triangular_winds(name, tau_beta, peak, sign, switc
     first = best.deflection(0.0) / -(plant.coefficients.B * wind.peak)
     assert first == pytest.approx(sign * peak, abs=1e-7)
     assert best.switch_times == pytest.approx([switch], rel=2e-3)
-    assert tvclin.judge(plant, best.deflection, wind).stable
+    assert tvclin.linear.judge(plant, best.deflection, wind).stable
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_every_result_proves_itself(name, model, horizon):
             assert proof.residual < 1e-14
             assert proof.tail <= (1e-12 if model == "drift-and-speed" and not horizon else 0.0)
             assert proof.primal == best.peak == abs(float(best.deflection.peak))
-            assert tvclin.judge(plant, best.deflection, wind).stable
+            assert tvclin.linear.judge(plant, best.deflection, wind).stable
             assert best.deflection.onset == start
             if horizon is not None:
                 assert best.deflection.end == horizon
@@ -264,7 +264,7 @@ WIND = TriangularWind(peak=0.1, duration=5.0)
         ({"start": np.inf}, "start must be finite"),
         ({"start": 1e5}, "start is so late"),
         ({"horizon": "late"}, "horizon must be a number"),
-        ({"wind": tvclin.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tvclin.linear.HeldDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * WIND}, "wind must differ from zero"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "wind must be one wind"),
         (

@@ -111,7 +111,7 @@ def test_steep_flight_with_three_real_unstable_poles(angle):
         assert best.status == "ok"
         assert abs(best.certificate.gap) < 1e-11
         assert best.switch_times.size <= 2
-        assert tvclin.judge(plant, best.deflection, wind).stable
+        assert tvclin.linear.judge(plant, best.deflection, wind).stable
 
 
 def test_a_result_that_did_not_converge_says_so(monkeypatch):

@@ -12,7 +12,7 @@ import tvclin
 from tests.turns import by_turns
 from tvclin import Coefficients, InputError, Plant, TriangularWind
 from tvclin import optimum_deflection as without_limit
-from tvclin import optimum_with_rate_limit as with_limit
+from tvclin.boundary import optimum_with_rate_limit as with_limit
 
 BETA, B = 0.5, 0.1
 WIND = TriangularWind(peak=-0.1, duration=8.0)
@@ -67,7 +67,7 @@ def test_what_it_returns_keeps_every_promise(model, tau_beta, horizon):
         assert abs(float(best.deflection.peak)) == pytest.approx(best.peak, rel=1e-12)
         assert best.residual < 1e-13
         assert best.change < 1e-4
-        assert tvclin.judge(plant, best.deflection, wind).stable
+        assert tvclin.linear.judge(plant, best.deflection, wind).stable
         unlimited = without_limit(plant, wind, horizon=horizon)
         assert best.unlimited_peak == unlimited.peak
         assert best.peak >= unlimited.peak * (1.0 - 1e-9)

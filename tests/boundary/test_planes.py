@@ -10,7 +10,9 @@ from scipy.optimize import brentq, linprog
 from scipy.special import hyp2f1
 
 import tvclin as tv
-from tvclin import CircularStop, EllipticStop, InputError, PlaneWind, PolygonStop, SquareStop
+from tvclin import InputError
+from tvclin.boundary import CircularStop, EllipticStop, PolygonStop, SquareStop
+from tvclin.winds import PlaneWind
 from tvclin.boundary import forecast_free
 from tvclin.boundary.planes import optimum
 from tvclin.boundary.planes.pair import Pair
@@ -122,7 +124,7 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
     for plane, constant in held.items():
         blown = getattr(wind, plane)
         trim = tv.trim_deflection(plant, blown).before(found.leaving_time)
-        control = trim + tv.HeldDeflection(limit=constant, start=found.leaving_time)
+        control = trim + tv.linear.HeldDeflection(limit=constant, start=found.leaving_time)
         left, size = (tv.residues(plant, control, one)[0] for one in (blown, 0.0 * blown))
         assert abs(left) <= 1e-12 * abs(size)
 
@@ -204,8 +206,8 @@ def test_where_the_driver_falls_and_returns_every_larger_limit_is_sufficient():
 
 def test_a_cluster_in_a_turning_wind_is_counted_from_inside():
     places = (1.0, 1.0j, -1.0, -1.0j)
-    three = tv.Cluster(
-        [tv.ClusterEngine(at=at, state="moving" if at != 1 else "centred") for at in places]
+    three = tv.boundary.Cluster(
+        [tv.boundary.ClusterEngine(at=at, state="moving" if at != 1 else "centred") for at in places]
     )
     wind = veering(4, 90)
     known = tv.plane_limit(PLANT, wind, three, dead_band=0.0)
@@ -220,10 +222,10 @@ def measured(azimuth):
     """A plant, a wind, and three engines that move beside one that does not."""
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     profile = tv.read_soundings(Path(__file__).parents[1] / "soundings" / "wyoming.txt")[0]
-    engines = [tv.ClusterEngine(at=1.0, state="centred")]
-    engines += [tv.ClusterEngine(at=at) for at in (1.0j, -1.0, -1.0j)]
+    engines = [tv.boundary.ClusterEngine(at=1.0, state="centred")]
+    engines += [tv.boundary.ClusterEngine(at=at) for at in (1.0j, -1.0, -1.0j)]
     wind = profile.to_winds(tv.load_schedule("configuration-i"), azimuth=azimuth)
-    return plant, wind, tv.Cluster(engines)
+    return plant, wind, tv.boundary.Cluster(engines)
 
 
 def corners_needed(plant, wind, stop, even=60):
@@ -258,7 +260,7 @@ def corners_needed(plant, wind, stop, even=60):
 def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved(azimuth):
     """In a part of the cells two corners share the deflection."""
     plant, wind, cluster = measured(azimuth)
-    best = tv.plane_optimum(plant, wind, cluster)
+    best = tv.boundary.plane_optimum(plant, wind, cluster)
     assert best.status == "ok"
     assert abs(best.certificate.gap) < 1e-6
     found = tv.plane_limit(plant, wind, cluster, dead_band=0.0)
@@ -269,7 +271,7 @@ def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved(azimuth):
 def test_it_is_that_of_a_program_of_all_corners():
     plant, wind, cluster = measured(1.0)
     stop = cluster.inscribed(24)
-    best = tv.plane_optimum(plant, wind, stop)
+    best = tv.boundary.plane_optimum(plant, wind, stop)
     needed = corners_needed(plant, wind, stop)
     assert best.certificate.dual <= needed * (1.0 + 1e-9)
     assert needed == pytest.approx(best.peak, rel=1e-4)  # of wider cells
@@ -277,9 +279,9 @@ def test_it_is_that_of_a_program_of_all_corners():
 
 def test_what_is_left_of_a_minimum_is_told(monkeypatch):
     plant, wind, cluster = measured(1.0)
-    solved = tv.plane_optimum(plant, wind, cluster)
+    solved = tv.boundary.plane_optimum(plant, wind, cluster)
     monkeypatch.setattr(optimum, "_ROUNDS", 4)
-    rough = tv.plane_optimum(plant, wind, cluster)
+    rough = tv.boundary.plane_optimum(plant, wind, cluster)
     assert "not converged" in rough.status
     assert rough.certificate.dual <= solved.peak <= rough.peak
     found = tv.plane_limit(plant, wind, cluster, dead_band=0.0)
@@ -289,7 +291,7 @@ def test_what_is_left_of_a_minimum_is_told(monkeypatch):
 @pytest.mark.parametrize("width", [1.0, 1e-3, 1e-6])
 def test_a_stop_may_be_thin(width):
     wind = veering(20, 120, beta=EXACT.coefficients.beta)
-    best = tv.plane_optimum(EXACT, wind, EllipticStop(1.0, width))
+    best = tv.boundary.plane_optimum(EXACT, wind, EllipticStop(1.0, width))
     assert best.status == "ok"
     assert abs(best.certificate.gap) < 1e-5
     assert best.certificate.residual < 1e-12
@@ -334,7 +336,7 @@ def test_planes_that_differ_are_served_one_after_the_other(ratio):
     even = [gust * (1.0 / tv.boundary_limit(plant, gust, 0.0).limit) for plant in plants]
     wind = PlaneWind(pitch=even[0], yaw=even[1])
     safe = tv.plane_limit(plants[0], wind, dead_band=0.0, yaw_plant=plants[1])
-    best = tv.plane_optimum(plants[0], wind, yaw_plant=plants[1])
+    best = tv.boundary.plane_optimum(plants[0], wind, yaw_plant=plants[1])
     proof = best.certificate
     assert 0.0 <= proof.gap < 1e-5
     assert proof.residual < 1e-12
@@ -350,7 +352,7 @@ PUBLISHED = {(4, 90): 0.35503, (4, 180): 0.31155, (20, 180): 0.11543, (40, 360):
 
 @pytest.mark.parametrize("case", PUBLISHED)
 def test_two_modes_in_each_plane_with_proof(case):
-    best = tv.plane_optimum(EXACT, veering(*case, beta=EXACT.coefficients.beta))
+    best = tv.boundary.plane_optimum(EXACT, veering(*case, beta=EXACT.coefficients.beta))
     assert best.limit == pytest.approx(PUBLISHED[case], abs=5.1e-6)
     assert abs(best.certificate.gap) < 1e-6
     assert best.status == "ok"
@@ -358,7 +360,7 @@ def test_two_modes_in_each_plane_with_proof(case):
 
 def test_the_deflection_of_the_optimum_meets_the_condition_of_every_mode():
     wind = veering(20, 120, beta=EXACT.coefficients.beta)
-    best = tv.plane_optimum(EXACT, wind, EllipticStop(1.0, 0.6))
+    best = tv.boundary.plane_optimum(EXACT, wind, EllipticStop(1.0, 0.6))
     steps = np.diff(best.deflections, prepend=0.0)
     for plane, part in (("pitch", np.real), ("yaw", np.imag)):
         poles = tv.unstable_modes(EXACT)
@@ -375,7 +377,7 @@ def test_the_deflection_of_the_optimum_meets_the_condition_of_every_mode():
 @pytest.mark.parametrize("angle", [0.0, 0.7])
 def test_along_a_line_the_optimum_is_that_of_one_plane(angle):
     gust = triangle(20.0, EXACT.coefficients.beta)
-    best = tv.plane_optimum(EXACT, PlaneWind.towards(gust, angle))
+    best = tv.boundary.plane_optimum(EXACT, PlaneWind.towards(gust, angle))
     assert best.peak == pytest.approx(tv.optimum_deflection(EXACT, gust).peak, rel=1e-9)
     long = triangle(40.0, EXACT.coefficients.beta)
     limit = tv.plane_limit(EXACT, PlaneWind.towards(long, angle), dead_band=0.5)
@@ -389,7 +391,7 @@ def test_along_a_line_the_optimum_is_that_of_one_plane(angle):
 
 def test_a_square_stop_is_two_problems_of_one_plane():
     wind = veering(20, 90, beta=EXACT.coefficients.beta)
-    best = tv.plane_optimum(EXACT, wind, SquareStop())
+    best = tv.boundary.plane_optimum(EXACT, wind, SquareStop())
     each = [tv.optimum_deflection(EXACT, one).peak for one in (wind.pitch, wind.yaw)]
     assert best.certificate.dual <= max(each) * (1.0 + 1e-9)
     assert max(each) <= best.peak * (1.0 + 1e-9)
@@ -542,14 +544,14 @@ PAIR = tv.Plant.from_coefficients(MERGED, "drift-exact")
 STABLE = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.3, mu_delta=2.6))
 
 
-@pytest.mark.parametrize("door", [tv.plane_limit, tv.plane_optimum])
+@pytest.mark.parametrize("door", [tv.plane_limit, tv.boundary.plane_optimum])
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
         ({"wind": triangle(4.0)}, "wind must have a direction: give PlaneWind.towards"),
         ({"wind": 0.1}, "wind must be a PlaneWind"),
         ({"wind": PlaneWind.towards(0.0 * triangle(4.0), 0.0)}, "be other than zero"),
-        ({"wind": PlaneWind.towards(tv.HeldDeflection(limit=0.1), 0.0)}, "wind must end"),
+        ({"wind": PlaneWind.towards(tv.linear.HeldDeflection(limit=0.1), 0.0)}, "wind must end"),
         ({"plant": PAIR}, "all real; it has the complex pair"),
         ({"yaw_plant": PAIR}, "yaw_plant must have unstable poles, all real; it has the complex"),
         ({"plant": STABLE}, "it has none"),
@@ -580,7 +582,7 @@ def test_planes_of_other_models_are_served_together():
     """Two conditions in pitch and one in yaw: never less than pitch alone, nor more than both."""
     wind = veering(12, 60, beta=EXACT.coefficients.beta)
     flat = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
-    best = tv.plane_optimum(EXACT, wind, yaw_plant=flat)
+    best = tv.boundary.plane_optimum(EXACT, wind, yaw_plant=flat)
     alone = (
         tv.optimum_deflection(EXACT, wind.pitch).peak,
         tv.optimum_deflection(flat, wind.yaw).peak,
@@ -592,7 +594,7 @@ def test_planes_of_other_models_are_served_together():
 
 def test_the_optimum_is_of_one_wind():
     with pytest.raises(InputError, match="got a batch of shape"):
-        tv.plane_optimum(PLANT, PlaneWind.veering(triangle(4.0), [0.0, 1.0], 0.1))
+        tv.boundary.plane_optimum(PLANT, PlaneWind.veering(triangle(4.0), [0.0, 1.0], 0.1))
 
 
 @pytest.mark.parametrize("time", [66.0, 97.0, 112.0])
@@ -606,7 +608,7 @@ def test_slow_poles_far_below_the_fast_ones_have_no_say_in_the_minimum(time) -> 
     gust = tv.TriangularWind(peak=0.08, duration=7.5)
     wind = PlaneWind.towards(gust, np.radians(55))
     pitch, yaw = (tv.Plant.from_vehicle(vehicle, "drift-exact", p) for p in ("pitch", "yaw"))
-    best = tv.plane_optimum(pitch, wind, yaw_plant=yaw)
+    best = tv.boundary.plane_optimum(pitch, wind, yaw_plant=yaw)
     assert best.certificate.gap < 1e-4
     assert best.certificate.residual < 1e-12
     alone = [tv.optimum_deflection(p, w).peak for p, w in ((pitch, wind.pitch), (yaw, wind.yaw))]
@@ -628,4 +630,4 @@ def test_where_trim_grows_a_turning_wind_has_no_dead_band() -> None:
 
 def test_a_cluster_that_cannot_trim_its_own_jammed_engine_is_refused() -> None:
     with pytest.raises(tv.InputError, match="engines must"):
-        tv.Cluster([tv.ClusterEngine(at=1, state="stuck", deflection=1), tv.ClusterEngine(at=-1)])
+        tv.boundary.Cluster([tv.boundary.ClusterEngine(at=1, state="stuck", deflection=1), tv.boundary.ClusterEngine(at=-1)])

@@ -5,15 +5,8 @@ import pytest
 from scipy.optimize import linprog
 
 import tvclin as tv
-from tvclin import (
-    CircularStop,
-    Cluster,
-    ClusterEngine,
-    EllipticStop,
-    InputError,
-    PolygonStop,
-    SquareStop,
-)
+from tvclin import InputError
+from tvclin.boundary import CircularStop, Cluster, ClusterEngine, EllipticStop, PolygonStop, SquareStop
 
 CROSS = (1.0, 1.0j, -1.0, -1.0j)
 AROUND = np.exp(1j * np.radians(np.arange(0.0, 360.0, 7.5)))
@@ -48,7 +41,7 @@ def test_the_gauge_follows_from_the_support(stop):
     assert np.all(sought <= found * (1.0 + ROUNDING))
     # a corner of the polar shape is missed by a slope of at most 8 times half a step
     assert np.all(sought >= found * (1.0 - 8.0 * np.pi / 40000))
-    assert tv.Stop.gauge(stop, AROUND) == pytest.approx(found, rel=ROUNDING)
+    assert tv.boundary.Stop.gauge(stop, AROUND) == pytest.approx(found, rel=ROUNDING)
     assert stop.gauge(stop.farthest(AROUND)) == pytest.approx(1.0, rel=ROUNDING)
     reached = np.real(np.conj(AROUND) * stop.farthest(AROUND))
     assert reached == pytest.approx(stop.support(AROUND), rel=ROUNDING)
@@ -228,7 +221,7 @@ def test_corners_that_nearly_coincide_or_lie_on_an_edge_hide_no_other(apart: flo
         more = np.insert(corners, 3, near)
         more = np.insert(more, 1, 0.5 * (corners[0] + corners[1]))
         try:
-            stop = tv.PolygonStop(more)
+            stop = tv.boundary.PolygonStop(more)
         except tv.InputError:  # zero is outside, or the edge between them turns back
             continue
         tried += 1

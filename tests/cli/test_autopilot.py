@@ -226,7 +226,7 @@ def test_a_boundary_beyond_the_range_is_no_number():
 
 def test_a_law_that_lets_a_mode_creep_away_is_marked():
     law = tv.TrimLaw(booster("drift-exact"))
-    winds = {"triangle": tv.standard_winds(0.08, 7.0)["triangle"]}
+    winds = {"triangle": tv.answers.standard_winds(0.08, 7.0)["triangle"]}
     (found,) = law_trials(booster("drift-exact"), {"trim": law}, winds, sample_rate=20.0)
     assert found.creeps
     assert found.growth == pytest.approx(0.0129, abs=1e-4)
@@ -282,7 +282,7 @@ def test_flown_margins_stand_beside_the_linear_ones():
     flown = (*asked, "--flown", "--limit-deg", "0.6", "--duration", "6", "--sample-rate", "60")
     document, plant = json.loads(run(*flown, "--json").stdout), booster("fixed-path")
     law = tv.SaturatedLaw(tv.design_gains(plant.coefficients, natural_frequency=1.0, damping=0.7))
-    expected = tv.flown_margins(
+    expected = tv.flights.flown_margins(
         plant,
         law,
         tv.TriangularWind(peak=np.radians(5.0), duration=6.0),

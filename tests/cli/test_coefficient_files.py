@@ -81,8 +81,8 @@ def test_moment_slopes_alone_hold_the_path_fixed(slopes: str) -> None:
 
 
 def test_beta_and_B_are_the_same_vehicle(tmp_path: Path, slopes: str) -> None:
-    by_slopes = tv.load_any_vehicle(slopes)
-    by_beta = tv.load_any_vehicle(
+    by_slopes = tv.vehicle.load_any_vehicle(slopes)
+    by_beta = tv.vehicle.load_any_vehicle(
         _file(tmp_path, f"beta_per_s = {BOOSTER.beta!r}\nB = {BOOSTER.B!r}\n")
     )
 

@@ -44,7 +44,7 @@ def test_a_help_leaves_the_line_ends_of_its_paragraphs_to_the_terminal() -> None
 
 
 def test_a_help_names_what_there_is_to_choose() -> None:
-    for wind in tv.standard_winds(0.1, 7.0):
+    for wind in tv.answers.standard_winds(0.1, 7.0):
         assert wind in helps("laws")
     for command in ("study", "size"):
         for stop in STOPS:

@@ -21,7 +21,7 @@ def run(*arguments):
 
 
 def booster(model="drift-exact"):
-    return tv.plant_of(tv.load_vehicle("made-up-booster"), model)
+    return tv.linear.plant_of(tv.load_vehicle("made-up-booster"), model)
 
 
 def autopilot(**changes):
@@ -112,8 +112,8 @@ def test_detuned_modes_are_those_of_the_library():
     asked = ("--detuned", "--mode-gain-db", "1", "--gain-db", "3", "--phase-deg", "20")
     document = json.loads(margins(*asked, "--json").stdout)["detuned"]
     limits = {"aero_margin_dB": 3, "gain_increase_dB": 3, "phase_margin_deg": 20}
-    criteria = tv.Criteria.own(**limits, mode_gain_margin_dB=1)
-    expected = tv.detuned(autopilot(), booster(), criteria=criteria)
+    criteria = tv.control.Criteria.own(**limits, mode_gain_margin_dB=1)
+    expected = tv.control.detuned(autopilot(), booster(), criteria=criteria)
     assert [row["change"] for row in document["rows"]] == list(expected.changes)
     assert [row["first"] for row in document["rows"]] == list(expected.first)
     assert [row["met"] for row in document["rows"]] == expected.met.tolist()

@@ -39,7 +39,7 @@ def test_the_report_control_is_flown_beside_the_linear_theory():
     least = tv.boundary_limit(plant, WIND, switch="literal").deflection
     times, limit = np.linspace(0.0, 7.5, 201), found["limit_deg"]
     flown = tv.fly_planar(
-        vehicle, tv.ReportControl(), WIND, times, deflection_limit=np.radians(limit)
+        vehicle, tv.flights.ReportControl(), WIND, times, deflection_limit=np.radians(limit)
     )
     held = tv.trim_then_hold(plant, WIND, -np.radians(limit), 1.0, "literal")
     exact = tv.attitude_response(plant, held, WIND, times)
@@ -138,7 +138,7 @@ def test_six_degrees_along_the_trajectory_are_those_of_one_plane(tmp_path):
     wind = tv.TriangularWind(peak=np.radians(-3), duration=7.5).shift(62.25)
     flown = tv.fly_sixdof(
         vehicle,
-        tv.ReportControl(),
+        tv.flights.ReportControl(),
         wind,
         values[:, 0],
         deflection_limit=np.radians(0.27),

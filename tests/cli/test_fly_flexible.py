@@ -35,7 +35,7 @@ def run(*arguments):
 
 
 def plant_of(source):
-    return tv.plant_of(tv.load_vehicle(source))
+    return tv.linear.plant_of(tv.load_vehicle(source))
 
 
 def law_of(plant, *filters):
@@ -49,7 +49,7 @@ def test_the_flexible_vehicle_flies_with_limits_beside_the_rigid_one(mine, tmp_p
     result = run(mine, *GAINS, *NOTCH, *more)
     assert result.exit_code == 0, result.output
     document, plant = json.loads(result.stdout), plant_of(mine)
-    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
+    law = law_of(plant, tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5))
     nozzle = NOZZLE | {"deflection_limit": np.radians(0.45), "rate_limit": np.radians(1.2)}
     many = {
         "flown": tv.fly_many(plant, law, WIND, **nozzle),
@@ -70,7 +70,7 @@ def test_the_flexible_vehicle_flies_with_limits_beside_the_rigid_one(mine, tmp_p
 def test_without_a_limit_the_flight_has_a_tenth_more_than_the_boundary_of_the_law(mine):
     document = json.loads(run(mine, *GAINS, *NOTCH, "--boundary", "--json").stdout)
     plant = plant_of(mine)
-    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
+    law = law_of(plant, tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5))
     for name, one in (("flown", plant), ("rigid", plant.rigid)):
         found = tv.closed_loop_boundary(one, law, WIND, highest=4.0, **NOZZLE)
         least = abs(np.degrees(found.deflection))
@@ -93,8 +93,8 @@ def test_margins_that_are_flown_are_those_of_the_flexible_vehicle(mine):
     result = CliRunner().invoke(app, list(asked))
     assert not result.stderr
     plant = plant_of(mine)
-    law = law_of(plant, tv.Filter.notch(24 * np.pi, 0.05, 0.5))
-    expected = tv.flown_margins(plant, law, WIND, limit=np.radians(0.5), **NOZZLE)
+    law = law_of(plant, tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5))
+    expected = tv.flights.flown_margins(plant, law, WIND, limit=np.radians(0.5), **NOZZLE)
     found = json.loads(result.stdout)["flown"]
     for name in ("gain_rise", "effectiveness_fall"):
         assert found[name]["value"] == pytest.approx(getattr(expected, name).value, rel=1e-12)
@@ -119,8 +119,8 @@ def test_rigid_and_the_nonlinear_engines_leave_the_structure_out(mine):
 def test_every_law_flies_a_flexible_vehicle_with_filters(mine, law):
     result = run(mine, "--law", law, *NOTCH, "--limit-deg", 0.6, "--json")
     document, plant = json.loads(result.stdout), plant_of(mine)
-    chosen = tv.standard_laws(plant.rigid, np.radians(5))[law]
-    filtered = tv.FilteredLaw(chosen, filters=(tv.Filter.notch(24 * np.pi, 0.05, 0.5),))
+    chosen = tv.answers.standard_laws(plant.rigid, np.radians(5))[law]
+    filtered = tv.control.FilteredLaw(chosen, filters=(tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5),))
     nozzle = NOZZLE | {"delay": 0.0, "deflection_limit": np.radians(0.6)}
     assert document["status"]["flown"] == tv.fly_many(plant, filtered, WIND, **nozzle).status
 
@@ -153,7 +153,7 @@ def test_the_figure_has_the_rigid_vehicle_beside_the_flexible_one(mine, tmp_path
 
 
 def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
-    every = tv.standard_laws
+    every = tv.answers.standard_laws
     monkeypatch.setattr(
         "tvclin.answers.trials.standard_laws",
         lambda plant, peak, _: {"trim": every(plant, peak)["trim"]},
@@ -161,9 +161,9 @@ def test_laws_fly_the_flexible_vehicle_with_an_actuator(mine, monkeypatch):
     asked = ("laws", mine, "--wind", "triangle", *NOTCH, "--delay-ms", "10", "--json")
     document = json.loads(CliRunner().invoke(app, list(asked)).stdout)
     plant = plant_of(mine)
-    law = tv.FilteredLaw(
-        tv.standard_laws(plant.rigid, np.radians(5))["trim"],
-        filters=(tv.Filter.notch(24 * np.pi, 0.05, 0.5),),
+    law = tv.control.FilteredLaw(
+        tv.answers.standard_laws(plant.rigid, np.radians(5))["trim"],
+        filters=(tv.vehicle.Filter.notch(24 * np.pi, 0.05, 0.5),),
     )
     expected = tv.closed_loop_boundary(plant, law, WIND, highest=4.0, **NOZZLE)
     (trim,) = [one for one in document["trials"] if one["law"] == "trim"]

@@ -50,7 +50,7 @@ def test_what_has_no_meaning_is_refused(arguments, words):
 
 
 def test_the_wind_gain_of_a_vehicle_that_bends_is_that_of_a_dense_sweep():
-    plant = tv.plant_of(tv.load_vehicle("made-up-launcher"))
+    plant = tv.linear.plant_of(tv.load_vehicle("made-up-launcher"))
     autopilot = tv.design_gains(
         plant.coefficients, natural_frequency=1.2, damping=0.7, actuator=tv.Actuator()
     )

@@ -266,7 +266,7 @@ def test_every_part_of_a_campaign_is_computed_told_or_refused(files):
         if "file" in document["wind"]:
             document["wind"] = change["wind"]
         (folder / "campaign.toml").write_text(in_toml(document))
-        columns = evaluate(tv.load_campaign(folder / "campaign.toml"), 0, 4)
+        columns = evaluate(tv.answers.load_campaign(folder / "campaign.toml"), 0, 4)
         return {name: values.tolist() for name, values in columns.items()}
 
     nominal, wrong = json.dumps(found({})), []

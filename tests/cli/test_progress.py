@@ -56,7 +56,7 @@ def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
 
 def test_a_page_tells_of_each_part() -> None:
     plan = tv.load_study("configuration-i")
-    asked = tv.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
+    asked = tv.answers.StudyPlan(vehicle=plan.vehicle, criteria=tv.CRITERIA["classic"])
     told: list[tuple[float, float]] = []
     find(asked, lambda done, total: told.append((done, total)))
 

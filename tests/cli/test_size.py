@@ -161,7 +161,7 @@ def test_flight_times_include_both_ends_of_the_flight() -> None:
 def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
     """What blows to the other side is left out, exactly between the samples."""
     times, angles = [50.0, 60.0, 66.0, 70.0, 80.0], np.array([0.02, 0.02, -0.04, -0.05, 0.05])
-    met = tv.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
+    met = tv.answers.MeasuredWind(tv.SampledWind(time=times, angle=angles), window=20.0)
     vehicle = tv.load_vehicle("configuration-i")
     around = met(vehicle.replace(time=66.0))
 
@@ -169,7 +169,7 @@ def test_a_measured_wind_counts_to_the_side_of_its_peak() -> None:
         [0.0, 0.0, 0.0, -0.04, -0.05, -0.001, 0.0, 0.0], abs=1e-15
     )
     assert (around.onset, around.end) == pytest.approx((62.0, 75.0))
-    gusty = tv.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
+    gusty = tv.answers.MeasuredWind(met.wind, 20.0, tv.OneMinusCosineGust(peak=0.01, duration=2.0))
     assert gusty(vehicle.replace(time=66.0))(66.0) == pytest.approx(-0.05)
     assert not np.any(met(vehicle.replace(time=30.0))([30.0, 52.0, 66.0]))
 
@@ -204,7 +204,7 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
         peak=np.radians(5),
         model="fixed-path",
     )
-    found = tv.disperse_study(nominal)
+    found = tv.answers.disperse_study(nominal)
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
 
     assert lines["dispersions"] == pytest.approx(
@@ -232,7 +232,7 @@ def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
         **({"gust": gust, "gust_at": 3.75} if more[0] == "--gust" else heading),
     )
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
-    total = np.degrees(tv.disperse_study(nominal).required.upper)
+    total = np.degrees(tv.answers.disperse_study(nominal).required.upper)
 
     assert sum(lines[name] for name in ("wind", "dispersions") if name in lines) == pytest.approx(
         total, rel=1e-9

@@ -66,7 +66,7 @@ CASE = tv.Case(
         natural_frequency=1.2,
         delay=0.01,
         sample_rate=80.0,
-        filters=(tv.Filter.low_pass(2.0 * np.pi * 9.0),),
+        filters=(tv.vehicle.Filter.low_pass(2.0 * np.pi * 9.0),),
     ),
 )
 AS_OPTIONS = (

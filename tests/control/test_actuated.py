@@ -75,7 +75,7 @@ def loop_of(plant, actuator, gains, filters=(), delay=0.0):
 
 def test_the_made_up_booster_has_its_open_loop():
     """As a program that was written apart found it, from the same equations."""
-    filters = tv.Filter.low_pass(13.0, 0.95), tv.Filter.notch(32.0, 0.06, 0.6)
+    filters = tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6)
     loop = loop_of(booster(), ACTUATOR, (0.36, 0.56), filters, delay=0.02)
     for omega, expected in {
         0.5: -1.98274061 - 1.02175840j,
@@ -86,7 +86,7 @@ def test_the_made_up_booster_has_its_open_loop():
 
 
 HERTZ = 2.0 * np.pi
-NOTCH = tv.Filter.notch(12.0 * HERTZ, 0.05, 0.5)
+NOTCH = tv.vehicle.Filter.notch(12.0 * HERTZ, 0.05, 0.5)
 
 
 def lesson(frequency, share=5e-4):
@@ -108,7 +108,7 @@ def lesson(frequency, share=5e-4):
     )
     w = frequency * HERTZ
     slope = -share * w**2 / vehicle.thrust
-    mode = tv.BendingMode(
+    mode = tv.vehicle.BendingMode(
         frequency=w,
         damping=0.005,
         modal_mass=1.0,

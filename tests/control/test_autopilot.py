@@ -9,16 +9,8 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from tvclin import (
-    Actuator,
-    Autopilot,
-    Coefficients,
-    InputError,
-    Plant,
-    TriangularWind,
-    canonical_gains,
-    design_gains,
-)
+from tvclin import Actuator, Autopilot, Coefficients, InputError, Plant, TriangularWind, design_gains
+from tvclin.control import canonical_gains
 from tvclin.control.autopilot.actuator import pade_delay
 from tvclin.control.autopilot.diagram import LOOP_DIAGRAM
 from tvclin.linear.models import MODELS

@@ -291,7 +291,7 @@ def test_an_unstable_loop_has_no_finite_numbers_but_the_theory_has():
     with pytest.raises(InputError, match="nothing to compare: .* 2 closed-loop poles"):
         comparison_chart(found)
     with pytest.raises(InputError, match="no duration is the worst: .* unstable"):
-        tv.worst_duration(plant, fallen, peak=0.1, shortest=1, longest=9, shape=tv.TriangularWind)
+        tv.control.worst_duration(plant, fallen, peak=0.1, shortest=1, longest=9, shape=tv.TriangularWind)
 
 
 def test_a_wind_of_two_signs_has_no_boundary():
@@ -313,7 +313,7 @@ def test_a_wind_of_two_signs_has_no_boundary():
         ({"plant": plant_of(mu_alpha=[0.2, 0.3])}, "for one case; take those of a batch"),
         ({"autopilot": Autopilot(attitude_gain=[0.3, 0.4], rate_gain=0.4)}, "for one case"),
         ({"wind": tv.TriangularWind(peak=[0.1, 0.2], duration=8.0)}, "for one case"),
-        ({"wind": tv.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * TRIANGLE}, "wind must end, and be other than zero"),
         ({"wind": 0.1}, "wind must be a History"),
         ({"plant": COEFFICIENTS}, "plant must be a Plant .*; got Coefficients"),
@@ -350,7 +350,7 @@ def test_the_worst_duration_is_worse_than_those_of_a_scan(shape):
 
     def worst(low, high):
         asked = {"peak": 0.1, "shortest": low, "longest": high, "shape": shape}
-        return tv.worst_duration(plant, autopilot, **asked)
+        return tv.control.worst_duration(plant, autopilot, **asked)
 
     found = worst(1.0, 20.0)
     assert found.peak_deflection == pytest.approx(sampled(found.duration), rel=1e-4)
@@ -386,7 +386,7 @@ def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low
     pulses = np.arange(round(low / step), count)
     after = [np.abs(held[k + later] - held[later]).max() for k in pulses]
     expected = np.maximum(during[pulses], after)
-    found = tv.worst_duration(
+    found = tv.control.worst_duration(
         plant_of(),
         autopilot,
         peak=1.0,
@@ -403,10 +403,10 @@ def test_the_worst_of_many_durations_at_which_a_loop_rings_is_found(damping, low
 def test_a_warning_points_to_who_asked():
     soft, plant = Autopilot(attitude_gain=0.3, rate_gain=-0.4), plant_of()
     asked = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind}
-    schedule = tv.GainSchedule(np.array([0.0, 1.0]), soft)
+    schedule = tv.control.GainSchedule(np.array([0.0, 1.0]), soft)
     calls = [
         lambda: tv.compare_with_trim(plant, soft, TRIANGLE),
-        lambda: tv.worst_duration(plant, soft, **asked),
+        lambda: tv.control.worst_duration(plant, soft, **asked),
         lambda: schedule.margins(plant),
     ]
     for call in calls:
@@ -436,7 +436,7 @@ def test_a_boundary_that_is_no_solution_is_noted():
 def test_durations_that_cannot_be(changes, message):
     asked = {"peak": 0.1, "shortest": 1.0, "longest": 9.0, "shape": tv.TriangularWind} | changes
     with pytest.raises(InputError, match=message):
-        tv.worst_duration(plant_of(), Autopilot(**GAINS), **asked)
+        tv.control.worst_duration(plant_of(), Autopilot(**GAINS), **asked)
 
 
 def test_a_pade_approximation_of_another_stability_is_refused():

@@ -122,14 +122,14 @@ def test_the_command_line_has_filters_and_a_sample_rate(rate):
     result = margins(*FILTERS, *sampled, "--json")
     document = json.loads(result.stdout)
     name = "made-up-booster"
-    plant = tv.plant_of(tv.load_vehicle(name))
+    plant = tv.linear.plant_of(tv.load_vehicle(name))
     hertz = 2.0 * np.pi
     expected = tv.Autopilot(
         attitude_gain=0.36,
         rate_gain=0.56,
         delay=0.02,
         actuator=tv.Actuator(),
-        filters=(tv.Filter.notch(5.1 * hertz, 0.06, 0.6), tv.Filter.low_pass(2.1 * hertz, 0.95)),
+        filters=(tv.vehicle.Filter.notch(5.1 * hertz, 0.06, 0.6), tv.vehicle.Filter.low_pass(2.1 * hertz, 0.95)),
         sample_rate=rate,
     ).margins(plant)
     assert document["stable"]

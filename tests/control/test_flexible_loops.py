@@ -11,7 +11,7 @@ from tests.flexible import BOOSTER, STRUCTURE, transfer
 from tvclin.control.autopilot.actuated import actuated
 from tvclin.control.autopilot.wind_gain import wind_gain
 
-FILTERS = (tv.Filter.low_pass(13.0, 0.95), tv.Filter.notch(32.0, 0.06, 0.6))
+FILTERS = (tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6))
 AUTOPILOT = tv.Autopilot(
     attitude_gain=0.36,
     rate_gain=0.56,
@@ -43,13 +43,13 @@ COURSE = tv.Vehicle(
     velocity=500.0,
     attitude=0.0,
 )
-NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)
+NOTCH = tv.vehicle.Filter.notch(24.0 * np.pi, 0.05, 0.5)
 
 
 def course(hertz, k=5e-4, filters=()):
     frequency, mass = 2.0 * np.pi * hertz, 1e4
     slope = -k * frequency**2 * mass / COURSE.thrust
-    mode = tv.BendingMode(
+    mode = tv.vehicle.BendingMode(
         frequency=frequency,
         damping=0.005,
         modal_mass=mass,
@@ -204,7 +204,7 @@ def test_what_each_part_of_the_booster_does(plant, margin, number):
 
 
 def test_detuned_modes_of_the_booster():
-    found = tv.detuned(AUTOPILOT, booster())
+    found = tv.control.detuned(AUTOPILOT, booster())
     m, row = found.margins, found.row
     assert m.gain_increase_dB[row("bending 1 x 0.8")] == pytest.approx(5.603, abs=0.51e-3)
     far = row("bending 1 x 1.2")
@@ -232,14 +232,14 @@ def test_detuned_modes_of_the_booster():
 
 def test_detuned_modes_are_held_to_what_is_asked_of_modes():
     """4.861 dB are left of the second mode at 0.9 of its frequency, of 16.816 dB at its place."""
-    asked = tv.Criteria.own(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
-    found = tv.detuned(AUTOPILOT, booster(), factors=[0.9, 1.0], criteria=asked)
+    asked = tv.control.Criteria.own(mode_gain_margin_dB=10.0, aero_margin_dB=1.0)
+    found = tv.control.detuned(AUTOPILOT, booster(), factors=[0.9, 1.0], criteria=asked)
     off, home = found.row("bending 2 x 0.9"), found.row("bending 2 x 1")
     assert found.first[off] == found.first[home] == "mode_gain_margin_dB of bending 2"
     assert not found.met[off]
     assert found.met[home]
     assert found.met[found.row("nominal")]
-    lower = tv.detuned(AUTOPILOT, booster(), [0.9], tv.Criteria.own(mode_gain_margin_dB=4.8))
+    lower = tv.control.detuned(AUTOPILOT, booster(), [0.9], tv.control.Criteria.own(mode_gain_margin_dB=4.8))
     assert lower.met[lower.row("bending 2 x 0.9")]
     turned = found.row("bending 1, slopes at the sensors turned")
     assert found.first[turned] == "unstable"
@@ -248,7 +248,7 @@ def test_detuned_modes_are_held_to_what_is_asked_of_modes():
 
 def test_the_edge_of_a_detuned_loop_is_where_its_mode_leaves_the_left_half_plane():
     loud = replace(AUTOPILOT, delay=0.07)
-    found = tv.detuned(loud, booster(), factors=[0.8, 1.3])
+    found = tv.control.detuned(loud, booster(), factors=[0.8, 1.3])
     upper = found.edges[0].upper
     assert 1.0 < upper < 1.3
     mode = STRUCTURE.bending[0]
@@ -259,7 +259,7 @@ def test_the_edge_of_a_detuned_loop_is_where_its_mode_leaves_the_left_half_plane
 
 
 def test_the_exact_loop_is_the_product_of_its_blocks():
-    extra = tv.Filter.lead_lag(-8.0, 11.0)
+    extra = tv.vehicle.Filter.lead_lag(-8.0, 11.0)
     autopilot = replace(
         AUTOPILOT,
         alpha_gain=0.1,
@@ -310,7 +310,7 @@ def test_filters_reach_the_answer_to_a_wind():
 
 
 def test_criteria_know_bands():
-    asked = tv.Criteria.own(
+    asked = tv.control.Criteria.own(
         aero_margin_dB=6.0, mode_gain_margin_dB=18.0, mode_phase_margin_deg=45.0
     )
     found = AUTOPILOT.band_margins(booster())
@@ -333,7 +333,7 @@ def test_criteria_know_bands():
 
 def test_a_mode_in_a_loop_that_is_large_is_not_held_by_gain():
     """Liquid that sloshes below the crossover: the whole peak lies above one, and near -1."""
-    tank = tv.SloshTank(mass=7000.0, station=-5.0, damping=0.005, frequency=0.5)
+    tank = tv.vehicle.SloshTank(mass=7000.0, station=-5.0, damping=0.005, frequency=0.5)
     plant = tv.FlexiblePlant.from_vehicle(BOOSTER, tv.Structure(slosh=(tank,)), "drift-exact")
     gains = tv.Autopilot(attitude_gain=0.54, rate_gain=0.84, actuator=AUTOPILOT.actuator)
     bands = gains.band_margins(plant)
@@ -371,7 +371,7 @@ def test_what_does_not_go_together_is_refused():
     with pytest.raises(tv.InputError, match="filters"):
         replace(AUTOPILOT, filters=("notch",))
     with pytest.raises(tv.InputError, match="plant with a bending mode or a tank"):
-        tv.detuned(AUTOPILOT, booster(bending=(), slosh=(), engine=None))
+        tv.control.detuned(AUTOPILOT, booster(bending=(), slosh=(), engine=None))
     rigid = tv.Plant.from_vehicle(BOOSTER, "fixed-path")
     with pytest.raises(tv.InputError, match="plant must be a FlexiblePlant"):
         AUTOPILOT.band_margins(rigid)

@@ -59,7 +59,7 @@ def test_gains_of_a_batch_place_the_poles_of_each():
         expected = frequency[i, 0] * (-0.6 + 0.8j)
         np.testing.assert_allclose(np.sort_complex(poles), [expected.conjugate(), expected])
     unstable = Coefficients(mu_alpha=[0.1, 0.28], mu_delta=2.6)
-    canonical = tv.canonical_gains(unstable)
+    canonical = tv.control.canonical_gains(unstable)
     for a0, a1, mu in zip(canonical.attitude_gain, canonical.rate_gain, [0.1, 0.28], strict=True):
         poles = np.roots([1, 2.6 * a1, 2.6 * a0 - mu])
         np.testing.assert_allclose(np.abs(poles), np.sqrt(mu))
@@ -71,7 +71,7 @@ def test_gains_of_a_batch_place_the_poles_of_each():
 def test_relief_leaves_the_ratio_asked_for_as_angle_of_attack(ratio, mu_alpha, mu_delta):
     c = Coefficients(mu_alpha=mu_alpha, mu_delta=mu_delta)
     plant = Plant.from_coefficients(c)
-    relief = tv.relief_gains(c, **FAST, alpha_ratio=ratio)
+    relief = tv.control.relief_gains(c, **FAST, alpha_ratio=ratio)
     angle = steady(relief, plant, "angle_of_attack")
     np.testing.assert_allclose(angle, -ratio, atol=1e-12)
     poles = relief.close(plant).poles()
@@ -87,14 +87,14 @@ def test_pure_attitude_hold_has_more_than_the_wind_as_angle_of_attack():
     assert steady(hold, Plant(COEFFICIENTS, "fixed-path"), "angle_of_attack") == pytest.approx(
         -ratio, rel=1e-12
     )
-    same = tv.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=ratio)
+    same = tv.control.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=ratio)
     assert same.attitude_gain == pytest.approx(hold.attitude_gain, rel=1e-12)
     assert same.alpha_gain == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.9])
 def test_the_slow_pole_is_right_to_first_order_in_the_drift(ratio):
-    relief = tv.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=ratio)
+    relief = tv.control.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=ratio)
     errors = []
     for small in (1e-1, 1e-2):
         drift = {name: small * getattr(COEFFICIENTS, name) for name in ("C1", "C2", "b1", "b2")}
@@ -110,7 +110,7 @@ def test_drift_minimum_keeps_the_flight_path_in_a_steady_wind(name):
     c = Coefficients.from_vehicle(tv.load_vehicle(name))
     plant = Plant.from_coefficients(c, "drift-exact")
     for options in ({}, {"actuator": Actuator(), "delay": 0.02}):
-        least = tv.drift_minimum_gains(c, **FAST, **options)
+        least = tv.control.drift_minimum_gains(c, **FAST, **options)
         assert least.close(plant).poles().real.max() < 0
         assert abs(steady(least, plant, "flight_path_angle")) < 1e-12
         w = 9.80665 * np.sin(tv.load_vehicle(name).attitude) / tv.load_vehicle(name).velocity
@@ -123,7 +123,7 @@ def test_drift_minimum_keeps_the_flight_path_in_a_steady_wind(name):
 def test_drift_minimum_without_drag_and_weight_has_the_textbook_ratio(name):
     v = tv.load_vehicle(name).replace(axial_force=0.0, attitude=0.0)
     c = Coefficients.from_vehicle(v)
-    least = tv.drift_minimum_gains(c, **FAST)
+    least = tv.control.drift_minimum_gains(c, **FAST)
     angle = steady(least, Plant.from_coefficients(c, "drift-exact"), "angle_of_attack")
     lift = v.normal_force_slope / v.thrust
     expected = 1 / (1 + lift * (1 + v.aerodynamic_arm / v.control_arm))
@@ -133,7 +133,7 @@ def test_drift_minimum_without_drag_and_weight_has_the_textbook_ratio(name):
 @BOTH
 def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
     c = Coefficients.from_vehicle(tv.load_vehicle(name))
-    least = tv.load_minimum_gains(c, **FAST)
+    least = tv.control.load_minimum_gains(c, **FAST)
     assert least.attitude_gain == 0.0
     plant = Plant.from_coefficients(c, "drift-exact")
     assert abs(steady(least, plant, "angle_of_attack")) < 1e-12
@@ -146,20 +146,20 @@ def test_load_minimum_has_no_angle_of_attack_and_a_path_that_runs_away(name):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: tv.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=-0.1), "alpha_ratio must be ze"),
-        (lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(b1=0.0), **FAST), "with drift"),
-        (lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(mu_alpha=0.0), **FAST), "mu_alpha ot"),
+        (lambda: tv.control.relief_gains(COEFFICIENTS, **FAST, alpha_ratio=-0.1), "alpha_ratio must be ze"),
+        (lambda: tv.control.drift_minimum_gains(COEFFICIENTS.replace(b1=0.0), **FAST), "with drift"),
+        (lambda: tv.control.drift_minimum_gains(COEFFICIENTS.replace(mu_alpha=0.0), **FAST), "mu_alpha ot"),
         (
-            lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(b1=-0.02), **FAST),
+            lambda: tv.control.drift_minimum_gains(COEFFICIENTS.replace(b1=-0.02), **FAST),
             r"no drift-minimum gains: .* b1 \+ w = -0\.00714.* use design_gains instead",
         ),
         (
-            lambda: tv.drift_minimum_gains(COEFFICIENTS.replace(b2=[0.01, -0.03]), **FAST),
+            lambda: tv.control.drift_minimum_gains(COEFFICIENTS.replace(b2=[0.01, -0.03]), **FAST),
             r"b2 \+ w = -0\.0171.* would have to be positive",
         ),
-        (lambda: tv.load_minimum_gains(1.0, **FAST), "coefficients must be a Coefficients"),
+        (lambda: tv.control.load_minimum_gains(1.0, **FAST), "coefficients must be a Coefficients"),
         (
-            lambda: tv.canonical_gains(COEFFICIENTS.replace(mu_alpha=[0.2, -0.4])),
+            lambda: tv.control.canonical_gains(COEFFICIENTS.replace(mu_alpha=[0.2, -0.4])),
             "aerodynamically unstable vehicle, .* got -0.4 .*natural_frequency and use design_gai",
         ),
         (
@@ -183,7 +183,7 @@ def test_gains_that_cannot_be(make, message):
         make()
 
 
-@pytest.mark.parametrize("rule", [tv.drift_minimum_gains, tv.load_minimum_gains])
+@pytest.mark.parametrize("rule", [tv.control.drift_minimum_gains, tv.control.load_minimum_gains])
 def test_relief_is_not_softer_than_a_stable_vehicle_itself(rule):
     c = COEFFICIENTS.replace(mu_alpha=[0.28, -1.21], C2=[0.0036, -0.0156])
     for frequency in (1.1 * (1 + 1e-9), 2.0):
@@ -214,7 +214,7 @@ def test_lqr_gains_are_those_of_the_riccati_equation_and_no_others_cost_less(mod
     plant = Plant.from_coefficients(COEFFICIENTS, model)
     A, B, Q, R = quadratic(plant)
     P = solve_continuous_are(A, B, Q, R)
-    made = tv.lqr_gains(plant, **WEIGHTS)
+    made = tv.control.lqr_gains(plant, **WEIGHTS)
     poles = np.sort_complex(np.linalg.eigvals(A - B @ np.linalg.solve(R, B.T @ P)))
     np.testing.assert_allclose(np.sort_complex(made.close(plant).poles()), poles, rtol=1e-9)
 
@@ -235,9 +235,9 @@ def test_lqr_gains_are_those_of_the_riccati_equation_and_no_others_cost_less(mod
 
 def test_lqr_passes_the_other_arguments_on_and_only_ratios_of_weights_count():
     plant = Plant.from_coefficients(COEFFICIENTS, "drift")
-    first = tv.lqr_gains(plant, alpha_weight=2.0, delay=0.03, actuator=Actuator())
+    first = tv.control.lqr_gains(plant, alpha_weight=2.0, delay=0.03, actuator=Actuator())
     assert (first.delay, first.actuator) == (0.03, Actuator())
-    again = tv.lqr_gains(plant, attitude_weight=7.0, alpha_weight=14.0, deflection_weight=7.0)
+    again = tv.control.lqr_gains(plant, attitude_weight=7.0, alpha_weight=14.0, deflection_weight=7.0)
     assert again.attitude_gain == pytest.approx(first.attitude_gain, rel=1e-9)
     assert again.alpha_gain == pytest.approx(first.alpha_gain, rel=1e-9)
 
@@ -270,13 +270,13 @@ def test_lqr_passes_the_other_arguments_on_and_only_ratios_of_weights_count():
 )
 def test_costs_that_cannot_be(plant, weights, message):
     with pytest.raises(InputError, match=message):
-        tv.lqr_gains(plant, **weights)
+        tv.control.lqr_gains(plant, **weights)
 
 
 def schedule():
     c = Coefficients(mu_alpha=[0.1, 0.28, 0.2], mu_delta=[2.0, 2.6, 3.0])
     options = {**FAST, "delay": 0.02, "actuator": Actuator()}
-    return c, tv.GainSchedule.design([40.0, 66.0, 90.0], c, tv.design_gains, **options)
+    return c, tv.control.GainSchedule.design([40.0, 66.0, 90.0], c, tv.design_gains, **options)
 
 
 def test_a_schedule_interpolates_in_straight_lines():
@@ -289,7 +289,7 @@ def test_a_schedule_interpolates_in_straight_lines():
     assert made.at(78.0).rate_gain == pytest.approx(
         np.mean(made.autopilot.rate_gain[1:]), rel=1e-14
     )
-    held = tv.GainSchedule(np.array([0.0, 10.0]), Autopilot(**GAINS))
+    held = tv.control.GainSchedule(np.array([0.0, 10.0]), Autopilot(**GAINS))
     assert held.at(3.0) == Autopilot(**GAINS)
 
 
@@ -302,7 +302,7 @@ def test_the_margins_of_a_schedule_are_those_at_each_time():
         single = made.at(time).margins(one)
         assert m.phase_margin[k] == pytest.approx(single.phase_margin, rel=1e-11)
         assert m.gain_increase[k] == pytest.approx(single.gain_increase, rel=1e-11)
-    falling = tv.GainSchedule(made.time, Autopilot(attitude_gain=[0.3, 0.3, 0.3], rate_gain=0.0))
+    falling = tv.control.GainSchedule(made.time, Autopilot(attitude_gain=[0.3, 0.3, 0.3], rate_gain=0.0))
     with pytest.warns(UserWarning, match="rate_gain is zero: nothing damps the attitude"):
         assert falling.margins(Plant.from_coefficients(c)).unstable_poles.tolist() == [0, 0, 0]
 
@@ -313,21 +313,21 @@ def test_the_margins_of_a_schedule_are_those_at_each_time():
         (lambda: schedule()[1].at(39.9), r"schedule, 40 to 90 s; got 39\.9"),
         (lambda: schedule()[1].at([50.0, 91.5]), r"schedule, 40 to 90 s; got 91\.5"),
         (lambda: schedule()[1].at(np.nan), "time must be finite"),
-        (lambda: tv.GainSchedule(np.array([1.0, 1.0]), Autopilot(**GAINS)), "rising flight times"),
-        (lambda: tv.GainSchedule(np.array([2.0, 1.0]), Autopilot(**GAINS)), "rising flight times"),
-        (lambda: tv.GainSchedule(np.array([1.0]), Autopilot(**GAINS)), "two or more rising"),
-        (lambda: tv.GainSchedule(np.eye(2), Autopilot(**GAINS)), "rising flight times"),
+        (lambda: tv.control.GainSchedule(np.array([1.0, 1.0]), Autopilot(**GAINS)), "rising flight times"),
+        (lambda: tv.control.GainSchedule(np.array([2.0, 1.0]), Autopilot(**GAINS)), "rising flight times"),
+        (lambda: tv.control.GainSchedule(np.array([1.0]), Autopilot(**GAINS)), "two or more rising"),
+        (lambda: tv.control.GainSchedule(np.eye(2), Autopilot(**GAINS)), "rising flight times"),
         (
-            lambda: tv.GainSchedule.design(["a", "b"], COEFFICIENTS, tv.canonical_gains),
+            lambda: tv.control.GainSchedule.design(["a", "b"], COEFFICIENTS, tv.control.canonical_gains),
             "time must be a number in s",
         ),
-        (lambda: tv.GainSchedule(np.arange(3.0), 0.3), "autopilot must be an? Autopilot"),
+        (lambda: tv.control.GainSchedule(np.arange(3.0), 0.3), "autopilot must be an? Autopilot"),
         (
-            lambda: tv.GainSchedule(np.arange(3.0), Autopilot(attitude_gain=[1, 2], rate_gain=1)),
+            lambda: tv.control.GainSchedule(np.arange(3.0), Autopilot(attitude_gain=[1, 2], rate_gain=1)),
             r"one gain for each of the 3 times; got a batch of shape \(2,\)",
         ),
         (
-            lambda: tv.GainSchedule(
+            lambda: tv.control.GainSchedule(
                 np.arange(2.0), Autopilot(**GAINS, actuator=Actuator(natural_frequency=[20, 30]))
             ).at(0.5),
             "actuator that changes over the flight is not interpolated",

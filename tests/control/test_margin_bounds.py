@@ -28,7 +28,7 @@ def least_norm(points, values):
 @pytest.mark.parametrize("growth", [0.1, 0.3, 0.8])
 def test_the_least_peaks_are_those_of_interpolation(growth):
     """A delay as the all-pass of Pade of order 3: T is zero at its zeros and one at the pole."""
-    found = tv.margin_bounds(
+    found = tv.control.margin_bounds(
         tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=growth**2, mu_delta=1.0)), delay=1.0
     )
     order = 3
@@ -57,7 +57,7 @@ def test_no_gains_have_more_than_the_bounds():
     gains = tv.Autopilot(attitude_gain=a0, rate_gain=a1, delay=delay)
     margins = loop_margins(gains.exact_loop(plant))
     some = margins.stable
-    bounds = tv.margin_bounds(plant, delay=delay)
+    bounds = tv.control.margin_bounds(plant, delay=delay)
     assert np.sum(some) > 100
     assert margins.disk_margin[some].max() < bounds.disk_margin
     assert margins.phase_margin[some].max() < bounds.phase_margin
@@ -75,7 +75,7 @@ def test_the_rule_for_attitude_and_rate_gains_is_good_to_3_percent(
 ):
     plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=mu_alpha, mu_delta=2.6))
     nozzle = tv.Actuator(natural_frequency=frequency, damping=damping)
-    rule = tv.margin_bounds(plant, actuator=nozzle, delay=delay)
+    rule = tv.control.margin_bounds(plant, actuator=nozzle, delay=delay)
     a0, a1 = np.meshgrid(
         rule.rule_attitude_gain * np.geomspace(0.6, 1.6, 25),
         rule.rule_rate_gain * np.geomspace(0.6, 1.6, 25),
@@ -88,20 +88,20 @@ def test_the_rule_for_attitude_and_rate_gains_is_good_to_3_percent(
 
 def test_without_delay_nothing_is_bounded_and_without_growth_nothing_is_said():
     plant = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=1.0, mu_delta=1.0))
-    found = tv.margin_bounds(plant)
+    found = tv.control.margin_bounds(plant)
     assert (found.disk_margin, found.rule_disk_margin, found.gain_range) == (2.0, 2.0, np.inf)
     assert found.sentence == ""
     stable = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-1.0, mu_delta=1.0))
     with pytest.raises(tv.InputError, match="by unstable poles only"):
-        tv.margin_bounds(stable)
+        tv.control.margin_bounds(stable)
 
 
 def test_a_flexible_vehicle_is_bounded_by_its_own_pole() -> None:
     """Which is slower than that of the rigid one here, and leaves more."""
     plant = tv.FlexiblePlant.from_vehicle(BOOSTER, STRUCTURE, "drift-exact")
     own = np.linalg.eigvals(plant.matrices()[0]).real.max()
-    found = tv.margin_bounds(plant, delay=0.1)
+    found = tv.control.margin_bounds(plant, delay=0.1)
     assert found.pole == pytest.approx(own, rel=1e-9)
     M = np.exp(own * 0.1)
     assert found.disk_margin == pytest.approx(2.0 / (M + np.sqrt(M**2 - 1.0)), rel=1e-9)
-    assert found.disk_margin > tv.margin_bounds(plant.rigid, delay=0.1).disk_margin * 1.0005
+    assert found.disk_margin > tv.control.margin_bounds(plant.rigid, delay=0.1).disk_margin * 1.0005

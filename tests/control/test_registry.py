@@ -26,16 +26,16 @@ def test_a_law_is_the_same_in_trials_and_in_campaigns(name):
         law=name,
         cases=2,
     )
-    law = tv.design_law(name, PLANT, PEAK)
+    law = tv.control.design_law(name, PLANT, PEAK)
     assert law.numbers is not None  # the compiled flights know it
     flown = law_of(plan, batch(plan, draw_case(plan, 0)))
-    assert law.numbers == flown.numbers == tv.standard_laws(PLANT, PEAK)[name].numbers
+    assert law.numbers == flown.numbers == tv.answers.standard_laws(PLANT, PEAK)[name].numbers
 
 
 @pytest.mark.parametrize("name", ["trim", "dead-band"])
 def test_trim_holds_the_attitude_and_lets_no_path_creep_away(name):
     """Linear near rest: delta = B alpha + gains of attitude and rate, about the drifting plant."""
-    numbers = tv.design_law(name, PLANT, PEAK).numbers
+    numbers = tv.control.design_law(name, PLANT, PEAK).numbers
     A, inputs, C, D = PLANT.matrices()
     alpha, through = C[3], D[3]
     assert through[0] == 0.0
@@ -51,14 +51,14 @@ def test_trim_holds_the_attitude_and_lets_no_path_creep_away(name):
 
 def test_a_law_takes_its_own_and_nothing_else():
     autopilot = tv.Autopilot(attitude_gain=0.4, rate_gain=0.5, integral_gain=0.1)
-    law = tv.design_law("autopilot", PLANT, PEAK, autopilot=autopilot)
+    law = tv.control.design_law("autopilot", PLANT, PEAK, autopilot=autopilot)
     assert law == tv.SaturatedLaw(autopilot)
-    assert tv.standard_laws(PLANT, PEAK, autopilot)["autopilot"] == law
+    assert tv.answers.standard_laws(PLANT, PEAK, autopilot)["autopilot"] == law
     for name, own in (("trim", {"dead_band": 0.5}), ("dead-band", {"autopilot": autopilot})):
         with pytest.raises(tv.InputError, match=f"is not of the law {name}; leave it out"):
-            tv.design_law(name, PLANT, PEAK, **own)
+            tv.control.design_law(name, PLANT, PEAK, **own)
     with pytest.raises(tv.InputError, match="law must be one of autopilot, trim"):
-        tv.design_law("bang-bang", PLANT, PEAK)
+        tv.control.design_law("bang-bang", PLANT, PEAK)
 
 
 def test_every_law_is_named_wherever_it_can_be_asked_for():

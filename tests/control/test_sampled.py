@@ -171,7 +171,7 @@ def test_a_long_simulation_grows_just_beyond_the_margin_and_dies_just_before():
 
 def test_filters_are_exact_at_their_own_frequency():
     plant = booster()
-    for one, own in ((FILTERS[0], 13.0), (FILTERS[1], 32.0), (tv.Filter.lead_lag(4.0, 9.0), 9.0)):
+    for one, own in ((FILTERS[0], 13.0), (FILTERS[1], 32.0), (tv.vehicle.Filter.lead_lag(4.0, 9.0), 9.0)):
         bare = replace(SAMPLED, filters=()).frequency_response(plant, own)
         found = replace(SAMPLED, filters=(one,)).frequency_response(plant, own)
         assert found / bare == pytest.approx(one(1j * own)[()], rel=1e-10)
@@ -251,7 +251,7 @@ def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_say
         actuator=tv.Actuator(natural_frequency=69.66),
         delay=0.0349767,
         sample_rate=23.65,
-        filters=(tv.Filter.low_pass(13.0, 0.95),),
+        filters=(tv.vehicle.Filter.low_pass(13.0, 0.95),),
     )
     vehicle = tv.load_vehicle("made-up-booster")
     plant = tv.FlexiblePlant.from_vehicle(vehicle, vehicle.structure, "drift-and-speed")

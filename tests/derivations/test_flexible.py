@@ -148,7 +148,7 @@ def test_the_package_has_the_equations_of_lagrange(seed):
         velocity=1.0,
         attitude=0.0,
     )
-    mode = tv.BendingMode(
+    mode = tv.vehicle.BendingMode(
         frequency=f["omega"],
         damping=0.0,
         modal_mass=f["M"],
@@ -161,12 +161,12 @@ def test_the_package_has_the_equations_of_lagrange(seed):
         tank_slopes=(f["sigma_p"], f["sigma_s"]),
     )
     tanks = (
-        tv.SloshTank(mass=f["m_p"], station=f["x_p"], damping=0.0, pendulum_length=f["L"]),
-        tv.SloshTank(
+        tv.vehicle.SloshTank(mass=f["m_p"], station=f["x_p"], damping=0.0, pendulum_length=f["L"]),
+        tv.vehicle.SloshTank(
             mass=f["m_s"], station=f["x_s"], damping=0.0, frequency=(f["k_s"] / f["m_s"]) ** 0.5
         ),
     )
-    engine = tv.Engine(mass=f["m_E"], arm=f["l_E"], moment_of_inertia=f["I_E"])
+    engine = tv.vehicle.Engine(mass=f["m_E"], arm=f["l_E"], moment_of_inertia=f["I_E"])
     found = motions(vehicle, tv.Structure(bending=(mode,), slosh=tanks, engine=engine))
     columns = [found.deflection, found.deflection_acceleration, found.angle_of_attack]
     expected = np.array(stiffness.tolist(), float), np.array(follows.tolist(), float)
@@ -224,7 +224,7 @@ def test_a_pendulum_in_a_turning_accelerating_body_swings_as_the_plant_says():
         velocity=500.0,
         attitude=0.5,
     )
-    tank = tv.SloshTank(mass=mass, station=rest, damping=0.0, pendulum_length=length)
+    tank = tv.vehicle.SloshTank(mass=mass, station=rest, damping=0.0, pendulum_length=length)
     plant = tv.FlexiblePlant(vehicle, tv.Structure(slosh=(tank,)), "fixed-path")
     A, B, *_ = plant.matrices()
     times, tight = np.linspace(0.5, 6.0, 12), {"rtol": 1e-11, "atol": 1e-14}

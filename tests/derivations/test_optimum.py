@@ -211,5 +211,5 @@ def test_one_switch_meets_both_poles_of_the_package_s_plant(named, tau_beta, pea
     limit = fast * demand[1] / (1.0 - 2.0 * np.exp(-fast * switch))
     expected = peaks[name == "configuration-ii"]
     assert abs(limit) == pytest.approx(0.1 * c.B * expected, rel=5e-6)
-    deflection = tvclin.BangBang(limit=limit, switch_times=[switch])
+    deflection = tvclin.linear.BangBang(limit=limit, switch_times=[switch])
     assert tvclin.residues(plant, deflection, wind) == pytest.approx([0.0, 0.0], abs=1e-12)

@@ -7,18 +7,8 @@ import pytest
 from scipy.signal import cont2discrete
 
 import tvclin as tv
-from tvclin import (
-    Coefficients,
-    InputError,
-    Plant,
-    RecoverableAttitudeLaw,
-    SampledWind,
-    TriangularWind,
-    TrimLaw,
-    WindEstimator,
-    closed_loop_boundary,
-    fly,
-)
+from tvclin import Coefficients, InputError, Plant, RecoverableAttitudeLaw, SampledWind, TriangularWind, TrimLaw, closed_loop_boundary, fly
+from tvclin.control import WindEstimator
 from tvclin.boundary.recoverable import unstable_coordinates
 from tvclin.control.laws.law import Measurement
 from tvclin.flights.closed_loop.edges import OPEN
@@ -71,7 +61,7 @@ def test_trim_that_holds_the_attitude_meets_the_literal_dead_band_with_drift(tau
 def test_the_dead_band_law_comes_near_the_reports_limit_in_a_short_wind(tau_beta):
     plant = plant_of()
     expected = tv.boundary_limit(plant, triangle(plant, tau_beta), 0.5).limit
-    assert expected <= found(plant, tv.DeadBandLaw(plant), tau_beta) <= expected + 0.004
+    assert expected <= found(plant, tv.control.DeadBandLaw(plant), tau_beta) <= expected + 0.004
 
 
 # Of another program, with steps of 5 ms; vehicle I, 5 degrees.
@@ -145,7 +135,7 @@ def test_no_law_needs_less_than_the_two_minima():
     least = tv.forecast_free_limit(plant, wind).limit
     assert tv.optimum_deflection(plant, wind).peak / (c.B * PEAK) <= least * (1.0 + 1e-9)
     stiff = tv.design_gains(c, natural_frequency=4.0 * c.beta, damping=0.7)
-    laws = [TrimLaw(plant), tv.DeadBandLaw(plant), tv.SaturatedLaw(stiff), lean(plant)]
+    laws = [TrimLaw(plant), tv.control.DeadBandLaw(plant), tv.SaturatedLaw(stiff), lean(plant)]
     limits = [found(plant, law, wind) for law in laws]
     assert least <= limits[-1] == min(limits) <= least + 0.03
     drifting = plant_of("drift-exact")
@@ -270,7 +260,7 @@ def test_where_survival_falls_again_the_limit_is_above_the_highest_that_is_lost(
 def test_an_edge_is_above_every_loss_that_lies_a_little_above_the_scanned_one(nozzle, window):
     """Windows of loss narrower than a step of the scan, flown at 50 Hz."""
     plant = plant_of("drift-exact")
-    law = tv.DeadBandLaw(plant_of(), dead_band=0.5)
+    law = tv.control.DeadBandLaw(plant_of(), dead_band=0.5)
     wind = triangle(plant, 8.0)
     hardware = {"actuator": nozzle, "sample_rate": 50.0}
     edge = closed_loop_boundary(plant, law, wind, **hardware)
@@ -308,7 +298,7 @@ def test_the_scan_and_the_ends_of_its_range():
 
 
 @pytest.mark.parametrize("design", ["fixed-path", "drift", "drift-exact"])
-@pytest.mark.parametrize("kind", [TrimLaw, tv.DeadBandLaw])
+@pytest.mark.parametrize("kind", [TrimLaw, tv.control.DeadBandLaw])
 def test_a_mode_that_the_law_lets_creep_away_is_told(design, kind):
     """The step of the sampled loop from scipy: the command is held from sample to sample."""
     plant, law, rate = plant_of("drift-exact"), kind(plant_of(design)), 20.0
@@ -357,7 +347,7 @@ def test_noise_is_no_growth():
     assert found[0] < -0.1
 
 
-class Halfway(tv.Law):
+class Halfway(tv.control.Law):
     """In still air it rests at half of what can be brought back, neither lost nor settled."""
 
     def demand(self, seen, states, limit):
@@ -410,7 +400,7 @@ STABLE = Plant.from_coefficients(Coefficients(mu_alpha=-0.2, mu_delta=2.6))
         ({"plant": STABLE}, "real unstable poles"),
         ({"plant": plant_of("drift-and-speed")}, "real unstable poles"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one plant in one wind"),
-        ({"wind": tv.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.1}, "wind must be a History"),
     ],
 )

@@ -35,7 +35,7 @@ GAINS = tv.design_gains(C, natural_frequency=1.0, damping=0.7)
 LAWS = {
     "attitude and rate": tv.SaturatedLaw(GAINS),
     "trim": tv.TrimLaw(PLANT),
-    "dead band": tv.DeadBandLaw(PLANT, dead_band=0.5),
+    "dead band": tv.control.DeadBandLaw(PLANT, dead_band=0.5),
     "recoverable": tv.RecoverableAttitudeLaw(PLANT, design_peak=PEAK),
 }
 EACH_LAW = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
@@ -51,7 +51,7 @@ def margins(law, times, rate=100.0, **options):
     """Flown margins at so many times the law's own boundary."""
     limit = times * boundary(law, rate) * TRIM
     options = {"limit": limit, "actuator": SERVO, "sample_rate": rate} | options
-    return tv.flown_margins(PLANT, law, WIND, **options)
+    return tv.flights.flown_margins(PLANT, law, WIND, **options)
 
 
 def by_scipy(gains, gain, effectiveness, delay, h):
@@ -101,7 +101,7 @@ def test_margins_near_rest_bring_an_eigenvalue_of_another_step_to_the_circle(del
 
 def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
     """The observer takes the deflection from the nozzle: only the effect of it is misjudged."""
-    estimator = tv.WindEstimator(bandwidth=5.0)
+    estimator = tv.control.WindEstimator(bandwidth=5.0)
     law = tv.RecoverableAttitudeLaw(PLANT, design_peak=PEAK, estimator=estimator)
     one = one_flight(PLANT, law, WIND, TRIM, np.inf, SERVO, 0.01, 0.03)
     gain, effect = (factors_at_growth(one, name, BETA) for name in ("gain", "effectiveness"))
@@ -118,7 +118,7 @@ def test_the_effectiveness_of_a_law_that_sees_the_nozzle_is_not_its_gain():
 @pytest.mark.parametrize("late", [0.0, 0.0263])
 def test_far_from_the_stop_they_are_the_linear_margins_of_the_sampled_loop(late):
     """A hold is half a sample late; its error is of the order (omega h)^2, 2e-4 at crossover."""
-    found = tv.flown_margins(
+    found = tv.flights.flown_margins(
         PLANT, LAWS["attitude and rate"], WIND, limit=300.0 * TRIM, actuator=SERVO, delay=late
     )
     linear = replace(GAINS, actuator=SERVO, delay=late + 0.005).margins(PLANT)
@@ -140,7 +140,7 @@ def test_the_course_booster_has_426_ms_in_continuous_time_and_half_a_sample_less
     nozzle = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
     wind = tv.TriangularWind(peak=PEAK, duration=4.0 / float(plant.coefficients.beta))
     limit = 1.2 * 0.7922 * float(plant.coefficients.B) * PEAK
-    found = tv.flown_margins(plant, tv.SaturatedLaw(gains), wind, limit=limit, actuator=nozzle)
+    found = tv.flights.flown_margins(plant, tv.SaturatedLaw(gains), wind, limit=limit, actuator=nozzle)
     assert found.spare == pytest.approx(1.2, abs=2e-4)
     assert found.delay.near_rest == pytest.approx(0.4206, abs=5e-5)
     assert replace(gains, actuator=nozzle).margins(plant).delay_margin == pytest.approx(
@@ -287,7 +287,7 @@ def test_margins_can_be_read_from_the_map():
     found = margins(law, times, rate=50.0)
     at = {"fall": 1.0 / found.gain_fall.value, "effect": 1.0 / found.effectiveness_fall.value}
     gains = sorted([*at.values(), 1.0])
-    chart = tv.boundary_map(
+    chart = tv.flights.boundary_map(
         PLANT, law, WIND, gains, [0.0, found.delay.value], sample_rate=50.0, actuator=SERVO
     )
     known = 2.0 * 1.98 / 60.0 * STEP  # of both: by gain and delay the boundary moves slowly
@@ -302,9 +302,9 @@ def test_margins_can_be_read_from_the_map():
 
 def test_filters_of_a_law_are_in_its_margins():
     """Far from the stop those of the filtered loop; a bilinear filter is exact at its frequency."""
-    shelf = tv.Filter.low_pass(6.0, 0.7)
-    law = tv.FilteredLaw(LAWS["attitude and rate"], filters=(shelf,))
-    found = tv.flown_margins(PLANT, law, WIND, limit=300.0 * TRIM, actuator=SERVO)
+    shelf = tv.vehicle.Filter.low_pass(6.0, 0.7)
+    law = tv.control.FilteredLaw(LAWS["attitude and rate"], filters=(shelf,))
+    found = tv.flights.flown_margins(PLANT, law, WIND, limit=300.0 * TRIM, actuator=SERVO)
     linear = replace(GAINS, filters=(shelf,), actuator=SERVO, delay=0.005).margins(PLANT)
     assert found.gain_fall.value == pytest.approx(linear.aero_margin, rel=2e-3)
     assert found.gain_rise.value == pytest.approx(linear.gain_increase, rel=5e-3)
@@ -315,7 +315,7 @@ def test_sudden_stops_and_a_slow_nozzle_leave_no_more():
     law = tv.RecoverableAttitudeLaw(PLANT, reach=1.0, gain=6.0)
     wind = tv.SampledWind(time=[0.0, 3.0, 6.0, 9.0], angle=PEAK * np.array([0.0, 1.0, 1.0, 0.1]))
     options = {"limit": 0.8 * TRIM, "sample_rate": 20.0}
-    whole, stopped = (tv.flown_margins(PLANT, law, wind, cuts=n, **options) for n in (0, 3))
+    whole, stopped = (tv.flights.flown_margins(PLANT, law, wind, cuts=n, **options) for n in (0, 3))
     assert stopped.spare < whole.spare
     assert stopped.effectiveness_fall.value < whole.effectiveness_fall.value
     gains = LAWS["attitude and rate"]
@@ -344,7 +344,7 @@ def test_what_cannot_have_margins_is_refused():
     trim, limit = LAWS["trim"], 0.9 * TRIM
     usual = {"plant": PLANT, "law": trim, "wind": WIND, "limit": limit, "sample_rate": 50.0}
     noisy = tv.RecoverableAttitudeLaw(
-        PLANT, estimator=tv.WindEstimator(bandwidth=10.0, rate_noise=1e-4)
+        PLANT, estimator=tv.control.WindEstimator(bandwidth=10.0, rate_noise=1e-4)
     )
     drifting = plant_of("drift-exact")
     stable = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=1.0))
@@ -356,18 +356,18 @@ def test_what_cannot_have_margins_is_refused():
         "sample_rate": {"sample_rate": None},
         "one or two real unstable poles": {"plant": stable},
         "got batches of shape": {"plant": batch},
-        "wind must end": {"wind": tv.HeldDeflection(limit=0.05)},
+        "wind must end": {"wind": tv.linear.HeldDeflection(limit=0.05)},
         "delay must be zero or positive": {"delay": -0.1},
         "limit must be positive": {"limit": 0.0},
         "it needs more than 2 of trim, has 0.9": {"rate_limit": np.radians(0.01)},
     }
     for said, changed in words.items():
         with pytest.raises(tv.InputError, match=said):
-            tv.flown_margins(**usual | changed)
+            tv.flights.flown_margins(**usual | changed)
     with pytest.raises(tv.InputError, match="gains must rise"):
-        tv.boundary_map(PLANT, trim, WIND, [1.0, 0.5], [0.0])
+        tv.flights.boundary_map(PLANT, trim, WIND, [1.0, 0.5], [0.0])
     with pytest.raises(tv.InputError, match="at most 2000 boundaries"):
-        tv.boundary_map(PLANT, trim, WIND, np.linspace(0.5, 2.0, 50), np.linspace(0.0, 1.0, 50))
+        tv.flights.boundary_map(PLANT, trim, WIND, np.linspace(0.5, 2.0, 50), np.linspace(0.0, 1.0, 50))
 
 
 def test_figures_show_the_margins_and_the_map():
@@ -380,7 +380,7 @@ def test_figures_show_the_margins_and_the_map():
     shown = {column.label: column.values for column in drawn.columns}
     np.testing.assert_allclose(shown["gain fall"], [found[1].gain_fall.dB, found[0].gain_fall.dB])
     assert shown["delay: grows near rest"][0] == found[1].near_rest.delay
-    chart = tv.boundary_map(PLANT, law, WIND, [0.7, 1.0, 1.4], [0.0, 0.7], sample_rate=20.0)
+    chart = tv.flights.boundary_map(PLANT, law, WIND, [0.7, 1.0, 1.4], [0.0, 0.7], sample_rate=20.0)
     plot = tv.plots.boundary_map(chart, limit=TRIM)
     assert chart.growth[-1, -1] > 0.0 > chart.growth[-1, 0]
     np.testing.assert_array_equal(plot.curves.columns[0].values, chart.limit[:, 0])
@@ -411,5 +411,5 @@ def test_a_trim_law_that_lets_the_path_creep_is_refused_with_its_remedy():
     plant = plant_of("drift-exact")
     nozzle = {"limit": 2.0 * TRIM, "sample_rate": 50.0}
     with pytest.raises(tv.InputError, match="design it on the fixed path"):
-        tv.flown_margins(plant, tv.TrimLaw(plant), WIND, **nozzle)
-    assert tv.flown_margins(plant, tv.TrimLaw(plant_of("fixed-path")), WIND, **nozzle).gain_fall
+        tv.flights.flown_margins(plant, tv.TrimLaw(plant), WIND, **nozzle)
+    assert tv.flights.flown_margins(plant, tv.TrimLaw(plant_of("fixed-path")), WIND, **nozzle).gain_fall

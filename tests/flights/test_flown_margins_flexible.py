@@ -9,9 +9,9 @@ import tvclin as tv
 from tests.flexible import MODE, TANK
 
 VEHICLE = tv.load_vehicle("configuration-i")
-ENGINE = tv.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
+ENGINE = tv.vehicle.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
 WIND = tv.TriangularWind(peak=np.radians(5), duration=7.5)
-NOTCH = tv.Filter.notch(24.0 * np.pi, 0.05, 0.5)
+NOTCH = tv.vehicle.Filter.notch(24.0 * np.pi, 0.05, 0.5)
 SERVO = tv.Actuator()
 RATE, DELAY, LIMIT = 100.0, 0.01, np.radians(0.5)
 
@@ -30,7 +30,7 @@ def found(request):
     plant = plant_of(request.param)
     law = tv.SaturatedLaw(gains(plant))
     nozzle = {"actuator": SERVO, "sample_rate": RATE, "delay": DELAY}
-    return plant, tv.flown_margins(plant, law, WIND, limit=LIMIT, **nozzle)
+    return plant, tv.flights.flown_margins(plant, law, WIND, limit=LIMIT, **nozzle)
 
 
 def test_near_rest_they_are_the_margins_of_the_sampled_loop(found):

@@ -53,7 +53,7 @@ def asked(name, law, x, memory, wind, limit):
     if name == "trim":
         demand = B * (alpha + 4.0 * (x[0] + x[1] / BETA))
     if name in ("lean", "estimated"):
-        demand = law.demand(tv.Measurement(x[0], x[1], path, alpha, 0.0), memory, limit)
+        demand = law.demand(tv.control.Measurement(x[0], x[1], path, alpha, 0.0), memory, limit)
     return np.clip(demand, -limit, limit)
 
 
@@ -241,7 +241,7 @@ def test_without_saturation_it_is_the_linear_loop(model, actuator):
 def test_the_reports_control_is_met_to_the_instant_until_the_law_lets_go(model, dead_band, release):
     """A law that holds the attitude asks for the literal trim, and switches where that does."""
     plant, wind = plant_of(model), TriangularWind(peak=-PEAK, duration=5.0 / BETA)
-    law = tv.DeadBandLaw(plant_of(), dead_band=dead_band)
+    law = tv.control.DeadBandLaw(plant_of(), dead_band=dead_band)
     law = tv.TrimLaw(plant_of(), gain=1.0) if dead_band == 1.0 else law
     limit = 1.05 * tv.boundary_limit(plant, wind, dead_band, "literal").deflection
     held = tv.trim_then_hold(plant, wind, limit, dead_band, "literal")
@@ -340,7 +340,7 @@ def test_a_limit_that_is_only_touched_is_not_exceeded(excess):
     assert linear[2] == pytest.approx(limit, rel=max(1e-8, 0.1 * excess if excess < 1e-3 else 1e-2))
 
 
-class Dip(tv.Law):
+class Dip(tv.control.Law):
     """It asks for a little more than the limit, less what it feels of the wind."""
 
     def __init__(self, most, gain):
@@ -360,7 +360,7 @@ def test_a_limit_that_is_left_for_a_moment_is_left():
     np.testing.assert_allclose(flown.outputs[-1], expected, rtol=1e-11)
 
 
-class Watcher(tv.Law):
+class Watcher(tv.control.Law):
     """A law that writes down what it is shown, and feeds back the attitude."""
 
     def __init__(self, level=0.0, seed=0):
@@ -404,7 +404,7 @@ def test_noise_is_on_the_measured_rate_and_comes_again_with_its_seed():
     assert np.std(added) == pytest.approx(1e-3, rel=0.25)
     assert abs(np.mean(added)) < 4e-4
     slow = tv.RecoverableAttitudeLaw(
-        plant_of(), estimator=tv.WindEstimator(bandwidth=5.0, rate_noise=1e-3, seed=5)
+        plant_of(), estimator=tv.control.WindEstimator(bandwidth=5.0, rate_noise=1e-3, seed=5)
     )
     np.testing.assert_array_equal(flown(slow), flown(slow))
 
@@ -441,7 +441,7 @@ def test_the_flight_does_not_depend_on_the_times_asked_for(sample_rate, hardware
     assert np.abs(few[-1]).max() > 0.1 * B * PEAK
 
 
-class Follower(tv.Law):
+class Follower(tv.control.Law):
     """A law that looks at the deflection itself."""
 
     def demand(self, seen, states, limit):
@@ -477,7 +477,7 @@ def test_a_flight_that_is_lost_is_not_flown_on_for_ever(sample_rate):
     assert np.abs(flown.outputs[0, -1]) > 1e98
 
 
-class Relay(tv.Law):
+class Relay(tv.control.Law):
     """A law that is at its limit nearly always."""
 
     engage, release = 1e-3, 0.9e-3
@@ -520,7 +520,7 @@ def test_the_evaluations_of_a_flight_are_bounded(monkeypatch):
 
 
 NOISY = tv.RecoverableAttitudeLaw(
-    plant_of(), estimator=tv.WindEstimator(bandwidth=5.0, rate_noise=1e-3)
+    plant_of(), estimator=tv.control.WindEstimator(bandwidth=5.0, rate_noise=1e-3)
 )
 BATCH = Plant.from_coefficients(COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
 
@@ -546,7 +546,7 @@ BATCH = Plant.from_coefficients(COEFFICIENTS.replace(mu_alpha=[0.2, 0.3]))
         ({"law": Autopilot(**GAINS)}, "law must be a Law"),
         ({"plant": BATCH}, r"one plant in one wind; got batches of shape \(2,\) and \(\)"),
         ({"wind": TriangularWind(peak=[0.1, 0.2], duration=5.0)}, "one plant in one wind"),
-        ({"wind": tv.HeldDeflection(limit=0.1)}, "wind must end"),
+        ({"wind": tv.linear.HeldDeflection(limit=0.1)}, "wind must end"),
         ({"wind": 0.0 * WIND}, "wind must end, and be other than zero"),
         ({"wind": 0.1}, "wind must be a History"),
         ({"plant": WIND}, "plant must be a Plant"),

@@ -13,7 +13,7 @@ from tvclin.flights.closed_loop.growth import growth_near_rest
 from tvclin.flights.closed_loop.sampled import one_flight
 
 VEHICLE = tv.load_vehicle("configuration-i")
-MODE = tv.BendingMode(
+MODE = tv.vehicle.BendingMode(
     frequency=13.0,
     damping=0.01,
     modal_mass=5e4,
@@ -25,10 +25,10 @@ MODE = tv.BendingMode(
     tank_displacements=(0.3,),
     tank_slopes=(0.1,),
 )
-TANK = tv.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
-ENGINE = tv.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
+TANK = tv.vehicle.SloshTank(mass=2000.0, station=12.0, damping=0.01, pendulum_length=2.0)
+ENGINE = tv.vehicle.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
 STRUCTURE = tv.Structure(
-    bending=(MODE,), slosh=(TANK,), engine=ENGINE, rate_gyro=tv.Filter.low_pass(60.0, 0.7)
+    bending=(MODE,), slosh=(TANK,), engine=ENGINE, rate_gyro=tv.vehicle.Filter.low_pass(60.0, 0.7)
 )
 PLANT = tv.FlexiblePlant.from_vehicle(VEHICLE, STRUCTURE, "drift-exact")
 SERVO = Actuator(natural_frequency=20.0, damping=0.7)
@@ -170,11 +170,11 @@ def test_the_boundary_moves_about_as_the_price_of_trim():
 
 def test_a_map_of_boundaries_is_of_the_flexible_vehicle_too():
     """Each of its boundaries by flights of the plant with that gain and delay, filters and all."""
-    law = tv.FilteredLaw(
-        tv.TrimLaw(PLANT.rigid, gain=1.0), filters=(tv.Filter.low_pass(30.0, 0.7),)
+    law = tv.control.FilteredLaw(
+        tv.TrimLaw(PLANT.rigid, gain=1.0), filters=(tv.vehicle.Filter.low_pass(30.0, 0.7),)
     )
     nozzle = {"actuator": SERVO, "sample_rate": RATE}
-    chart = tv.boundary_map(PLANT, law, WIND, [0.9, 1.2], [0.0, 0.05], **nozzle)
+    chart = tv.flights.boundary_map(PLANT, law, WIND, [0.9, 1.2], [0.0, 0.05], **nozzle)
     moment = float(PLANT.coefficients.B) * WIND.peak
     for gain, row in zip(chart.gains, chart.limit, strict=True):
         for delay, limit in zip(chart.delays, row, strict=True):
@@ -184,11 +184,11 @@ def test_a_map_of_boundaries_is_of_the_flexible_vehicle_too():
             assert (flown.status == "survived").tolist() == [False, True, True]
 
 
-BOOSTER = tv.plant_of(tv.load_vehicle("made-up-booster"))
+BOOSTER = tv.linear.plant_of(tv.load_vehicle("made-up-booster"))
 SHAPED = Autopilot(
     attitude_gain=0.36,
     rate_gain=0.56,
-    filters=(tv.Filter.low_pass(13.0, 0.95), tv.Filter.notch(32.0, 0.06, 0.6)),
+    filters=(tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6)),
 )
 STIFF = Actuator(natural_frequency=22.0, damping=0.8)
 
@@ -213,8 +213,8 @@ def test_a_filter_of_a_law_is_that_of_an_autopilot():
     nozzle = {"deflection_limit": 0.05, "actuator": STIFF, "sample_rate": 100.0}
     laws = [
         tv.SaturatedLaw(SHAPED),
-        tv.FilteredLaw(bare, filters=chain),
-        tv.FilteredLaw(bare, attitude_filters=chain, rate_filters=chain),
+        tv.control.FilteredLaw(bare, filters=chain),
+        tv.control.FilteredLaw(bare, attitude_filters=chain, rate_filters=chain),
         bare,
     ]
     peaks = [float(tv.fly_many(BOOSTER, law, WIND, **nozzle).peak_attitude) for law in laws]
@@ -225,7 +225,7 @@ def test_a_filter_of_a_law_is_that_of_an_autopilot():
     np.testing.assert_array_equal(together.peak_attitude, peaks)
 
 
-class Plain(tv.Law):
+class Plain(tv.control.Law):
     """Gains, written by a user in Python."""
 
     def demand(self, measured, states, limit):
@@ -235,7 +235,7 @@ class Plain(tv.Law):
 def test_filters_of_a_law_in_python_are_those_of_the_package():
     nozzle = {"deflection_limit": 0.05, "actuator": STIFF, "sample_rate": 100.0}
     found = [
-        tv.fly_many(BOOSTER, tv.FilteredLaw(law, filters=SHAPED.filters), WIND, **nozzle)
+        tv.fly_many(BOOSTER, tv.control.FilteredLaw(law, filters=SHAPED.filters), WIND, **nozzle)
         for law in (Plain(), tv.SaturatedLaw(replace(SHAPED, filters=())))
     ]
     assert float(found[0].peak_attitude) == pytest.approx(float(found[1].peak_attitude), rel=1e-12)
@@ -281,13 +281,13 @@ def test_what_cannot_be_flown_is_refused():
     filtered = tv.SaturatedLaw(SHAPED)
     with pytest.raises(InputError, match="filters are flown by samples"):
         tv.fly(PLANT.rigid, filtered, WIND, [1.0], deflection_limit=0.03)
-    fast = tv.FilteredLaw(LAW, filters=(tv.Filter.low_pass(1000.0),))
+    fast = tv.control.FilteredLaw(LAW, filters=(tv.vehicle.Filter.low_pass(1000.0),))
     with pytest.raises(InputError, match="below half the sample rate"):
         tv.fly_many(PLANT.rigid, fast, WIND, deflection_limit=0.03, sample_rate=RATE)
     with pytest.raises(InputError, match="filters already"):
-        tv.FilteredLaw(filtered)
+        tv.control.FilteredLaw(filtered)
     with pytest.raises(InputError, match="single filters"):
-        tv.FilteredLaw(LAW, filters=(tv.Filter.low_pass([10.0, 20.0]),))
+        tv.control.FilteredLaw(LAW, filters=(tv.vehicle.Filter.low_pass([10.0, 20.0]),))
     with pytest.raises(InputError, match="actuator of second order"):
         tv.fly_many(PLANT, LAW, WIND, deflection_limit=0.03, sample_rate=RATE)
     with pytest.raises(InputError, match="give a sample_rate"):
@@ -316,7 +316,7 @@ def test_an_oscillation_that_lives_on_between_the_limits_has_not_survived():
     gains = tv.design_gains(plant.coefficients, natural_frequency=1.5, damping=0.7)
     quick = Actuator(natural_frequency=40.0)
     assert replace(gains, actuator=quick, sample_rate=100.0).margins(plant).stable
-    wind = tv.AsymmetricTriangularWind(peak=np.radians(5), duration=7.5, peak_time=7.5)
+    wind = tv.winds.AsymmetricTriangularWind(peak=np.radians(5), duration=7.5, peak_time=7.5)
     nozzle = {"deflection_limit": np.radians(0.8), "actuator": quick, "sample_rate": 100.0}
     rates = np.radians([1.0, 3.0, 12.0])
     many = tv.fly_many(plant, tv.SaturatedLaw(gains), wind, rate_limit=rates, **nozzle)

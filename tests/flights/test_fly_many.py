@@ -14,9 +14,9 @@ from tvclin import Autopilot, Coefficients, InputError, SampledWind, TriangularW
 from tvclin.kernels.choice import available, pinned
 
 LONG = 12.0
-GYRO = tv.WindEstimator(bandwidth=6.0, rate_noise=1e-4, seed=3)
+GYRO = tv.control.WindEstimator(bandwidth=6.0, rate_noise=1e-4, seed=3)
 LAWS = FLOWN | {
-    "dead band": lambda plant: tv.DeadBandLaw(plant_of()),
+    "dead band": lambda plant: tv.control.DeadBandLaw(plant_of()),
     "noisy": lambda plant: tv.RecoverableAttitudeLaw(plant, dead_band=0.001, estimator=GYRO),
 }
 HARDWARE = ({}, {"actuator": SERVO, "rate_limit": 0.006}, {"actuator": LAG, "rate_limit": 0.01})
@@ -163,7 +163,7 @@ def test_a_law_that_only_python_can_ask_is_flown_by_the_same_steps(name):
     plant, limits = plant_of("drift-exact"), B * PEAK * np.array([0.4, 0.7, 1.1])
     law = LAWS[name](plant)
 
-    class Mine(tv.Law):
+    class Mine(tv.control.Law):
         engage, release, rate_noise = law.engage, law.release, law.rate_noise
         states = law.states
 

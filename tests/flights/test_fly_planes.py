@@ -14,21 +14,21 @@ TRIM = GUST.peak * B
 RATE = 50.0
 
 
-def veering(degrees: float) -> tv.PlaneWind:
-    return tv.PlaneWind.veering(GUST, angle=0.0, rate=np.radians(degrees) / GUST.duration)
+def veering(degrees: float) -> tv.winds.PlaneWind:
+    return tv.winds.PlaneWind.veering(GUST, angle=0.0, rate=np.radians(degrees) / GUST.duration)
 
 
-def flown(law: tv.Law, wind: tv.PlaneWind, limits: object, **options: object) -> tv.FlownPlanes:
+def flown(law: tv.control.Law, wind: tv.winds.PlaneWind, limits: object, **options: object) -> tv.flights.FlownPlanes:
     limit = TRIM * np.asarray(limits)
     options = {"sample_rate": RATE, **options}
-    return tv.fly_planes(PLANT, law, wind, deflection_limit=limit, **options)
+    return tv.flights.fly_planes(PLANT, law, wind, deflection_limit=limit, **options)
 
 
 LAWS = {
     "trim": tv.TrimLaw(PLANT),
     "lean": tv.RecoverableAttitudeLaw(PLANT, design_peak=0.08),
     "gains": tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.5, alpha_gain=0.1)),
-    "estimates": tv.RecoverableAttitudeLaw(PLANT, estimator=tv.WindEstimator(bandwidth=5.0)),
+    "estimates": tv.RecoverableAttitudeLaw(PLANT, estimator=tv.control.WindEstimator(bandwidth=5.0)),
 }
 
 
@@ -41,7 +41,7 @@ def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
     }  # fmt: skip
     one = tv.fly_many(PLANT, law, GUST, deflection_limit=TRIM * limits, sample_rate=RATE, **options)
     for degrees in (33, 250):
-        both = flown(law, tv.PlaneWind.towards(GUST, np.radians(degrees)), limits, **options)
+        both = flown(law, tv.winds.PlaneWind.towards(GUST, np.radians(degrees)), limits, **options)
         assert both.status.tolist() == one.status.tolist()
         saved = one.status == "survived"
         assert np.any(saved)
@@ -87,7 +87,7 @@ def test_what_a_turning_wind_asks_of_a_flight(name, degrees, lost, saved) -> Non
 
 def test_each_plane_by_itself_costs_what_the_square_inside_costs() -> None:
     """sqrt(2) times the larger part of the direction, 30 degrees from pitch."""
-    wind = tv.PlaneWind.towards(GUST, np.radians(30))
+    wind = tv.winds.PlaneWind.towards(GUST, np.radians(30))
     edge = 0.6885 * np.sqrt(2.0) * np.cos(np.radians(30))
     found = flown(LAWS["trim"], wind, [0.98 * edge, 1.02 * edge], saturate="each plane")
     assert found.status.tolist() == ["lost", "survived"]
@@ -100,18 +100,18 @@ def test_the_limit_of_a_law_is_found_as_in_one_plane() -> None:
     short = tv.TriangularWind(peak=0.08, duration=4.0)
     options = {"sample_rate": 25.0, "lowest": 0.2, "highest": 1.0}
     one = tv.closed_loop_boundary(PLANT, LAWS["trim"], short, **options)
-    wind = tv.PlaneWind.towards(short, 1.0)
-    both = tv.flown_plane_limit(PLANT, LAWS["trim"], wind, **options)
+    wind = tv.winds.PlaneWind.towards(short, 1.0)
+    both = tv.flights.flown_plane_limit(PLANT, LAWS["trim"], wind, **options)
     assert both.limit == pytest.approx(one.limit, abs=1e-5)
     assert both.deflection == pytest.approx(abs(one.deflection), rel=1e-4)
 
 
 def test_what_cannot_be_flown_in_two_planes_is_refused() -> None:
     wind = veering(90.0)
-    noisy = tv.WindEstimator(bandwidth=5.0, rate_noise=1e-4)
+    noisy = tv.control.WindEstimator(bandwidth=5.0, rate_noise=1e-4)
     bad = {
         "wind must have a direction": {"wind": GUST},
-        "must not switch": {"law": tv.DeadBandLaw(PLANT, dead_band=0.5)},
+        "must not switch": {"law": tv.control.DeadBandLaw(PLANT, dead_band=0.5)},
         "filters and noise": {"law": tv.RecoverableAttitudeLaw(PLANT, estimator=noisy)},
         "first order": {"actuator": tv.Actuator(natural_frequency=20.0, damping=0.7)},
         "stop must be one of": {"stop": "oval"},
@@ -121,6 +121,6 @@ def test_what_cannot_be_flown_in_two_planes_is_refused() -> None:
     good = {"law": LAWS["trim"], "wind": wind, "deflection_limit": TRIM, "sample_rate": RATE}
     for words, changes in bad.items():
         with pytest.raises(tv.InputError, match=words):
-            tv.fly_planes(PLANT, **{**good, **changes})
+            tv.flights.fly_planes(PLANT, **{**good, **changes})
     with pytest.raises(tv.InputError, match="highest must be above lowest"):
-        tv.flown_plane_limit(PLANT, LAWS["trim"], wind, lowest=1.0, highest=0.5)
+        tv.flights.flown_plane_limit(PLANT, LAWS["trim"], wind, lowest=1.0, highest=0.5)

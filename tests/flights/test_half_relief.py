@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 import tvclin as tv
 from tests.flying import BETA, COEFFICIENTS, PEAK, SERVO, WIND, B, plant_of
 
-HALF = tv.half_relief_gains(COEFFICIENTS)
+HALF = tv.control.half_relief_gains(COEFFICIENTS)
 RATIOS = pytest.mark.parametrize("ratio", [0.4, 0.5, 0.6])
 
 
@@ -20,7 +20,7 @@ def test_the_gains_are_three_numbers_over_the_unstable_pole():
     for coefficients in (COEFFICIENTS, damped, ahead):
         A, inputs, _, _ = plant_of(coefficients=coefficients).matrices()
         pole = np.linalg.eigvals(A).real.max()
-        gains = tv.half_relief_gains(coefficients)
+        gains = tv.control.half_relief_gains(coefficients)
         row = np.array([gains.attitude_gain + gains.alpha_gain, gains.rate_gain])
         closed = np.sort(np.linalg.eigvals(A + np.outer(inputs[:, 0], row)))
         w, zeta = 2.4 * pole, 1.2
@@ -36,9 +36,9 @@ def test_the_gains_are_three_numbers_over_the_unstable_pole():
 
 def test_a_batch_has_gains_of_its_own():
     many = COEFFICIENTS.replace(mu_alpha=np.array([0.1, 0.3]))
-    batch = tv.half_relief_gains(many, delay=0.01)
+    batch = tv.control.half_relief_gains(many, delay=0.01)
     for k, mu_alpha in enumerate((0.1, 0.3)):
-        one = tv.half_relief_gains(COEFFICIENTS.replace(mu_alpha=mu_alpha))
+        one = tv.control.half_relief_gains(COEFFICIENTS.replace(mu_alpha=mu_alpha))
         for name in ("attitude_gain", "rate_gain", "alpha_gain"):
             assert getattr(batch, name)[k] == pytest.approx(getattr(one, name), rel=1e-12)
     assert batch.delay == 0.01
@@ -47,7 +47,7 @@ def test_a_batch_has_gains_of_its_own():
 def test_a_stable_vehicle_has_no_pole_to_begin_with():
     stable = COEFFICIENTS.replace(mu_alpha=np.array([0.2, -0.1]))
     with pytest.raises(tv.InputError, match="aerodynamically unstable vehicle.*got -0.1"):
-        tv.half_relief_gains(stable)
+        tv.control.half_relief_gains(stable)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -85,7 +85,7 @@ def test_in_slow_winds_the_larger_of_ratio_and_lean_is_needed(ratio, tau_beta):
     """
     rate = 25.0
     wind = tv.TriangularWind(peak=PEAK, duration=tau_beta / BETA)
-    gains = tv.relief_gains(
+    gains = tv.control.relief_gains(
         COEFFICIENTS, natural_frequency=2.4 * BETA, damping=1.2, alpha_ratio=ratio
     )
     doubt = 2.0 / tau_beta + BETA / rate
@@ -104,10 +104,10 @@ def test_in_slow_winds_the_larger_of_ratio_and_lean_is_needed(ratio, tau_beta):
 
 def test_the_lean_follows_a_steady_rise_by_the_formula():
     """z/w = (1 - r)(1 + (1 - 2 zeta/omega) s + ...): in a ramp it runs ahead by that, or not."""
-    ramp = tv.AsymmetricTriangularWind(peak=PEAK, duration=40.0 / BETA, peak_time=40.0 / BETA)
+    ramp = tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=40.0 / BETA, peak_time=40.0 / BETA)
     late = np.array([20.0, 30.0]) / BETA
     for frequency, damping in ((2.4, 1.2), (2.83, 0.85)):
-        gains = tv.relief_gains(
+        gains = tv.control.relief_gains(
             COEFFICIENTS, natural_frequency=frequency * BETA, damping=damping, alpha_ratio=0.4
         )
         flown = tv.fly(plant_of(), tv.SaturatedLaw(gains), ramp, late, deflection_limit=1.5)
@@ -149,7 +149,7 @@ def test_without_pause_a_gain_is_that_of_the_gains():
     np.testing.assert_allclose(first.outputs, other.outputs, rtol=0, atol=1e-7 * size)
     with pytest.raises(tv.InputError, match="gain must be positive"):
         tv.fly(plant, tv.SaturatedLaw(HALF), WIND, times, gain=0.0, **options)
-    switched = tv.DeadBandLaw(plant_of())
+    switched = tv.control.DeadBandLaw(plant_of())
     levels = [
         tv.fly(plant, switched, WIND, [2.0], deflection_limit=0.5 * B * PEAK, gain=g)
         for g in (0.5, 1.0)
@@ -159,19 +159,19 @@ def test_without_pause_a_gain_is_that_of_the_gains():
 
 
 def observed(law):
-    return tv.EstimatedLaw(law, tv.WindEstimator(bandwidth=6.0), plant_of("drift-exact"))
+    return tv.control.EstimatedLaw(law, tv.control.WindEstimator(bandwidth=6.0), plant_of("drift-exact"))
 
 
 def test_an_estimated_law_sees_what_its_estimator_says():
     draw = np.random.default_rng(3)
     law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.4, alpha_gain=0.07))
     theta, rate, path, alpha, delta, seen_rate, wind = draw.normal(size=7)
-    shown = tv.Measurement(theta, rate, path, alpha, delta)
+    shown = tv.control.Measurement(theta, rate, path, alpha, delta)
     asked = observed(law).demand(shown, np.array([seen_rate, wind]), 1.0)
     assert asked == pytest.approx(0.3 * theta + 0.4 * seen_rate + 0.07 * (theta - wind), rel=1e-12)
 
 
-class Written(tv.Law):
+class Written(tv.control.Law):
     """The same loop as one law in Python: gains on an observer that is written out here."""
 
     def __init__(self, integral):
@@ -215,22 +215,22 @@ def test_an_estimated_law_flies_as_its_loop_written_out(integral, compiled):
 
 
 def test_a_law_that_estimates_needs_no_second_estimator():
-    observer = tv.WindEstimator(bandwidth=6.0)
+    observer = tv.control.WindEstimator(bandwidth=6.0)
     lean = tv.RecoverableAttitudeLaw(plant_of(), estimator=observer)
     for law in (lean, observed(tv.TrimLaw(plant_of()))):
         with pytest.raises(tv.InputError, match="law has an estimator already"):
             observed(law)
-    noisy = tv.WindEstimator(bandwidth=6.0, rate_noise=1e-3, seed=2)
-    band = tv.EstimatedLaw(tv.DeadBandLaw(plant_of(), dead_band=0.4), noisy, plant_of())
+    noisy = tv.control.WindEstimator(bandwidth=6.0, rate_noise=1e-3, seed=2)
+    band = tv.control.EstimatedLaw(tv.control.DeadBandLaw(plant_of(), dead_band=0.4), noisy, plant_of())
     assert (band.engage, band.rate_noise) == (0.4, (1e-3, 2))
 
 
 def test_estimated_the_lean_law_is_its_own_with_that_estimator():
     """A law that leans, given an estimator from outside, is told the same."""
-    plant, observer = plant_of(), tv.WindEstimator(bandwidth=6.0)
+    plant, observer = plant_of(), tv.control.WindEstimator(bandwidth=6.0)
     inside = tv.RecoverableAttitudeLaw(plant, reach=0.7, estimator=observer)
-    outside = tv.EstimatedLaw(tv.RecoverableAttitudeLaw(plant, reach=0.7), observer, plant)
+    outside = tv.control.EstimatedLaw(tv.RecoverableAttitudeLaw(plant, reach=0.7), observer, plant)
     assert inside.numbers == outside.numbers
-    shown = tv.Measurement(0.02, 0.01, 0.0, 0.5, 0.001)
+    shown = tv.control.Measurement(0.02, 0.01, 0.0, 0.5, 0.001)
     states = np.array([0.012, 0.05])
     assert outside.demand(shown, states, 0.01) == pytest.approx(inside.demand(shown, states, 0.01))

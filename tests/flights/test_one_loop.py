@@ -31,11 +31,11 @@ def loops(draw):
     # rounded, so that no own frequency of a filter is above half the rate
     own = st.floats(0.05, 0.9).map(lambda part: part * np.pi * rate)
     filters = {
-        "filters": draw(st.lists(own.map(lambda w: tv.Filter.low_pass(w, 0.7)), max_size=1)),
+        "filters": draw(st.lists(own.map(lambda w: tv.vehicle.Filter.low_pass(w, 0.7)), max_size=1)),
         "attitude_filters": draw(
-            st.lists(own.map(lambda w: tv.Filter.notch(w, 0.1, 0.6)), max_size=1)
+            st.lists(own.map(lambda w: tv.vehicle.Filter.notch(w, 0.1, 0.6)), max_size=1)
         ),
-        "rate_filters": draw(st.lists(own.map(tv.Filter.low_pass), max_size=1)),
+        "rate_filters": draw(st.lists(own.map(tv.vehicle.Filter.low_pass), max_size=1)),
     }
     autopilot = tv.Autopilot(
         attitude_gain=draw(st.floats(0.05, 2.0)),

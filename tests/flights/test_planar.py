@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin import InputError, ReportControl, TriangularWind, flown_boundary, fly_planar
+from tvclin import InputError, TriangularWind, flown_boundary, fly_planar
+from tvclin.flights import ReportControl
 from tvclin.flights.atmosphere import standard_atmosphere
 from tvclin.flights.condition import load_flight_condition
 from tvclin.flights.planar.equations import PlanarMotion
@@ -167,7 +168,7 @@ def test_varying_parameters_are_those_of_another_integration():
     vehicle, wind = case(NAMES[0], peak=np.radians(3.0))
     condition = load_flight_condition(NAMES[0])
     later = wind.shift(vehicle.time - wind.duration / 2)
-    held = tv.HeldDeflection(limit=-2e-3, start=float(later.onset) + 1.0)
+    held = tv.linear.HeldDeflection(limit=-2e-3, start=float(later.onset) + 1.0)
     times = np.linspace(float(later.onset), float(later.end), 9)
     flown = fly_planar(vehicle, held, later, times, condition=condition)
     nominal = nominal_flight(vehicle, condition, start=float(times[0]), stop=float(times[-1]))
@@ -260,7 +261,7 @@ def test_what_cannot_fly_is_refused(change, words):
         fly_planar(**options | change)
 
 
-class Late(tv.Law):
+class Late(tv.control.Law):
     """A law that has no answer to more than a third of a degree."""
 
     def demand(self, seen, states, limit):

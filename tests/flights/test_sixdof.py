@@ -113,7 +113,7 @@ def test_the_attitude_without_drift_is_that_of_equation_13(configuration_i, dead
     times = np.linspace(0.0, 1.5 * wind.duration, 301)
     flown = tv.fly_sixdof(
         configuration_i,
-        tv.ReportControl(dead_band),
+        tv.flights.ReportControl(dead_band),
         wind,
         times,
         deflection_limit=y * B * DEGREE,
@@ -137,7 +137,7 @@ def test_every_output_tends_to_that_of_the_linear_model(configuration, plane, si
     off = []
     for peak in (sign * 0.01, sign * 0.001):
         wind = triangle(configuration, peak)
-        bent = tv.HeldDeflection(limit=-0.3 * peak * plant.coefficients.B, start=1.0)
+        bent = tv.linear.HeldDeflection(limit=-0.3 * peak * plant.coefficients.B, start=1.0)
         exact = tv.attitude_response(plant, bent, wind, times)
         flown = tv.fly_sixdof(configuration, bent, wind, times, plane=plane)
         labels = list(exact.output_labels)
@@ -162,7 +162,7 @@ def test_any_vehicle_flies_as_its_linear_model(seed):
     )
     end = 3.0 / np.sqrt(abs(tv.Coefficients.from_vehicle(vehicle).mu_alpha))
     wind, times = tv.TriangularWind(peak=1e-3, duration=end / 1.5), np.linspace(0.0, end, 31)
-    bent = tv.HeldDeflection(limit=1e-4, start=end / 5.0)
+    bent = tv.linear.HeldDeflection(limit=1e-4, start=end / 5.0)
     for plane in ("pitch", "yaw"):
         exact = tv.attitude_response(drifting(vehicle, plane), bent, wind, times).outputs
         flown = tv.fly_sixdof(vehicle, bent, wind, times, plane=plane).outputs[:4]
@@ -221,7 +221,7 @@ def test_a_common_factor_of_forces_and_inertia_changes_nothing(configuration_i):
     tenfold = configuration_i.replace(**{n: 10.0 * getattr(configuration_i, n) for n in names})
     wind, times = triangle(configuration_i), np.linspace(0.0, 8.0, 41)
     one, ten = (
-        tv.fly_sixdof(v, tv.ReportControl(0.5), wind, times, deflection_limit=0.001).outputs
+        tv.fly_sixdof(v, tv.flights.ReportControl(0.5), wind, times, deflection_limit=0.001).outputs
         for v in (configuration_i, tenfold)
     )
 
@@ -231,14 +231,14 @@ def test_a_common_factor_of_forces_and_inertia_changes_nothing(configuration_i):
 def test_a_part_of_the_thrust_may_be_what_is_turned(configuration_i):
     part = configuration_i.replace(control_force_slope=0.4 * configuration_i.thrust)
     plant, wind = drifting(part), 0.0 * triangle(part)
-    bent, times = tv.HeldDeflection(limit=1e-4), np.linspace(0.0, 4.0, 21)
+    bent, times = tv.linear.HeldDeflection(limit=1e-4), np.linspace(0.0, 4.0, 21)
     flown = tv.fly_sixdof(part, bent, wind, times).outputs
     exact = tv.attitude_response(plant, bent, wind, times).outputs
 
     np.testing.assert_allclose(flown[0], exact[0], atol=1e-3 * np.abs(exact[0]).max())
 
 
-EARTH = tv.Earth(latitude=-0.5, heading=2.0)
+EARTH = tv.flights.Earth(latitude=-0.5, heading=2.0)
 CONDITION = load_flight_condition("configuration-i")
 
 
@@ -255,8 +255,8 @@ def test_along_the_trajectory_it_flies_as_the_equations_of_the_report(configurat
     wind, times = at_its_time(configuration_i, peak)
     limit = 0.8 * tv.Coefficients.from_vehicle(configuration_i).B * abs(peak)
     options = {"deflection_limit": limit, "plane": plane, "condition": CONDITION}
-    bent = tv.HeldDeflection(limit=-np.sign(peak) * 0.4 * limit, start=float(wind.onset) + 1.0)
-    for control in (tv.ReportControl(0.7), bent):
+    bent = tv.linear.HeldDeflection(limit=-np.sign(peak) * 0.4 * limit, start=float(wind.onset) + 1.0)
+    for control in (tv.flights.ReportControl(0.7), bent):
         flown, planar = (
             fly(configuration_i, control, wind, times, **options)
             for fly in (tv.fly_sixdof, tv.fly_planar)
@@ -310,7 +310,7 @@ def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(config
     """Left alone it is that flight bit for bit; in a wind it is nearly that over a flat planet."""
     wind, times = triangle(configuration_i), np.linspace(0.0, 8.0, 41)
     alone = tv.fly_sixdof(configuration_i, 0.0 * wind, 0.0 * wind, times, plane=plane, earth=EARTH)
-    control = tv.ReportControl(0.5)
+    control = tv.flights.ReportControl(0.5)
     blown, flat = (
         tv.fly_sixdof(
             configuration_i, control, wind, times, deflection_limit=0.0011, plane=plane, earth=earth
@@ -386,10 +386,10 @@ def test_a_law_is_shown_what_the_engine_will_do(configuration_i, earth):
 
 
 def laws(plant):
-    gains = tv.canonical_gains(plant.coefficients)
+    gains = tv.control.canonical_gains(plant.coefficients)
     return {
         "trim": (tv.TrimLaw(plant), {}),
-        "dead band": (tv.DeadBandLaw(plant, dead_band=0.5), {}),
+        "dead band": (tv.control.DeadBandLaw(plant, dead_band=0.5), {}),
         "gains": (tv.SaturatedLaw(gains), {"actuator": tv.Actuator(natural_frequency=25.1)}),
         "integral": (tv.SaturatedLaw(_with_integral(gains)), {}),
         "rate limit": (
@@ -398,7 +398,7 @@ def laws(plant):
         ),
         "lean": (tv.RecoverableAttitudeLaw(plant, design_peak=DEGREE), {}),
         "estimator": (
-            tv.RecoverableAttitudeLaw(plant, estimator=tv.WindEstimator(bandwidth=5.0)),
+            tv.RecoverableAttitudeLaw(plant, estimator=tv.control.WindEstimator(bandwidth=5.0)),
             {},
         ),
     }
@@ -434,7 +434,7 @@ def test_a_law_flies_as_in_the_linear_flight(configuration_i, name):
 
 def test_an_autopilot_within_its_limit_is_its_own_closed_loop(configuration_i):
     plant, wind = drifting(configuration_i), triangle(configuration_i)
-    gains = tv.canonical_gains(plant.coefficients)
+    gains = tv.control.canonical_gains(plant.coefficients)
     pilot = tv.Autopilot(
         attitude_gain=gains.attitude_gain, rate_gain=gains.rate_gain, actuator=tv.Actuator()
     )
@@ -454,7 +454,7 @@ def test_name_and_time_of_a_vehicle_are_nothing_to_its_flight(configuration_i):
 
 
 def test_a_history_is_limited(configuration_i):
-    bent = tv.HeldDeflection(limit=0.01)
+    bent = tv.linear.HeldDeflection(limit=0.01)
     flown = tv.fly_sixdof(
         configuration_i, bent, triangle(configuration_i), [0.0, 1.0], deflection_limit=0.002
     )
@@ -471,7 +471,7 @@ def test_a_law_needs_in_six_degrees_what_it_needs_in_the_linear_theory(
     """The linear values are those of `closed_loop_boundary` at 100 Hz, in 7.5 s."""
     plant = drifting(configuration_i)
     wind = tv.TriangularWind(peak=DEGREE, duration=7.5)
-    chosen = tv.standard_laws(plant, DEGREE)[law]
+    chosen = tv.answers.standard_laws(plant, DEGREE)[law]
     flown = in_jsbsim(configuration_i, wind, law=chosen, tolerance=2e-3)
 
     assert flown.limit == pytest.approx(linear, abs=5e-3)
@@ -496,7 +496,7 @@ def test_jsbsim_writes_nothing_and_leaves_nothing(configuration_i, capfd, tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
-class Lost(tv.Law):
+class Lost(tv.control.Law):
     """A law that has no answer."""
 
     def demand(self, seen, states, limit):
@@ -505,7 +505,7 @@ class Lost(tv.Law):
 
 def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
     wind, law = triangle(configuration_i), tv.TrimLaw(drifting(configuration_i))
-    early = tv.HeldDeflection(limit=0.001, start=-1.0)
+    early = tv.linear.HeldDeflection(limit=0.001, start=-1.0)
     pilot = tv.Autopilot(
         attitude_gain=1.0, rate_gain=1.0, actuator=tv.Actuator(natural_frequency=90.0)
     )
@@ -526,7 +526,7 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "deflection_limit must be finite": lambda: fly(deflection_limit=np.inf),
         "deflection_limit must be positive": lambda: fly(deflection_limit=-0.1),
         "earth must be an Earth": lambda: fly(earth="round"),
-        "latitude must be between": lambda: tv.Earth(latitude=28.5),
+        "latitude must be between": lambda: tv.flights.Earth(latitude=28.5),
         "timepts must end before the nominal flight has turned by 25 deg": lambda: fly(
             vehicle=configuration_i.replace(velocity=20.0), times=[0.0, 200.0], earth=EARTH
         ),
@@ -542,7 +542,7 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "an angle that a horizontal wind can make": lambda: fly(
             wind=tv.TriangularWind(peak=-0.9, duration=1.0)
         ),
-        "dead_band must be between 0 and 1": lambda: tv.ReportControl(1.1),
+        "dead_band must be between 0 and 1": lambda: tv.flights.ReportControl(1.1),
         "engine must be one of planar, sixdof": lambda: in_jsbsim(
             configuration_i, wind, engine="seven"
         ),
@@ -558,7 +558,7 @@ def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
         "1.5 times the largest trim deflection": lambda: in_jsbsim(
             configuration_i, wind, engine=lambda *given, **named: lambda limit: False
         ),
-        "wind must end": lambda: in_jsbsim(configuration_i, tv.HeldDeflection(limit=0.1)),
+        "wind must end": lambda: in_jsbsim(configuration_i, tv.linear.HeldDeflection(limit=0.1)),
     }
     for said, bad in cases.items():
         with pytest.raises(tv.InputError, match=re.escape(said)):
@@ -582,7 +582,7 @@ def test_the_bisection_knows_nothing_of_the_engine(configuration_i):
 
     found = tv.flown_boundary(configuration_i, wind, 0.3, engine=engine, tolerance=1e-3)
 
-    assert asked == [(configuration_i, wind, tv.ReportControl(0.3), "pitch", True)]
+    assert asked == [(configuration_i, wind, tv.flights.ReportControl(0.3), "pitch", True)]
     assert abs(found.limit - 0.4321) <= found.error <= 1e-3
     assert found.flights == 11
     assert found.deflection == -found.limit * scale

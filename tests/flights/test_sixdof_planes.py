@@ -18,9 +18,9 @@ EXACT = {plane: tv.Plant.from_vehicle(VEHICLE, "drift-exact", plane) for plane i
 @pytest.mark.parametrize("drift", [False, True])
 @pytest.mark.parametrize("stop", ["round", "square"])
 def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -> None:
-    wind = tv.PlaneWind.towards(GUST, np.radians(35))
+    wind = tv.winds.PlaneWind.towards(GUST, np.radians(35))
     plants = (EXACT["pitch"], EXACT["yaw"]) if drift else (FIXED, FIXED)
-    shape = tv.CircularStop() if stop == "round" else tv.SquareStop()
+    shape = tv.boundary.CircularStop() if stop == "round" else tv.boundary.SquareStop()
     # a square stop lets go of one plane first: what it takes is a law of each plane by itself
     linear = tv.plane_limit(plants[0], wind, shape, switch="literal", yaw_plant=plants[1])
     saturate = "radial" if stop == "round" else "each plane"
@@ -33,10 +33,10 @@ def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -
 
 def test_a_turning_wind_asks_for_what_the_linear_flight_says() -> None:
     """More than the boundary of both planes; within a percent of the flight of the linear model."""
-    wind = tv.PlaneWind.veering(GUST, angle=0.3, rate=np.radians(180) / GUST.duration)
+    wind = tv.winds.PlaneWind.veering(GUST, angle=0.3, rate=np.radians(180) / GUST.duration)
     law, edge = tv.TrimLaw(FIXED), 0.6757
     limits = TRIM * edge * np.array([0.99, 1.01])
-    flown = tv.fly_planes(FIXED, law, wind, deflection_limit=limits, sample_rate=50.0)
+    flown = tv.flights.fly_planes(FIXED, law, wind, deflection_limit=limits, sample_rate=50.0)
     assert flown.status.tolist() == ["lost", "survived"]
     survives = planes_verdict(VEHICLE, wind, law, drift=False, step=0.02)
     assert [survives(limit) for limit in limits] == [False, True]
@@ -47,13 +47,13 @@ def test_along_one_plane_it_is_the_flight_of_that_plane() -> None:
     options = {"law": tv.TrimLaw(FIXED), "engine": "sixdof", "step": 0.02, "tolerance": 0.01}
     for plane, angle in (("pitch", 0.0), ("yaw", np.pi / 2)):
         one = tv.flown_boundary(VEHICLE, GUST, plane=plane, **options)
-        both = tv.flown_boundary(VEHICLE, tv.PlaneWind.towards(GUST, angle), **options)
+        both = tv.flown_boundary(VEHICLE, tv.winds.PlaneWind.towards(GUST, angle), **options)
         assert both.limit == one.limit
         assert abs(both.deflection) == pytest.approx(abs(one.deflection), rel=1e-12)
 
 
 def test_what_is_not_flown_in_both_planes_is_refused() -> None:
-    wind = tv.PlaneWind.towards(GUST, 0.5)
+    wind = tv.winds.PlaneWind.towards(GUST, 0.5)
     options = {"law": tv.TrimLaw(FIXED), "engine": "sixdof"}
     with pytest.raises(tv.InputError, match='flown with engine="sixdof"'):
         tv.flown_boundary(VEHICLE, wind, law=tv.TrimLaw(FIXED))

@@ -116,7 +116,7 @@ def test_substeps_are_the_root_of_the_step_they_make_together():
 
 def test_a_wind_that_turns_within_a_long_sample_moves_a_quick_structure_exactly():
     """Ten samples a second, and a gyro of 120 rad/s: a series about each stretch, not about all."""
-    structure = tv.Structure(bending=MODES, slosh=TANKS, rate_gyro=tv.Filter.low_pass(120.0, 0.7))
+    structure = tv.Structure(bending=MODES, slosh=TANKS, rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7))
     plant = tv.FlexiblePlant.from_vehicle(BOOSTER, structure, "drift-exact")
     wind = tv.SampledWind(time=[0.0, 0.53, 0.57, 1.94, 2.21], angle=[0.0, 0.05, -0.02, 0.06, 0.0])
     law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=1e-20, rate_gain=0.0))

@@ -362,7 +362,7 @@ def test_no_campaign_file_is_a_traceback(text: str) -> None:
     with away():
         _written("my.toml", re.sub(r"^cases = \d+", "cases = 20", text, flags=re.MULTILINE))
         try:
-            plan = tv.load_campaign("my.toml")
+            plan = tv.answers.load_campaign("my.toml")
         except tv.InputError:
             plan = None
         if plan is None or plan.cases <= 100:

@@ -41,7 +41,7 @@ def case(name, size, model="drift-exact"):
     B, beta = float(nominal.coefficients.B), float(nominal.coefficients.beta)
     law = {
         "gains": tv.SaturatedLaw(Autopilot(attitude_gain=3 * B, rate_gain=3 * B / beta)),
-        "dead band": tv.DeadBandLaw(nominal),
+        "dead band": tv.control.DeadBandLaw(nominal),
         "lean": tv.RecoverableAttitudeLaw(nominal, design_peak=PEAK),
     }[name]
     angle = PEAK * rng.uniform(-0.2, 1.0, (size, 9))
@@ -85,7 +85,7 @@ def test_machine_code_flies_as_plain_python_does(name, options):
     np.testing.assert_allclose(fields(fast), fields(slow), rtol=1e-9, atol=1e-10)
 
 
-class Asked(tv.Law):
+class Asked(tv.control.Law):
     """Gains in Python: their flights go sample by sample, by `look` and `advance`."""
 
     def demand(self, measured, states, limit):
@@ -194,7 +194,7 @@ def test_exponentials_of_a_batch_are_scipys():
     "wind",
     [
         tv.OneMinusCosineGust(peak=np.array([0.05, -0.1]), duration=np.array([3.0, 8.0])),
-        tv.LayeredGust(peak=0.05, blend=2.0, plateau=3.0),
+        tv.winds.LayeredGust(peak=0.05, blend=2.0, plateau=3.0),
         tv.TriangularWind(peak=0.1, duration=3.0),
     ],
 )

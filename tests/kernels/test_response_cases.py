@@ -45,34 +45,34 @@ def dispersed(model: str, seed: int, shape: tuple[int, ...] = ()) -> tv.Plant:
     return tv.Plant(c, model)
 
 
-def jumping_wind() -> tv.History:
+def jumping_wind() -> tv.winds.History:
     return tv.SampledWind(time=[1.0, 2.5, 2.5, 4.0, 6.5], angle=[0.05, 0.02, -0.08, 0.1, 0.0])
 
 
-def rising_exponentials(rates: list[float]) -> tv.History:
+def rising_exponentials(rates: list[float]) -> tv.winds.History:
     """Two pieces of c u^k e^(r u), k = 0 ... 2, for each rate."""
     rng = np.random.default_rng(5)
     terms = rng.uniform(-0.01, 0.01, (2, len(rates), 3))
     return Piecewise(Pieces(np.array([0.5, 3.0]), terms, np.array(rates)))
 
 
-def high_powers() -> tv.History:
+def high_powers() -> tv.winds.History:
     """One piece, c u^k e^(-u / 3) for k = 0 ... 9, none of them negligible in the first seconds."""
     terms = 0.01 * 0.5 ** np.arange(10)[np.newaxis, np.newaxis, :]
     return Piecewise(Pieces(np.array([0.5]), terms, np.array([-1.0 / 3.0])))
 
 
-def histories(plant: tv.Plant) -> dict[str, tuple[tv.History, tv.History]]:
+def histories(plant: tv.Plant) -> dict[str, tuple[tv.winds.History, tv.winds.History]]:
     triangle = tv.TriangularWind(peak=0.1, duration=7.0)
     limit = tv.boundary_limit(plant, triangle).deflection
-    switching = tv.BangBang(limit=0.01, switch_times=[1.5, 4.0], start=0.5)
+    switching = tv.linear.BangBang(limit=0.01, switch_times=[1.5, 4.0], start=0.5)
     return {
         "on the boundary": (tv.trim_then_hold(plant, triangle, limit), triangle),
         "lost": (tv.trim_then_hold(plant, triangle, 0.8 * limit), triangle),
-        "held": (tv.HeldDeflection(limit=-0.004), triangle),
-        "late": (tv.HeldDeflection(limit=-0.004, start=201.0), triangle.shift(200.0)),
+        "held": (tv.linear.HeldDeflection(limit=-0.004), triangle),
+        "late": (tv.linear.HeldDeflection(limit=-0.004, start=201.0), triangle.shift(200.0)),
         "jumps": (switching, jumping_wind()),
-        "short": (switching, tv.TrapezoidalWind(peak=0.1, rise=1e-3, hold=0.02, fall=0.0)),
+        "short": (switching, tv.winds.TrapezoidalWind(peak=0.1, rise=1e-3, hold=0.02, fall=0.0)),
         "gust": (switching, tv.OneMinusCosineGust(peak=0.1, duration=3.0)),
         "exponentials": (rising_exponentials([-0.02, -1.7]), rising_exponentials([0.0, -3.0])),
         "high powers": (high_powers(), triangle),
@@ -81,7 +81,7 @@ def histories(plant: tv.Plant) -> dict[str, tuple[tv.History, tv.History]]:
 
 
 def both(
-    plant: tv.Plant, deflection: tv.History, wind: tv.History, times: np.ndarray
+    plant: tv.Plant, deflection: tv.winds.History, wind: tv.winds.History, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The outputs by plain Python and by machine code."""
     pytest.importorskip("numba")
@@ -152,7 +152,7 @@ def test_whatever_drives_it_the_attitude_is_its_integral(model: str, name: str, 
 @pytest.mark.parametrize("model", MODELS)
 def test_beyond_all_numbers_a_lost_attitude_is_infinite(model: str, run: None) -> None:
     plant = dispersed(model, 1)
-    held, wind = tv.HeldDeflection(limit=-1e-4), tv.TriangularWind(peak=0.1, duration=7.0)
+    held, wind = tv.linear.HeldDeflection(limit=-1e-4), tv.TriangularWind(peak=0.1, duration=7.0)
     found = tv.attitude_responses(plant, held, wind, [100.0, 5e3, 1e4])["attitude"]
 
     assert np.isfinite(found[0])
@@ -163,7 +163,7 @@ def test_beyond_all_numbers_a_lost_attitude_is_infinite(model: str, run: None) -
 def carried_one_by_one(model: str) -> tuple[Any, ...]:
     """Three plants, inputs, times, and the outputs of each plant with sixty digits."""
     plants = dispersed(model, 7, (3,))
-    inputs = tv.BangBang(limit=0.01, switch_times=[1.5, 4.0], start=0.5), jumping_wind()
+    inputs = tv.linear.BangBang(limit=0.01, switch_times=[1.5, 4.0], start=0.5), jumping_wind()
     times = np.linspace(0.0, 12.0, 25)
     with mp.workdps(60):
         outputs = [carried([*inputs], times, [m[k] for m in plants.matrices()]) for k in range(3)]
@@ -198,7 +198,7 @@ def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
     plants = tv.Plant(
         tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0), "fixed-path"
     )
-    held, wind = tv.HeldDeflection(limit=-0.005), tv.RectangularWind(peak=0.1, duration=5.0)
+    held, wind = tv.linear.HeldDeflection(limit=-0.005), tv.RectangularWind(peak=0.1, duration=5.0)
     times = np.array([0.5, 3.0, 10.0])
     found = tv.attitude_responses(plants, held, wind, times)["attitude"]
     alone = tv.attitude_responses(
@@ -211,7 +211,7 @@ def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
 
 def test_a_jump_is_seen_at_its_knot_and_nothing_before_the_first(run: None) -> None:
     plant, wind = dispersed("drift-exact", 2), jumping_wind()
-    held = tv.HeldDeflection(limit=-0.01, start=0.5)
+    held = tv.linear.HeldDeflection(limit=-0.01, start=0.5)
     times = np.array([-3.0, 0.499, np.nextafter(2.5, 0.0), 2.5])
     found = tv.attitude_responses(plant, held, wind, times)
 
@@ -236,7 +236,7 @@ def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch)
     pytest.importorskip("numba")
     plants = dispersed("fixed-path", 4, (150, 1))
     winds = tv.TriangularWind(peak=0.1, duration=np.linspace(2.0, 9.0, 20))
-    held, times = tv.HeldDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
+    held, times = tv.linear.HeldDeflection(limit=-0.01), np.linspace(0.0, 20.0, 499)
     with pinned(True):
         together = tv.attitude_responses(plants, held, winds, times).outputs
         monkeypatch.setenv(VARIABLE, "1")
@@ -254,7 +254,7 @@ def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch)
 
 def triangles(plants: tv.Plant, durations: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Responses to a wind for each plant, short to long: modes are slow in some, fast in others."""
-    deflection = tv.BangBang(limit=0.01, switch_times=[0.0], start=-4.0)
+    deflection = tv.linear.BangBang(limit=0.01, switch_times=[0.0], start=-4.0)
     wind = tv.TriangularWind(peak=0.1, duration=durations)
     return tv.attitude_responses(plants, deflection, wind, times).outputs
 
@@ -318,7 +318,7 @@ def test_a_batch_on_the_boundary_keeps_its_digits(K: float, run: None) -> None:
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 def test_some_outputs_are_those_of_all(model: str, asked: tuple[str, ...], run: None) -> None:
     plant, times = dispersed(model, 3, (5,)), np.linspace(-1.0, 20.0, 57)
-    deflection, wind = tv.BangBang(limit=0.01, switch_times=[1.5, 4.0]), jumping_wind()
+    deflection, wind = tv.linear.BangBang(limit=0.01, switch_times=[1.5, 4.0]), jumping_wind()
     every = tv.attitude_responses(plant, deflection, wind, times)
     some = tv.attitude_responses(plant, deflection, wind, times, asked)
 
@@ -331,7 +331,7 @@ def test_some_outputs_are_those_of_all(model: str, asked: tuple[str, ...], run: 
 
 def test_some_outputs_of_poles_nearly_alike() -> None:
     plant = tv.Plant(tv.Coefficients(mu_alpha=1e-12, mu_delta=1.0), "fixed-path")
-    held, wind = tv.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+    held, wind = tv.linear.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
     every = tv.attitude_responses(plant, held, wind, [1.0, 9.0])
     some = tv.attitude_responses(plant, held, wind, [1.0, 9.0], ["attitude_rate"])
 
@@ -340,7 +340,7 @@ def test_some_outputs_of_poles_nearly_alike() -> None:
 
 @pytest.mark.parametrize("asked", ["attitude", (), ("attitude", "speed")])
 def test_outputs_that_are_not_there_are_refused(asked: object) -> None:
-    held, wind = tv.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
+    held, wind = tv.linear.HeldDeflection(limit=0.01), tv.TriangularWind(peak=0.1, duration=7.0)
 
     with pytest.raises(tv.InputError, match="outputs must be"):
         tv.attitude_responses(dispersed("fixed-path", 0), held, wind, [1.0], asked)

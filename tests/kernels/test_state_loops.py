@@ -82,7 +82,7 @@ def test_every_crossing_is_that_of_thirty_digits(modes, delay):
         sections = flexible(rng, modes)
         loop = tv.Loop.from_matrices(*cascade(sections), delay)
         assert loop.poles.size == 4 + 2 * modes
-        c = tv.loop_margins(loop).crossings
+        c = tv.control.loop_margins(loop).crossings
         assert c.gain_frequencies.size > 0
         with mpmath.workdps(30):
             for omega, phase in zip(c.gain_frequencies, c.phase_margins, strict=True):
@@ -110,7 +110,7 @@ def test_polynomials_and_state_space_have_the_same_margins(modes, delay):
         for n, d in sections:
             above, below = np.polymul(above, n), np.polymul(below, d)
         one, other = (
-            tv.loop_margins(loop)
+            tv.control.loop_margins(loop)
             for loop in (
                 tv.Loop(above, below, delay),
                 tv.Loop.from_matrices(*cascade(sections), delay),
@@ -138,7 +138,7 @@ def test_poles_and_responses_are_those_of_python_control():
         expected = system(1j * omega)
         np.testing.assert_allclose(loop.response(omega), expected, rtol=1e-9, atol=1e-13)
         unstable = int(np.sum(closed.real > 0.0))
-        assert tv.loop_margins(loop).unstable_poles == unstable
+        assert tv.control.loop_margins(loop).unstable_poles == unstable
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.03])
@@ -155,7 +155,7 @@ def test_no_crossing_of_a_fine_grid_is_missed(delay):
         )
         omega = omega[(omega > 1e-3) & (omega < 200.0)]
         values = loop.response(omega)
-        c = tv.loop_margins(loop).crossings
+        c = tv.control.loop_margins(loop).crossings
         size = np.sign(np.abs(values) - 1.0)
         gains = np.sum(size[1:] != size[:-1])
         assert np.sum((c.gain_frequencies > 1e-3) & (c.gain_frequencies < 200.0)) == gains
@@ -171,7 +171,7 @@ def test_the_peak_behind_the_disk_margin_is_that_of_a_fine_grid(delay):
     stable = 0
     for _ in range(12):
         loop = tv.Loop.from_matrices(*cascade(flexible(rng, 3, damping=(5e-3, 0.1))), delay)
-        m = tv.loop_margins(loop)
+        m = tv.control.loop_margins(loop)
         if not m.stable:
             continue
         stable += 1
@@ -192,7 +192,7 @@ def test_the_disk_margin_is_that_of_slycot():
     stable = 0
     for _ in range(10):
         A, B, C, D = cascade(flexible(rng, 3, damping=(5e-3, 0.1)))
-        m = tv.loop_margins(tv.Loop.from_matrices(A, B, C, D))
+        m = tv.control.loop_margins(tv.Loop.from_matrices(A, B, C, D))
         if not m.stable:
             continue
         stable += 1
@@ -221,13 +221,13 @@ SPECIAL = {
 @pytest.mark.parametrize("delay", [0.0, 0.1])
 def test_poles_on_the_axis_and_repeated_ones_are_no_obstacle(name, delay):
     above, below = (np.asarray(p, float) for p in SPECIAL[name])
-    expected = tv.loop_margins(tv.Loop(above, below, delay))
+    expected = tv.control.loop_margins(tv.Loop(above, below, delay))
     # A change of the states, in whole numbers, hides the structure.
     A, B, C, D = section(above, below)
     n = len(A)
     turn = np.tril(np.ones((n, n)))
     back = np.linalg.inv(turn)
-    found = tv.loop_margins(tv.Loop.from_matrices(turn @ A @ back, turn @ B, C @ back, D, delay))
+    found = tv.control.loop_margins(tv.Loop.from_matrices(turn @ A @ back, turn @ B, C @ back, D, delay))
     assert found.status == expected.status
     assert found.unstable_poles == expected.unstable_poles
     for key in NUMBERS:
@@ -242,9 +242,9 @@ def test_a_loop_has_the_same_margins_alone_and_in_a_batch():
     stacked = [np.stack(m) for m in zip(*systems, strict=True)]
     delays = np.array([0.0, 0.02, 0.1, 0.0, 0.05])
     loops = tv.Loop.from_matrices(*stacked, delays)
-    many = tv.loop_margins(loops)
+    many = tv.control.loop_margins(loops)
     for k, system in enumerate(systems):
-        one = tv.loop_margins(tv.Loop.from_matrices(*system, delays[k]))
+        one = tv.control.loop_margins(tv.Loop.from_matrices(*system, delays[k]))
         assert one.status == many.status[k]
         for name in NUMBERS:
             both = (getattr(one, name), getattr(many, name)[k])

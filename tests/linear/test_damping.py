@@ -75,7 +75,7 @@ def test_transfer_functions_and_state_space_are_one_plant(model):
 def test_the_response_is_that_of_the_equations_integrated(model):
     plant = plant_of(model=model)
     wind = tv.TriangularWind(peak=PEAK, duration=6.0)
-    push = tv.HeldDeflection(limit=-0.004)
+    push = tv.linear.HeldDeflection(limit=-0.004)
     times = np.linspace(0.0, 9.0, 19)
     found = tv.attitude_responses(plant, push, wind, times)
     c, order = plant.coefficients, len(plant.states)
@@ -166,7 +166,7 @@ def test_gains_place_the_poles_that_they_promise():
 
     asked = tv.design_gains(c, natural_frequency=1.2, damping=0.6)
     np.testing.assert_allclose(closed(asked), [1.0, 2 * 0.6 * 1.2, 1.44], rtol=1e-13)
-    canonical = closed(tv.canonical_gains(c))
+    canonical = closed(tv.control.canonical_gains(c))
     np.testing.assert_allclose(canonical, [1.0, c.beta + 0.25, c.mu_alpha], rtol=1e-13)
 
 
@@ -178,7 +178,7 @@ def test_less_damping_than_the_vehicle_has_is_refused():
 def test_the_wind_estimator_knows_the_damping():
     """Shown a steady turn in no wind it finds none; without the term it finds d theta'/mu_alpha."""
     plant, rate = plant_of(), 0.02
-    c, estimator = plant.coefficients, tv.WindEstimator(bandwidth=8.0)
+    c, estimator = plant.coefficients, tv.control.WindEstimator(bandwidth=8.0)
     F, G = estimator.states(plant)
     assert np.poly(F) == pytest.approx([1.0, 2 * 0.7 * 8.0, 64.0])  # its own poles, as promised
     for believed, error in ((plant, 0.0), (plant_of(damping=0.0), 0.25 * rate / c.mu_alpha)):
@@ -241,7 +241,7 @@ def _answers(model):
         needed = tv.required_deflection(plant, wind, 0.5)
         trim = tv.TriangularWind(peak=-0.3 * PEAK, duration=11.0)
         motion = tv.attitude_responses(plant, trim, wind, np.linspace(0.0, 20.0, 11))
-        modes = tv.all_modes(plant)
+        modes = tv.linear.all_modes(plant)
         c = plant.coefficients
         found += [
             boundary.limit,

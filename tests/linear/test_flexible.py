@@ -201,7 +201,7 @@ def beam(count, station):
         y = station + 0.5
         seen = {"attitude_slope": slope(y), "rate_slope": slope(y)}
         end = {"gimbal_displacement": 2.0, "gimbal_slope": slope(0.0)}
-        modes.append(tv.BendingMode(frequency=k**2, damping=0.0, modal_mass=1.0, **end, **seen))
+        modes.append(tv.vehicle.BendingMode(frequency=k**2, damping=0.0, modal_mass=1.0, **end, **seen))
     return tuple(modes)
 
 
@@ -271,7 +271,7 @@ def test_the_made_up_booster_has_its_poles():
 
 
 def test_shift_is_what_pole_and_residues_do():
-    batch = tv.Structure(slosh=TANKS, rate_gyro=tv.Filter.low_pass([100.0, 200.0]))
+    batch = tv.Structure(slosh=TANKS, rate_gyro=tv.vehicle.Filter.low_pass([100.0, 200.0]))
     for structure in (STRUCTURE, replace(STRUCTURE, engine=None), batch):
         plant = flexible(structure)
         found = plant.shift()
@@ -299,7 +299,7 @@ def test_a_thousand_dispersed_frequencies_are_one_call():
     modes = tuple(
         replace(mode, frequency=mode.frequency * factors[:, k]) for k, mode in enumerate(MODES)
     )
-    structure = replace(STRUCTURE, bending=modes, rate_gyro=tv.Filter.low_pass([[90.0], [120.0]]))
+    structure = replace(STRUCTURE, bending=modes, rate_gyro=tv.vehicle.Filter.low_pass([[90.0], [120.0]]))
     every = flexible(structure)
     assert every.batch == (2, 1000)
     assert [one.shape for one in every.matrices()] == [
@@ -309,7 +309,7 @@ def test_a_thousand_dispersed_frequencies_are_one_call():
         modes = tuple(
             replace(mode, frequency=mode.frequency * factors[i, k]) for k, mode in enumerate(MODES)
         )
-        gyro = tv.Filter.low_pass(120.0)
+        gyro = tv.vehicle.Filter.low_pass(120.0)
         one = flexible(replace(STRUCTURE, bending=modes, rate_gyro=gyro))
         for mine, batch in zip(one.matrices(), every.matrices(), strict=True):
             size = np.abs(mine).max()
@@ -318,7 +318,7 @@ def test_a_thousand_dispersed_frequencies_are_one_call():
 
 
 def test_python_control_sees_the_same_plant():
-    plant = flexible(replace(STRUCTURE, attitude_sensor=tv.Filter.lead_lag(-40.0, 40.0)))
+    plant = flexible(replace(STRUCTURE, attitude_sensor=tv.vehicle.Filter.lead_lag(-40.0, 40.0)))
     system = plant.ss()
     assert tuple(system.state_labels) == plant.states
     assert tuple(system.input_labels) == ("deflection", "wind", "deflection_acceleration")
@@ -329,7 +329,7 @@ def test_python_control_sees_the_same_plant():
     bare = flexible(replace(STRUCTURE, rate_gyro=None))
     for s in POINTS:
         one, two = transfer(bare.matrices(), s), transfer(plant.matrices(), s)
-        lag = np.array([1, 1, 1, 1, (40 - s) / (40 + s), tv.Filter.low_pass(120.0, 0.7)(s)])
+        lag = np.array([1, 1, 1, 1, (40 - s) / (40 + s), tv.vehicle.Filter.low_pass(120.0, 0.7)(s)])
         np.testing.assert_allclose(two, one * lag[:, None], rtol=1e-9, atol=1e-12)
 
 
@@ -359,16 +359,16 @@ def test_python_control_sees_the_same_plant():
         ),
         (
             lambda: flexible(
-                replace(STRUCTURE, rate_gyro=tv.Filter.low_pass([1.0, 2.0])),
+                replace(STRUCTURE, rate_gyro=tv.vehicle.Filter.low_pass([1.0, 2.0])),
                 vehicle=BOOSTER.replace(thrust=[2e7, 2e7, 2e7]),
             ),
             "must have shapes that broadcast",
         ),
-        (lambda: tv.Engine(mass=1.0, arm=0.0), "needs an arm or a moment_of_inertia"),
+        (lambda: tv.vehicle.Engine(mass=1.0, arm=0.0), "needs an arm or a moment_of_inertia"),
         (lambda: replace(MODES[0], damping=-0.01), "damping must be between 0"),
         (lambda: replace(TANKS[0], frequency=2.0), "needs a pendulum_length or a frequency"),
         (lambda: tv.boundary_limit(flexible(), PULSE), "FlexiblePlant has .rigid, and .shift"),
-        (lambda: tv.all_modes(flexible()), "FlexiblePlant has .rigid, and .shift"),
+        (lambda: tv.linear.all_modes(flexible()), "FlexiblePlant has .rigid, and .shift"),
     ],
 )
 def test_what_no_plant_can_be_made_of_is_refused_in_one_sentence(make, said):

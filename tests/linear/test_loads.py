@@ -13,7 +13,7 @@ def plant() -> tv.Plant:
 
 def test_ideal_trim_keeps_the_attitude_and_meets_the_whole_wind() -> None:
     wind = tv.TriangularWind(peak=-0.08, duration=6.0)
-    loads = tv.wind_loads(plant(), tv.trim_deflection(plant(), wind), wind)
+    loads = tv.linear.wind_loads(plant(), tv.trim_deflection(plant(), wind), wind)
 
     assert loads.relative == pytest.approx(1.0, rel=1e-12)
     assert loads.peak_angle_of_attack == pytest.approx(0.08, rel=1e-12)
@@ -34,7 +34,7 @@ def test_the_peak_is_that_of_the_exact_response(K: float) -> None:
     grid = tv.attitude_responses(plant(), held, wind, times)["angle_of_attack"]
     near = times[np.argmax(np.abs(grid))]
     best = minimize_scalar(angle, bounds=(near - 0.02, near + 0.02), options={"xatol": 1e-9})
-    loads = tv.wind_loads(plant(), held, wind)
+    loads = tv.linear.wind_loads(plant(), held, wind)
 
     assert abs(loads.peak_angle_of_attack) == pytest.approx(-best.fun, rel=1e-7)
 
@@ -44,7 +44,7 @@ def test_the_angle_of_attack_falls_with_the_dead_band() -> None:
     falls = []
     for K in (1.0, 0.5, 0.0):
         limit = tv.boundary_limit(plant(), wind, K).deflection
-        falls.append(tv.wind_loads(plant(), tv.trim_then_hold(plant(), wind, limit, K), wind))
+        falls.append(tv.linear.wind_loads(plant(), tv.trim_then_hold(plant(), wind, limit, K), wind))
 
     expected = [1.021, 0.933, 0.781]
     assert [loads.relative for loads in falls] == pytest.approx(expected, abs=5e-4)
@@ -53,6 +53,6 @@ def test_the_angle_of_attack_falls_with_the_dead_band() -> None:
 def test_batches_and_endless_winds_are_refused() -> None:
     wind = tv.TriangularWind(peak=[0.1, 0.2], duration=8.0)
     with pytest.raises(tv.InputError, match="one case"):
-        tv.wind_loads(plant(), tv.HeldDeflection(limit=-0.01), wind)
+        tv.linear.wind_loads(plant(), tv.linear.HeldDeflection(limit=-0.01), wind)
     with pytest.raises(tv.InputError, match="wind must end"):
-        tv.wind_loads(plant(), tv.HeldDeflection(limit=-0.01), tv.HeldDeflection(limit=0.1))
+        tv.linear.wind_loads(plant(), tv.linear.HeldDeflection(limit=-0.01), tv.linear.HeldDeflection(limit=0.1))

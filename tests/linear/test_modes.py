@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import tvclin
-from tvclin import Coefficients, Plant, judge, residues, unstable_modes
+from tvclin import Coefficients, Plant, residues, unstable_modes
+from tvclin.linear import judge
 from tvclin.linear.models import MODELS
 from tvclin.linear.modes import all_modes
 from tvclin.linear.plant import INPUTS
@@ -98,7 +99,7 @@ def test_the_residue_of_a_response_is_the_sum_over_both_inputs(configuration_i, 
     plant = Plant.from_vehicle(configuration_i, model)
     modes, p = unstable_modes(plant), unstable_modes(plant).poles
     wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
-    held = tvclin.HeldDeflection(limit=-0.004, start=2.0)
+    held = tvclin.linear.HeldDeflection(limit=-0.004, start=2.0)
     expected = (
         modes.deflection_residues * -0.004 * np.exp(-2.0 * p) / p
         + modes.wind_residues * 0.05 * -np.expm1(-7.0 * p) / p
@@ -111,7 +112,7 @@ def test_a_stable_vehicle_has_no_unstable_mode_and_every_history_is_stable(model
     plant = Plant.from_coefficients(Coefficients(**STABLE), model)
     wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
     assert unstable_modes(plant).poles.shape == (0,)
-    verdict = judge(plant, tvclin.HeldDeflection(limit=0.1), wind)
+    verdict = judge(plant, tvclin.linear.HeldDeflection(limit=0.1), wind)
     assert verdict.stable is True
     assert verdict.residues.shape == (0,)
 
@@ -198,7 +199,7 @@ def test_trim_throughout_leaves_nothing(configuration_i):
 
 def test_of_a_batch_the_first_that_keeps_an_error_or_a_ramp_is_named():
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
-    held = tvclin.HeldDeflection(limit=0.01) * [0.0, 1.0, 2.0]
+    held = tvclin.linear.HeldDeflection(limit=0.01) * [0.0, 1.0, 2.0]
     stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
     # In the end 0 = mu_alpha theta - mu_delta delta: -0.02 rad.
     assert "a held attitude error of -1.146 deg" in str(judge(stable, held, wind).left_over)
@@ -219,12 +220,12 @@ def test_nothing_in_still_air_leaves_nothing(configuration_i):
 def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_i, model):
     plant = Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=0.0), model)
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
-    verdict = judge(plant, tvclin.HeldDeflection(limit=0.01), wind)
+    verdict = judge(plant, tvclin.linear.HeldDeflection(limit=0.01), wind)
     assert verdict.stable is True
     assert np.isnan([verdict.left_over.rate, verdict.left_over.offset]).all()
     assert str(verdict.left_over) == "what several poles at zero make of the deflection"
     some = Plant.from_vehicle(configuration_i.replace(aerodynamic_arm=[0.0, 9.45]), model)
-    left = judge(some, tvclin.HeldDeflection(limit=0.01), wind).left_over
+    left = judge(some, tvclin.linear.HeldDeflection(limit=0.01), wind).left_over
     np.testing.assert_array_equal(np.isnan(left.rate), [True, False])
     assert "several poles at zero" in str(left)
 
@@ -232,14 +233,14 @@ def test_without_an_aerodynamic_moment_nothing_is_said_of_the_end(configuration_
 @pytest.mark.parametrize("model", MODELS[1:])
 def test_where_the_speed_plays_no_part_every_model_with_drift_leaves_one_ramp(model):
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.1, b2=0.05)
-    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.linear.HeldDeflection(limit=0.01)
     left = judge(Plant.from_coefficients(c, model), held, wind).left_over
     # At rest mu_alpha rate = mu_delta b1 delta.
     assert left.rate == pytest.approx(2.0 * 0.1 * 0.01 / 0.25, rel=1e-13)
 
 
 def test_in_yaw_the_models_with_drift_leave_the_same(configuration_i):
-    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.linear.HeldDeflection(limit=0.01)
     exact, speed = (
         judge(Plant.from_vehicle(configuration_i, model, "yaw"), held, wind).left_over
         for model in ("drift-exact", "drift-and-speed")  # one is the other times s/s, as q = 0
@@ -253,7 +254,7 @@ def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configurati
     plant = Plant.from_vehicle(configuration_i, "fixed-path")
     wind = tvclin.TriangularWind(peak=0.05, duration=6.0)
     pole = unstable_modes(plant).poles
-    for early in (tvclin.HeldDeflection(limit=0.01), wind * 0.2):
+    for early in (tvclin.linear.HeldDeflection(limit=0.01), wind * 0.2):
         for first, second in ((early.shift(-2.0), wind), (early, wind.shift(-2.0))):
             found = judge(plant, first, second).residues
             expected = residues(plant, first, second) * np.exp(-2.0 * pole)
@@ -262,7 +263,7 @@ def test_residues_of_a_verdict_count_the_time_from_the_first_of_both(configurati
 
 def test_a_wind_that_stays_is_leaned_into():
     stable = Plant.from_coefficients(Coefficients(mu_alpha=-1.0, mu_delta=2.0))
-    left = judge(stable, tvclin.HeldDeflection(limit=0.01), tvclin.HeldDeflection(limit=0.05))
+    left = judge(stable, tvclin.linear.HeldDeflection(limit=0.01), tvclin.linear.HeldDeflection(limit=0.05))
     # In the end 0 = mu_alpha (theta - alpha_w) - mu_delta delta.
     assert left.left_over.offset == pytest.approx(0.05 - 0.02, rel=1e-13)
 
@@ -277,7 +278,7 @@ def test_with_drift_pulses_of_wind_and_deflection_leave_the_sum_of_both(configur
 
 def test_a_held_deflection_that_does_not_ramp_leaves_an_offset_of_its_own():
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.0, b2=0.05)
-    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.linear.HeldDeflection(limit=0.01)
     left = judge(Plant.from_coefficients(c, "drift"), held, wind).left_over
     # For b1 = 0 the deflection turns the vehicle by delta/B as on a fixed path, the wind by
     # b2 times its area.
@@ -289,8 +290,8 @@ def test_a_held_deflection_that_does_not_ramp_leaves_an_offset_of_its_own():
 
 def test_wind_and_trim_that_both_stay_leave_what_came_before_the_trim():
     c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=0.05, b2=0.05)
-    wind = tvclin.HeldDeflection(limit=0.05)
-    trim = tvclin.HeldDeflection(limit=-0.05 * c.B, start=3.0)
+    wind = tvclin.linear.HeldDeflection(limit=0.05)
+    trim = tvclin.linear.HeldDeflection(limit=-0.05 * c.B, start=3.0)
     for late in (0.0, 7.0):
         moved = trim.shift(late), wind.shift(late)
         left = judge(Plant.from_coefficients(c, "drift"), *moved).left_over
@@ -331,7 +332,7 @@ def test_unstable_poles_are_real_though_stable_ones_are_not():
 
 def test_a_flight_that_begins_later_leaves_as_much_less(configuration_i):
     plant = Plant.from_vehicle(configuration_i, "drift-exact")
-    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.HeldDeflection(limit=0.01)
+    wind, held = tvclin.TriangularWind(peak=0.05, duration=6.0), tvclin.linear.HeldDeflection(limit=0.01)
     now, later = residues(plant, held, wind), residues(plant, held.shift(3.0), wind.shift(3.0))
     np.testing.assert_allclose(later, now * np.exp(-3.0 * unstable_modes(plant).poles), rtol=1e-12)
 
@@ -371,7 +372,7 @@ def test_a_batch_equals_a_loop_and_fills_with_nan(model):
     slow = {"C2": 0.013 * rows["mu_alpha"]}
     batch = Plant.from_coefficients(Coefficients(**rows, **slow, **others), model)
     wind = tvclin.RectangularWind(peak=0.05, duration=7.0)
-    held = tvclin.HeldDeflection(limit=-0.004)
+    held = tvclin.linear.HeldDeflection(limit=-0.004)
     modes, verdict = unstable_modes(batch), judge(batch, held, wind)
     for i in range(3):
         one = {name: values[i] for name, values in (rows | slow).items()}
@@ -412,8 +413,8 @@ def test_a_repeated_pole_has_no_residue():
         (lambda plant, wind: tvclin.Plant(3, "drift"), "coefficients must be a Coefficients"),
         (lambda plant, wind: tvclin.unstable_modes("x"), "plant must be a Plant"),
         (lambda plant, wind: all_modes("x"), "plant must be a Plant"),
-        (lambda plant, wind: tvclin.judge(plant, None, wind), "deflection must be a History"),
-        (lambda plant, wind: tvclin.judge(plant, wind, 0.1), "wind must be a History"),
+        (lambda plant, wind: tvclin.linear.judge(plant, None, wind), "deflection must be a History"),
+        (lambda plant, wind: tvclin.linear.judge(plant, wind, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.boundary_limit(3, wind), "plant must be a Plant"),
         (lambda plant, wind: tvclin.boundary_limit(plant, 0.1), "wind must be a History"),
         (lambda plant, wind: tvclin.trim_deflection(plant, 0.1), "wind must be a History"),

@@ -27,13 +27,13 @@ def random_plant(rng: np.random.Generator, model: str) -> tv.Plant:
     return tv.Plant(c, model)
 
 
-def random_inputs(rng: np.random.Generator) -> tuple[tv.History, tv.History]:
+def random_inputs(rng: np.random.Generator) -> tuple[tv.winds.History, tv.winds.History]:
     """A wind of straight pieces with a jump, and a deflection that switches; knots anywhere."""
     time = np.sort(rng.uniform(0.0, 9.0, 5))
     time[2] = time[1]
     wind = tv.SampledWind(time=time, angle=rng.uniform(-0.1, 0.1, 5))
     switches = np.sort(rng.uniform(0.5, 9.0, 2))
-    return wind, tv.BangBang(limit=rng.uniform(0.001, 0.02), switch_times=switches, start=0.2)
+    return wind, tv.linear.BangBang(limit=rng.uniform(0.001, 0.02), switch_times=switches, start=0.2)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -16,7 +16,7 @@ FIXED, EXACT = (
 COEFFICIENTS, PEAK = FIXED.coefficients, np.radians(5.0)
 BETA, TRIM = COEFFICIENTS.beta, COEFFICIENTS.B * PEAK
 SERVO = tv.Actuator(natural_frequency=8.0 * np.pi, damping=0.7)
-HALF, TRIM_LAW = tv.half_relief_gains(COEFFICIENTS), tv.TrimLaw(FIXED)
+HALF, TRIM_LAW = tv.control.half_relief_gains(COEFFICIENTS), tv.TrimLaw(FIXED)
 LEAN = tv.RecoverableAttitudeLaw(EXACT, design_peak=PEAK)
 ABOVE = np.array([0.001, 0.01, 0.03, 0.06, 0.1])
 """Limits above the one that is shown, which must survive: windows of losses begin there."""
@@ -70,7 +70,7 @@ def test_an_effectiveness_that_is_believed_wrongly(believed):
     own = COEFFICIENTS.replace(mu_delta=float(believed) * COEFFICIENTS.mu_delta)
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
     wrong = tv.Plant.from_coefficients(own, plant.model)
-    laws = tv.half_relief_gains(own), tv.RecoverableAttitudeLaw(wrong, design_peak=PEAK)
+    laws = tv.control.half_relief_gains(own), tv.RecoverableAttitudeLaw(wrong, design_peak=PEAK)
     shown = np.reshape(numbers(believed, 6), (2, 3))
     for law, row in zip(laws, shown, strict=True):
         for tau_beta, limit in zip((4, 8, 20), row, strict=True):
@@ -81,7 +81,7 @@ def test_an_effectiveness_that_is_believed_wrongly(believed):
 def test_the_balance_of_a_slow_nozzle(label):
     behind = 0.5 + np.linspace(0.0, 0.08, 33)
     poles = {"natural_frequency": 2.4 * BETA, "damping": 1.2, "alpha_ratio": float(label)}
-    law = tv.relief_gains(COEFFICIENTS, **poles)
+    law = tv.control.relief_gains(COEFFICIENTS, **poles)
     for tau_beta, shown in zip((4, 8, 12, 20, 40), numbers(label, 5), strict=True):
         is_needed(shown, 0.002, law, FIXED, tau_beta, behind=behind)
 
@@ -94,7 +94,7 @@ def test_the_cliff(row):
     gains, lead, shown, lost = row
     frequency, damping, ratio = (float(n) for n in re.sub(r" \(.*", "", gains).split(", "))
     assert float(lead) == pytest.approx(2.0 * damping / frequency, abs=5.1e-3)
-    law = tv.relief_gains(
+    law = tv.control.relief_gains(
         COEFFICIENTS, natural_frequency=frequency * BETA, damping=damping, alpha_ratio=ratio
     )
     limits = float(shown) - 0.0022, *(float(shown) + ABOVE)
@@ -115,7 +115,7 @@ ESTIMATED = [line for line in LINES if re.match(r"\| (a vane|20|10|5|3|2|1) \| "
 def test_what_a_wind_estimator_costs(label):
     law = tv.SaturatedLaw(HALF)
     if label != "a vane":
-        law = tv.EstimatedLaw(law, tv.WindEstimator(bandwidth=float(label)), FIXED)
+        law = tv.control.EstimatedLaw(law, tv.control.WindEstimator(bandwidth=float(label)), FIXED)
     step = 0.002 if label == "a vane" else 0.004
     behind = 0.5 + np.linspace(0.0, 0.25, 10)
     for tau_beta, shown in zip((2, 4, 8, 20), numbers(label, 4), strict=True):
@@ -138,7 +138,7 @@ WINDS = {
 def test_what_other_winds_ask_for(words, name):
     ((short, long),) = re.findall(words, PROSE)
     for shown, tau_beta in ((float(short), 4), (float(long), 8)):
-        wind = tv.standard_winds(PEAK, tau_beta / BETA)[name]
+        wind = tv.answers.standard_winds(PEAK, tau_beta / BETA)[name]
         tried = (shown + np.array([-0.009, 0.006, 0.02, 0.05, 0.1])) * TRIM
         options = {"actuator": SERVO, "sample_rate": 60.0}
         found = tv.fly_many(EXACT, HALF, wind, deflection_limit=tried, **options)
@@ -170,7 +170,7 @@ def test_a_rate_limit_of_2_degrees_changes_nothing():
 def test_the_other_configuration():
     ((low, high),) = re.findall(r"Configuration II needs (\S+) to (\S+) \(", PROSE)
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-ii"), "drift-exact")
-    law, c = tv.half_relief_gains(plant.coefficients), plant.coefficients
+    law, c = tv.control.half_relief_gains(plant.coefficients), plant.coefficients
     for tau_beta, shown in ((2, low), (20, high)):
         whole = tv.TriangularWind(peak=PEAK, duration=tau_beta / c.beta)
         stops = np.append(np.linspace(0.0, whole.duration, 30)[1:-1], np.inf)[:, np.newaxis]

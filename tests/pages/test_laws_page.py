@@ -22,11 +22,11 @@ def triangle(tau_beta: float) -> tv.TriangularWind:
     return tv.TriangularWind(peak=PEAK, duration=tau_beta / COEFFICIENTS.beta)
 
 
-def needs(law: tv.Law, wind: tv.TriangularWind, rate: float, plant=PLANT, **options) -> float:
+def needs(law: tv.control.Law, wind: tv.TriangularWind, rate: float, plant=PLANT, **options) -> float:
     return tv.closed_loop_boundary(plant, law, wind, sample_rate=rate, **options).limit
 
 
-def lean(believed_B: float = 1.0, believed_peak: float = 1.0, **options) -> tv.Law:
+def lean(believed_B: float = 1.0, believed_peak: float = 1.0, **options) -> tv.control.Law:
     own = tv.Coefficients.from_beta(beta=COEFFICIENTS.beta, B=believed_B * COEFFICIENTS.B)
     options = {"design_peak": believed_peak * PEAK, **options}
     return tv.RecoverableAttitudeLaw(tv.Plant.from_coefficients(own), **options)
@@ -38,8 +38,8 @@ def shown(number: str, value: float) -> None:
     assert float(number) == pytest.approx(value, abs=0.5 * 10.0**-digits + 2e-5)
 
 
-REVERSAL = tv.standard_winds(PEAK, triangle(4.0).duration)["full reversal"]
-OBSERVER = tv.WindEstimator(bandwidth=1.0, seed=1)
+REVERSAL = tv.answers.standard_winds(PEAK, triangle(4.0).duration)["full reversal"]
+OBSERVER = tv.control.WindEstimator(bandwidth=1.0, seed=1)
 MEASURED = {
     r"without one the limit is (\S+), and": lambda: needs(lean(design_peak=None), REVERSAL, 50.0),
     r"`trust` one, (\S+) \(": lambda: needs(lean(trust=1.0), REVERSAL, 50.0),
@@ -53,15 +53,15 @@ MEASURED = {
         lean(reach=0.9), triangle(4.0), 40.0, actuator=SERVO, cuts=1
     ),
     r"canonical gains need (\S+) at": lambda: needs(
-        tv.SaturatedLaw(tv.canonical_gains(COEFFICIENTS)), triangle(4.0), 100.0
+        tv.SaturatedLaw(tv.control.canonical_gains(COEFFICIENTS)), triangle(4.0), 100.0
     ),
     r"literal \$K = 1\$, (\S+) flown": lambda: needs(tv.TrimLaw(PLANT), SECONDS, 100.0, EXACT),
     r"flown for (\S+) in 7.5 s": lambda: tv.boundary_limit(EXACT, SECONDS, 1.0, "literal").limit,
     r"and needs (\S+) \(measured on": lambda: needs(tv.TrimLaw(EXACT), SECONDS, 100.0, EXACT),
-    r"it needs (\S+) with gain 1": lambda: needs(tv.DeadBandLaw(PLANT), triangle(8.0), 50.0),
-    r"gain 1, (\S+) with 10": lambda: needs(tv.DeadBandLaw(PLANT, gain=10.0), triangle(8.0), 50.0),
+    r"it needs (\S+) with gain 1": lambda: needs(tv.control.DeadBandLaw(PLANT), triangle(8.0), 50.0),
+    r"gain 1, (\S+) with 10": lambda: needs(tv.control.DeadBandLaw(PLANT, gain=10.0), triangle(8.0), 50.0),
     r"the open loop, (\S+)\. At": lambda: tv.boundary_limit(PLANT, triangle(8.0), 0.5).limit,
-    r"it needs (\S+) for the promised": lambda: needs(tv.DeadBandLaw(PLANT), triangle(20.0), 50.0),
+    r"it needs (\S+) for the promised": lambda: needs(tv.control.DeadBandLaw(PLANT), triangle(20.0), 50.0),
     r"20, 10, 5 need (\S+), \S+, \S+ ": lambda: needs(lean(gain=20.0), triangle(4.0), 50.0),
     r"20, 10, 5 need \S+, (\S+), \S+ ": lambda: needs(lean(gain=10.0), triangle(4.0), 50.0),
     r"20, 10, 5 need \S+, \S+, (\S+) ": lambda: needs(lean(gain=5.0), triangle(4.0), 50.0),

@@ -38,12 +38,12 @@ def course(**options):
 
 def drifting():
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift")
-    return tv.canonical_gains(plant.coefficients, actuator=tv.Actuator(), delay=0.02), plant
+    return tv.control.canonical_gains(plant.coefficients, actuator=tv.Actuator(), delay=0.02), plant
 
 
 def integrating():
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
-    return tv.canonical_gains(plant.coefficients, integral_gain=0.02, **LAG), plant
+    return tv.control.canonical_gains(plant.coefficients, integral_gain=0.02, **LAG), plant
 
 
 def calm():
@@ -218,10 +218,10 @@ def test_the_box_has_the_sides_of_the_criteria(name):
 
 
 def test_the_box_of_own_criteria_may_be_lopsided_and_may_be_missing():
-    own = tv.Criteria.own(aero_margin_dB=3.0, gain_increase_dB=8.0, delay_margin=9.0)
+    own = tv.control.Criteria.own(aero_margin_dB=3.0, gain_increase_dB=8.0, delay_margin=9.0)
     plot = plots.nichols_chart(*course(**LAG), own)
     box = plot.axes[0, 0].patches[0]
-    without = plots.nichols_chart(*course(), tv.Criteria.own(disk_margin=0.5))
+    without = plots.nichols_chart(*course(), tv.control.Criteria.own(disk_margin=0.5))
 
     assert box_sides(own) == (3.0, 8.0, 0.0)
     assert (*box.get_xy(), box.get_width(), box.get_height()) == (-180.0, -8.0, 0.0, 11.0)
@@ -294,7 +294,7 @@ def test_nyquist_is_the_frequency_response_with_its_margins_and_touches_the_disk
 def test_no_pole_on_the_axis_is_counted_by_the_rounding_of_its_real_part():
     c = tv.Coefficients.from_vehicle(tv.load_vehicle("configuration-i")).replace(C2=0.0)
     plant = tv.Plant.from_coefficients(c, "drift-exact")
-    plot = plots.nyquist_chart(tv.canonical_gains(c, **LAG), plant)
+    plot = plots.nyquist_chart(tv.control.canonical_gains(c, **LAG), plant)
 
     assert "1 counterclockwise encirclement of -1, 1 unstable open-loop pole:" in heading(plot)
 

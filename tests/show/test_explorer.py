@@ -74,8 +74,8 @@ def test_the_boundary_is_that_of_the_library(shape: str, model: str, plane: str)
 
 
 def test_a_pulse_without_a_closed_form_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
-        return tv.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
+    def sawtooth(peak: float, duration: float) -> tv.winds.AsymmetricTriangularWind:
+        return tv.winds.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
 
     monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
     booster = tv.load_vehicle("configuration-i")
@@ -102,7 +102,7 @@ def test_the_margins_are_those_of_the_library(law: str) -> None:
     c = asked(law=law, attitude_gain=0.8, rate_gain=0.7, delay=0.05)
     gains = tv.Autopilot(attitude_gain=0.8, rate_gain=0.7)
     if law == HALF_RELIEF:
-        gains = tv.half_relief_gains(plant_of(c).coefficients)
+        gains = tv.control.half_relief_gains(plant_of(c).coefficients)
     actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
     expected = replace(gains, actuator=actuator, delay=0.05).margins(plant_of(c))
     found = answer(c, 0).margins
@@ -333,7 +333,7 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
     assert "Margins: none" in panel.margins.value
 
     panel.canonical.click()
-    gains = tv.canonical_gains(tv.Coefficients.from_vehicle(panel.choices.vehicle))
+    gains = tv.control.canonical_gains(tv.Coefficients.from_vehicle(panel.choices.vehicle))
     assert panel.choices.attitude_gain == gains.attitude_gain
     assert panel.choices.rate_gain == gains.rate_gain
     assert "phase" in panel.margins.value

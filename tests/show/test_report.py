@@ -86,21 +86,21 @@ def words(section: Section) -> list[str]:
     return [one for one in cells(section) if isinstance(one, str)]
 
 
-def sawtooth(peak: float, duration: float) -> tv.AsymmetricTriangularWind:
-    return tv.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
+def sawtooth(peak: float, duration: float) -> tv.winds.AsymmetricTriangularWind:
+    return tv.winds.AsymmetricTriangularWind(peak=peak, duration=duration, peak_time=duration)
 
 
 @pytest.fixture(scope="module")
-def plan() -> tv.StudyPlan:
+def plan() -> tv.answers.StudyPlan:
     """Return the example, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
-    laws = tv.LawsAsked(names=("trim", "autopilot"), sample_rate=20.0)
+    laws = tv.answers.LawsAsked(names=("trim", "autopilot"), sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0)
     return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
 
 
 @pytest.fixture(scope="module")
-def html(plan: tv.StudyPlan) -> str:
+def html(plan: tv.answers.StudyPlan) -> str:
     return tv.report_html(plan)
 
 
@@ -185,13 +185,13 @@ def expected_verdict(study: tv.Study) -> dict[str, float]:
             ).peak
         ),
         "validity.duration": 7.5,
-        "validity.edge": tv.single_pole_validity(study.coefficients),
+        "validity.edge": tv.boundary.single_pole_validity(study.coefficients),
     }
 
 
-def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
+def expected_laws(plan: tv.answers.StudyPlan, study: tv.Study) -> dict[str, float]:
     plant = tv.Plant.from_vehicle(plan.vehicle, plan.model)
-    laws = tv.standard_laws(plant, study.wind.peak)
+    laws = tv.answers.standard_laws(plant, study.wind.peak)
     trim = 5.0 * study.coefficients.B
     parts = {"any": tv.forecast_free_limit(plant, study.wind).limit}
     parts["minimum"] = np.degrees(tv.optimum_deflection(plant, study.wind).peak) / trim
@@ -207,7 +207,7 @@ def expected_laws(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
 def expected_autopilot(study: tv.Study) -> dict[str, float]:
     plant = tv.Plant.from_vehicle(study.vehicle, "fixed-path")
     actuator = tv.Actuator(natural_frequency=25.1, damping=0.7)
-    autopilot = tv.canonical_gains(plant.coefficients, actuator=actuator)
+    autopilot = tv.control.canonical_gains(plant.coefficients, actuator=actuator)
     law = tv.SaturatedLaw(replace(autopilot, actuator=None))
     flown = tv.closed_loop_boundary(plant, law, study.wind, actuator=actuator, sample_rate=100.0)
     stop = abs(np.degrees(flown.deflection))
@@ -274,8 +274,8 @@ def expected_autopilot(study: tv.Study) -> dict[str, float]:
     )
 
 
-def expected_dispersed(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
-    d = tv.disperse_study(study, plan.dispersions, cases=300, seed=1)
+def expected_dispersed(plan: tv.answers.StudyPlan, study: tv.Study) -> dict[str, float]:
+    d = tv.answers.disperse_study(study, plan.dispersions, cases=300, seed=1)
     return {
         "asked.probability": 99.865,
         "asked.covers_deg": np.degrees(d.required.upper),
@@ -292,7 +292,7 @@ def expected_dispersed(plan: tv.StudyPlan, study: tv.Study) -> dict[str, float]:
     } | {f"dispersed.driver.{name}": rank for name, rank in d.drivers.items()}
 
 
-def expected_flight(plan: tv.StudyPlan) -> dict[str, float]:
+def expected_flight(plan: tv.answers.StudyPlan) -> dict[str, float]:
     """Each flight time by itself, and the sum of the worst one as the text of the page has it."""
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     schedule = tv.load_schedule("configuration-i")
@@ -339,7 +339,7 @@ def expected_flight(plan: tv.StudyPlan) -> dict[str, float]:
     }
 
 
-def test_every_number_is_that_of_the_library(plan: tv.StudyPlan, page: Page) -> None:
+def test_every_number_is_that_of_the_library(plan: tv.answers.StudyPlan, page: Page) -> None:
     study = plan.study()
     expected = (
         expected_verdict(study)
@@ -358,7 +358,7 @@ def test_every_number_is_that_of_the_library(plan: tv.StudyPlan, page: Page) -> 
         assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-14), name
 
 
-def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
+def test_the_response_is_the_exact_one(plan: tv.answers.StudyPlan, page: Page) -> None:
     """Against a dense sample of the report's eq (13) flown to the end that the page names."""
     study = plan.study()
     plant = tv.Plant.from_vehicle(plan.vehicle, "fixed-path")
@@ -381,7 +381,7 @@ def test_the_response_is_the_exact_one(plan: tv.StudyPlan, page: Page) -> None:
     assert shown["response.angle_of_attack_s"] == pytest.approx(times[attack.argmin()], abs=1e-3)
 
 
-def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.StudyPlan) -> None:
+def test_a_response_that_is_lost_ends_at_90_degrees(plan: tv.answers.StudyPlan) -> None:
     lost = replace(plan, nozzle=tv.Nozzle(limit=0.001), wind=replace(plan.wind, duration=20.0))
     found = find(lost)
     shown = numbers(sections.response(found))
@@ -454,7 +454,7 @@ def test_formulas_are_mathml_and_the_glossary_has_what_stands_on_the_page(html: 
     assert "<math" in glossary
 
 
-def test_the_same_inputs_give_the_same_bytes(plan: tv.StudyPlan, html: str) -> None:
+def test_the_same_inputs_give_the_same_bytes(plan: tv.answers.StudyPlan, html: str) -> None:
     again = tv.report_html(plan)
     for _ in range(2):
         if again == html:  # else some work became worth machine code, which changes last digits
@@ -464,7 +464,7 @@ def test_the_same_inputs_give_the_same_bytes(plan: tv.StudyPlan, html: str) -> N
     assert len(html.encode()) < 2_000_000
 
 
-def test_the_seal_is_that_of_the_inputs(plan: tv.StudyPlan, html: str) -> None:
+def test_the_seal_is_that_of_the_inputs(plan: tv.answers.StudyPlan, html: str) -> None:
     short = replace(plan, laws=None, design=None, criteria=None, dispersions=None)
     nearly = replace(short, nozzle=tv.Nozzle(limit=plan.nozzle.limit * (1 + 1e-15)))
 
@@ -492,11 +492,11 @@ def test_the_page_stands_alone_and_is_in_order(html: str, page: Page) -> None:
 
 
 def test_a_pulse_without_a_closed_form_is_named_no_equation(
-    plan: tv.StudyPlan, monkeypatch: pytest.MonkeyPatch
+    plan: tv.answers.StudyPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(PULSES, "sawtooth", sawtooth)
     monkeypatch.setitem(SHAPES, "sawtooth", sawtooth)
-    bare = tv.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
+    bare = tv.answers.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, shape="sawtooth"))
     told = set(cells(basis.equations(find(bare))))
 
     assert {"(4b)", "(5)", "(B8)"} <= told
@@ -507,8 +507,8 @@ def test_a_pulse_without_a_closed_form_is_named_no_equation(
 def test_names_are_escaped() -> None:
     name = '<script>alert("1")</script> & \'--><b>'
     vehicle = tv.load_vehicle("configuration-i").replace(name=name)
-    criteria = tv.Criteria.own("--><script>", aero_margin_dB=3)
-    html = tv.report_html(tv.StudyPlan(vehicle=vehicle, criteria=criteria))
+    criteria = tv.control.Criteria.own("--><script>", aero_margin_dB=3)
+    html = tv.report_html(tv.answers.StudyPlan(vehicle=vehicle, criteria=criteria))
     page = Page(html)
 
     assert not {"script", "b"} & {tag for tag, _ in page.tags}
@@ -581,7 +581,7 @@ def test_a_page_does_not_call_a_flight_above_its_sounding_enough(tmp_path) -> No
     assert (result.exit_code, "NOT known to be sufficient" in result.output) == (1, True)
 
 
-def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyPlan) -> None:
+def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.answers.StudyPlan) -> None:
     gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.75)
     wind = replace(plan.wind, gust=gust)
     gusty = replace(plan, wind=wind, laws=None, sizing=None, dispersions=None)
@@ -600,10 +600,10 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(plan: tv.StudyP
 
 
 def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
-    plan: tv.StudyPlan,
+    plan: tv.answers.StudyPlan,
 ) -> None:
     once = replace(plan.sizing, start=60.0, stop=60.0)
-    fixed = tv.StudyPlan(vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once)
+    fixed = tv.answers.StudyPlan(vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once)
     short = find(fixed)
     wide = np.radians(0.9)
     enough = find(replace(fixed, nozzle=tv.Nozzle(limit=wide), sizing=once))
@@ -638,7 +638,7 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     said = (
         "the flight is that of configuration-i, not of the study's vehicle, my.toml; give its own"
     )
-    asked = tv.load_sizing(study).sizing
+    asked = tv.answers.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["size", str(study)])
 
@@ -648,8 +648,8 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     assert f"\nNote: {said}" in sized.output
 
 
-def test_a_flight_without_an_answer_says_why(plan: tv.StudyPlan) -> None:
-    late = tv.StudyPlan(vehicle=plan.vehicle, sizing=replace(plan.sizing, stop=900.0))
+def test_a_flight_without_an_answer_says_why(plan: tv.answers.StudyPlan) -> None:
+    late = tv.answers.StudyPlan(vehicle=plan.vehicle, sizing=replace(plan.sizing, stop=900.0))
     said = " ".join(words(flight.over_flight(find(late))))
     assert said.startswith("There is no answer: time must be between 41 and 116 s")
 
@@ -676,16 +676,16 @@ def test_what_no_page_can_hold_is_replaced() -> None:
 def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
     vehicle = tv.load_vehicle("configuration-i")
     limit = None if limit is None else np.radians(limit)
-    heading = verdict.sentence(find(tv.StudyPlan(vehicle=vehicle, nozzle=tv.Nozzle(limit=limit))))
+    heading = verdict.sentence(find(tv.answers.StudyPlan(vehicle=vehicle, nozzle=tv.Nozzle(limit=limit))))
     words = "".join(one if isinstance(one, str) else one.text for one in heading)
 
     assert words.startswith(said)
 
 
-def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyPlan) -> None:
-    edge = tv.single_pole_validity(tv.Coefficients.from_vehicle(plan.vehicle))
+def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.answers.StudyPlan) -> None:
+    edge = tv.boundary.single_pole_validity(tv.Coefficients.from_vehicle(plan.vehicle))
     for duration, told in ((0.999 * edge, False), (1.001 * edge, True)):
-        long = tv.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration))
+        long = tv.answers.StudyPlan(vehicle=plan.vehicle, wind=replace(plan.wind, duration=duration))
         assert (
             any("Beware" in part for part in verdict.basis(find(long)) if isinstance(part, str))
             is told
@@ -700,9 +700,9 @@ def test_a_wind_too_long_for_one_pole_is_told_beside_the_verdict(plan: tv.StudyP
     ],
 )
 def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
-    plan: tv.StudyPlan, change: dict[str, float], duration: float, dead_band: float, said: str
+    plan: tv.answers.StudyPlan, change: dict[str, float], duration: float, dead_band: float, said: str
 ) -> None:
-    asked = tv.StudyPlan(
+    asked = tv.answers.StudyPlan(
         vehicle=plan.vehicle.replace(**change),
         wind=replace(plan.wind, duration=duration),
         model="drift-exact",
@@ -715,9 +715,9 @@ def test_the_figure_of_a_limit_that_is_enough_does_not_contradict_it(
     assert said in sections.response(found).blocks[0].caption
 
 
-def test_a_page_says_where_no_limit_is_enough(plan: tv.StudyPlan) -> None:
+def test_a_page_says_where_no_limit_is_enough(plan: tv.answers.StudyPlan) -> None:
     slow = plan.vehicle.replace(velocity=45.0, attitude=1.5)
-    asked = tv.StudyPlan(
+    asked = tv.answers.StudyPlan(
         vehicle=slow,
         wind=plan.wind,
         model="drift-exact",
@@ -734,8 +734,8 @@ def test_a_page_says_where_no_limit_is_enough(plan: tv.StudyPlan) -> None:
     assert sections.response(endless) is None
 
 
-def test_the_page_tells_every_doubt_of_the_study(plan: tv.StudyPlan) -> None:
-    long = tv.StudyPlan(
+def test_the_page_tells_every_doubt_of_the_study(plan: tv.answers.StudyPlan) -> None:
+    long = tv.answers.StudyPlan(
         vehicle=plan.vehicle,
         wind=replace(plan.wind, duration=60.0),
         model="drift-exact",
@@ -763,14 +763,14 @@ def test_a_notebook_shows_a_short_table() -> None:
 
 
 @pytest.mark.usefixtures("few_durations")
-def test_a_stable_vehicle_has_a_page_too(plan: tv.StudyPlan) -> None:
+def test_a_stable_vehicle_has_a_page_too(plan: tv.answers.StudyPlan) -> None:
     stable = plan.vehicle.replace(aerodynamic_arm=-2.0)
     html = tv.report_html(replace(plan, vehicle=stable))
 
     assert "that the whole flight of configuration-i needs" in html
     assert html.count("There is no answer:") == 2
     assert "No deflection is needed" in tv.report_html(
-        tv.StudyPlan(vehicle=stable, model="fixed-path", nozzle=tv.Nozzle(limit=0.01))
+        tv.answers.StudyPlan(vehicle=stable, model="fixed-path", nozzle=tv.Nozzle(limit=0.01))
     )
 
 
@@ -813,13 +813,13 @@ def test_a_folder_that_is_not_there_is_told() -> None:
 
 
 @pytest.mark.usefixtures("few_durations")
-def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.StudyPlan) -> None:
+def test_the_page_says_what_the_limit_leaves_of_the_margins(plan: tv.answers.StudyPlan) -> None:
     short = replace(plan, laws=None, sizing=None, dispersions=None)
     enough, found = page_of(replace(short, nozzle=tv.Nozzle(limit=np.radians(0.9))))
     loop = found.comparison
     assert loop is not None
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0))
-    flown = tv.flown_margins(
+    flown = tv.flights.flown_margins(
         loop.plant,
         law,
         found.study.wind,

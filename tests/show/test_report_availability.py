@@ -43,7 +43,7 @@ def document(limit_deg: float | None = LIMIT, **changes: object) -> dict[str, di
     return {"study": head, "wind": wind, "availability": ASKED | changes} | question
 
 
-def the_library(folder, **changes: object) -> tv.Availability:
+def the_library(folder, **changes: object) -> tv.answers.Availability:
     asked = {"limit": np.radians(LIMIT), "azimuth": np.radians(90), "plane": "pitch"}
     asked |= {"persistence": np.radians(0.02)} | changes
     archive = tv.read_soundings(folder / "s-data.txt")
@@ -119,7 +119,7 @@ def test_what_is_not_known_is_lost_for_a_yes_and_flown_for_a_no(folder) -> None:
     flight = tv.load_schedule("configuration-i")
     high = tv.read_soundings(folder / "s-data.txt")[9]
     winds = [high.between(0.0, 1e3) if i % 2 else high for i in range(60)]
-    some = tv.Soundings.from_profiles(winds, days("2023-01-01T00", 60))
+    some = tv.winds.Soundings.from_profiles(winds, days("2023-01-01T00", 60))
     for limit, sure, not_shown in ((1.0, 0.3, 0.6), (1e-4, 0.7, 0.4)):
         found = tv.availability(flight, some, limit=limit, azimuth=1.57)
         assert (found.part().judged, found.part().unknown) == (30, 30)

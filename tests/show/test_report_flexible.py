@@ -56,12 +56,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def plan(folder: Path) -> tv.StudyPlan:
+def plan(folder: Path) -> tv.answers.StudyPlan:
     return tv.load_study(folder / "all.toml")
 
 
 @pytest.fixture(scope="module")
-def page(plan: tv.StudyPlan) -> tuple[str, Findings]:
+def page(plan: tv.answers.StudyPlan) -> tuple[str, Findings]:
     return page_of(plan)
 
 
@@ -101,7 +101,7 @@ def test_the_section_shows_margins_by_band_and_modes_off_their_places(found, sho
     assert shown["rigid.gain_increase_dB"] == pytest.approx(bands.rigid.gain_increase_dB, rel=1e-12)
     mode = bands.mode("bending 1")
     assert shown["band.0.gain"] == pytest.approx(mode.gain_margin_dB, rel=1e-12)
-    off = tv.detuned(autopilot, plant, criteria=plan.criteria)
+    off = tv.control.detuned(autopilot, plant, criteria=plan.criteria)
     for k in range(len(off.changes)):
         phase = off.margins.phase_margin_deg[k]
         assert shown.get(f"detuned.{k}.phase_margin_deg", np.nan) == pytest.approx(
@@ -193,6 +193,6 @@ def test_a_loop_that_a_flexible_vehicle_cannot_have_is_a_reason_and_no_page_is_l
 def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
     """With an actuator of 25.1 rad/s, of any number of samples in its time."""
     for rate in (20.0, 50.0, 60.0):
-        laws = tv.LawsAsked(names=("trim",), sample_rate=rate)
+        laws = tv.answers.LawsAsked(names=("trim",), sample_rate=rate)
         found = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
         assert f"sampled at {rate:g} Hz" in str(control.laws(found))

@@ -95,8 +95,8 @@ def test_a_sizing_has_the_digits_of_its_csv_in_the_terminal(tmp_path):
 def test_laws_have_the_digits_of_the_page_in_the_terminal_and_in_a_notebook():
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     winds = {"triangle": tv.TriangularWind(peak=np.radians(5.0), duration=3.0)}
-    laws = tv.standard_laws(plant, np.radians(5.0))
-    trials = tv.law_trials(plant, laws, winds, sample_rate=20.0)
+    laws = tv.answers.standard_laws(plant, np.radians(5.0))
+    trials = tv.answers.law_trials(plant, laws, winds, sample_rate=20.0)
     options = ("--duration", 3, "--wind", "triangle", "--sample-rate", 20)
     printed = run("laws", "configuration-i", "--model", "fixed-path", *options)
     over_trim = needed(trials, bounds(plant, winds))[1]

@@ -57,7 +57,7 @@ def test_the_rate_of_a_coefficient_stands_in_its_key_and_is_worth_a_factor_of_tw
     assert half == pytest.approx(per_whole / 2, rel=1e-14)
     air = {"dynamic_pressure": 45500, "reference_area": 34.2, "reference_length": 6.6}
     for per, expected in (("qL/V", whole), ("qL/2V", half)):
-        found = tv.aerodynamic_damping(-40.0, per, velocity=538.81, **air)
+        found = tv.vehicle.aerodynamic_damping(-40.0, per, velocity=538.81, **air)
         assert found == pytest.approx(expected, rel=1e-14)
 
 
@@ -107,7 +107,7 @@ def test_a_coefficient_needs_the_air_that_it_belongs_to():
 def test_an_unknown_rate_is_refused():
     air = {"dynamic_pressure": 1e4, "reference_area": 1.0, "reference_length": 1.0}
     with pytest.raises(tv.InputError, match="per must be one of qL/2V, qL/V; got 'qL'"):
-        tv.aerodynamic_damping(-1.0, "qL", velocity=100.0, **air)
+        tv.vehicle.aerodynamic_damping(-1.0, "qL", velocity=100.0, **air)
 
 
 def test_a_card_shows_the_damping_where_there_is_one():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from tvclin import Filter, InputError
+from tvclin import InputError
+from tvclin.vehicle import Filter
 
 POINTS = np.array([0.0, 1.0, -0.3 + 2.0j, 14.0j, 400.0j])
 FILTERS = {

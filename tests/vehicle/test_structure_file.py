@@ -44,7 +44,7 @@ def load(tmp_path):
 
 def same(one, other):
     """Return whether two structures hold the same numbers."""
-    if isinstance(one, tv.Filter):
+    if isinstance(one, tv.vehicle.Filter):
         return all(
             np.array_equal(getattr(one, f.name), getattr(other, f.name)) for f in fields(one)
         )

@@ -43,34 +43,34 @@ def swell(blend, plateau):
 
 WINDS = {
     "one minus cosine": (tv.OneMinusCosineGust(peak=PEAK, duration=6.0), *swell(3.0, 0.0)),
-    "layered": (tv.LayeredGust(peak=PEAK, blend=1.5, plateau=4.0), *swell(1.5, 4.0)),
-    "layered without plateau": (tv.LayeredGust(peak=PEAK, blend=2.0, plateau=0.0), *swell(2.0, 0)),
+    "layered": (tv.winds.LayeredGust(peak=PEAK, blend=1.5, plateau=4.0), *swell(1.5, 4.0)),
+    "layered without plateau": (tv.winds.LayeredGust(peak=PEAK, blend=2.0, plateau=0.0), *swell(2.0, 0)),
     "layered without blend": (
-        tv.LayeredGust(peak=PEAK, blend=0.0, plateau=4.0),
+        tv.winds.LayeredGust(peak=PEAK, blend=0.0, plateau=4.0),
         *polyline((0.0, PEAK), (4.0, PEAK)),
     ),
     "trapezoid": (
-        tv.TrapezoidalWind(peak=PEAK, rise=1.0, hold=2.5, fall=3.0),
+        tv.winds.TrapezoidalWind(peak=PEAK, rise=1.0, hold=2.5, fall=3.0),
         *polyline((0.0, 0.0), (1.0, PEAK), (3.5, PEAK), (6.5, 0.0)),
     ),
     "trapezoid with jumps": (
-        tv.TrapezoidalWind(peak=PEAK, rise=0.0, hold=5.0, fall=0.0),
+        tv.winds.TrapezoidalWind(peak=PEAK, rise=0.0, hold=5.0, fall=0.0),
         *polyline((0.0, PEAK), (5.0, PEAK)),
     ),
     "trapezoid without top": (
-        tv.TrapezoidalWind(peak=PEAK, rise=2.0, hold=0.0, fall=5.0),
+        tv.winds.TrapezoidalWind(peak=PEAK, rise=2.0, hold=0.0, fall=5.0),
         *polyline((0.0, 0.0), (2.0, PEAK), (7.0, 0.0)),
     ),
     "lopsided triangle": (
-        tv.AsymmetricTriangularWind(peak=PEAK, duration=7.5, peak_time=6.0),
+        tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=7.5, peak_time=6.0),
         *polyline((0.0, 0.0), (6.0, PEAK), (7.5, 0.0)),
     ),
     "jump and fall": (
-        tv.AsymmetricTriangularWind(peak=PEAK, duration=5.0, peak_time=0.0),
+        tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=5.0, peak_time=0.0),
         *polyline((0.0, PEAK), (5.0, 0.0)),
     ),
     "rise and jump": (
-        tv.AsymmetricTriangularWind(peak=PEAK, duration=5.0, peak_time=5.0),
+        tv.winds.AsymmetricTriangularWind(peak=PEAK, duration=5.0, peak_time=5.0),
         *polyline((0.0, 0.0), (5.0, PEAK)),
     ),
 }
@@ -148,9 +148,9 @@ def test_any_two_winds_can_be_added_and_shifted(first, second):
 
 BATCHES = {
     tv.OneMinusCosineGust: {"duration": [[3.0], [6.0], [9.0]]},
-    tv.LayeredGust: {"blend": [[0.0], [1.0], [2.0]], "plateau": [3.0, 0.5]},
-    tv.TrapezoidalWind: {"rise": [[0.0], [1.0], [2.0]], "hold": [3.0, 0.0], "fall": 1.5},
-    tv.AsymmetricTriangularWind: {"duration": 4.0, "peak_time": [[0.0], [1.5], [4.0]]},
+    tv.winds.LayeredGust: {"blend": [[0.0], [1.0], [2.0]], "plateau": [3.0, 0.5]},
+    tv.winds.TrapezoidalWind: {"rise": [[0.0], [1.0], [2.0]], "hold": [3.0, 0.0], "fall": 1.5},
+    tv.winds.AsymmetricTriangularWind: {"duration": 4.0, "peak_time": [[0.0], [1.5], [4.0]]},
 }
 
 
@@ -197,7 +197,7 @@ def test_the_control_on_the_boundary_leaves_no_growing_exponential(name, K, mode
 
 
 def test_a_gust_takes_the_shape_of_samples_of_it():
-    gust = tv.LayeredGust(peak=PEAK, blend=1.5, plateau=4.0)
+    gust = tv.winds.LayeredGust(peak=PEAK, blend=1.5, plateau=4.0)
     time = np.linspace(0.0, 7.0, 1401)
     samples = tv.SampledWind(time=time, angle=gust(time))
     exact, close = (tv.boundary_limit(fixed_path(), w, 0.5).limit for w in (gust, samples))
@@ -207,32 +207,32 @@ def test_a_gust_takes_the_shape_of_samples_of_it():
 
 GOOD = {
     tv.OneMinusCosineGust: {"peak": 0.1, "duration": 6.0},
-    tv.LayeredGust: {"peak": 0.1, "blend": 1.0, "plateau": 2.0},
-    tv.TrapezoidalWind: {"peak": 0.1, "rise": 1.0, "hold": 2.0, "fall": 3.0},
-    tv.AsymmetricTriangularWind: {"peak": 0.1, "duration": 6.0, "peak_time": 2.0},
+    tv.winds.LayeredGust: {"peak": 0.1, "blend": 1.0, "plateau": 2.0},
+    tv.winds.TrapezoidalWind: {"peak": 0.1, "rise": 1.0, "hold": 2.0, "fall": 3.0},
+    tv.winds.AsymmetricTriangularWind: {"peak": 0.1, "duration": 6.0, "peak_time": 2.0},
 }
 MESSAGES = [
     (tv.OneMinusCosineGust, {"duration": 0.0}, r"^duration must be positive; got 0 s$"),
     (tv.OneMinusCosineGust, {"duration": np.nan}, r"^duration must be finite; got nan s$"),
-    (tv.LayeredGust, {"blend": -1.0}, r"^blend must be zero or positive; got -1 s$"),
-    (tv.LayeredGust, {"plateau": "2 s"}, r"^plateau must be a number in s; got '2 s'$"),
+    (tv.winds.LayeredGust, {"blend": -1.0}, r"^blend must be zero or positive; got -1 s$"),
+    (tv.winds.LayeredGust, {"plateau": "2 s"}, r"^plateau must be a number in s; got '2 s'$"),
     (
-        tv.LayeredGust,
+        tv.winds.LayeredGust,
         {"blend": [0.0, 1.0, 0.0], "plateau": [1.0, 0.0, 0.0]},
         r"^blend \+ plateau must be positive; got 0 s at index 2$",
     ),
-    (tv.LayeredGust, {"blend": [1.0, 2.0], "plateau": [1.0] * 3}, r"shapes that broadcast.*blend"),
-    (tv.TrapezoidalWind, {"rise": -1.0}, r"^rise must be zero or positive; got -1 s$"),
-    (tv.TrapezoidalWind, {"hold": [2.0, -1.0]}, r"^hold must be .* got -1 s at index 1$"),
-    (tv.TrapezoidalWind, {"fall": np.inf}, r"^fall must be finite; got inf s$"),
+    (tv.winds.LayeredGust, {"blend": [1.0, 2.0], "plateau": [1.0] * 3}, r"shapes that broadcast.*blend"),
+    (tv.winds.TrapezoidalWind, {"rise": -1.0}, r"^rise must be zero or positive; got -1 s$"),
+    (tv.winds.TrapezoidalWind, {"hold": [2.0, -1.0]}, r"^hold must be .* got -1 s at index 1$"),
+    (tv.winds.TrapezoidalWind, {"fall": np.inf}, r"^fall must be finite; got inf s$"),
     (
-        tv.TrapezoidalWind,
+        tv.winds.TrapezoidalWind,
         {"rise": 0.0, "hold": 0.0, "fall": 0.0},
         r"^rise \+ hold \+ fall must be positive; got 0 s$",
     ),
-    (tv.AsymmetricTriangularWind, {"peak_time": -1.0}, r"^peak_time must be zero or positive"),
+    (tv.winds.AsymmetricTriangularWind, {"peak_time": -1.0}, r"^peak_time must be zero or positive"),
     (
-        tv.AsymmetricTriangularWind,
+        tv.winds.AsymmetricTriangularWind,
         {"peak_time": [2.0, 7.5]},
         r"^duration - peak_time must be zero or positive; got -1\.5 s at index 1$",
     ),

@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import quad
 
 import tvclin as tv
-from tvclin import InputError, PlaneWind
+from tvclin import InputError
+from tvclin.winds import PlaneWind
 
 EPS = np.finfo(float).eps
 GUST = tv.TriangularWind(peak=0.08, duration=7.5)
@@ -106,7 +107,7 @@ def test_a_west_jet_meets_a_slanting_flight_in_both_planes():
     jet = tv.WindProfile(
         height=[9e3, 10e3, 12e3, 14e3], east=[0.0, 50.0, 50.0, 0.0], north=[0.0] * 4
     )
-    climb = tv.steady_climb(booster, height=11e3, start=60.0, stop=70.0)
+    climb = tv.winds.steady_climb(booster, height=11e3, start=60.0, stop=70.0)
     wind = jet.to_winds(climb, azimuth=np.radians(45))
     for plane, sine in (("pitch", np.sin(booster.attitude)), ("yaw", 1.0)):
         alone = jet.to_wind(climb, azimuth=np.radians(45), plane=plane)
@@ -128,7 +129,7 @@ def test_a_west_jet_meets_a_slanting_flight_in_both_planes():
         (lambda: PlaneWind(pitch=GUST, yaw=0.1), "yaw must be a History"),
         (lambda: PlaneWind.towards(GUST, np.nan), "angle must be finite"),
         (lambda: PlaneWind.veering(GUST, 0.0, 100.0), "less than 100 times"),
-        (lambda: PlaneWind.veering(tv.HeldDeflection(limit=0.1), 0.0, 0.1), "wind must end"),
+        (lambda: PlaneWind.veering(tv.linear.HeldDeflection(limit=0.1), 0.0, 0.1), "wind must end"),
         (lambda: PlaneWind.veering(GUST, [0.0, 1.0], [0.1, 0.2, 0.3]), "broadcast together"),
     ],
 )

@@ -14,7 +14,7 @@ EAST = np.pi / 2
 
 @pytest.fixture(scope="module")
 def cape():
-    return tv.read_range_reference(GOLDEN / "T1cap19.txt")
+    return tv.winds.read_range_reference(GOLDEN / "T1cap19.txt")
 
 
 def test_the_tables_of_the_cape_are_read_as_they_stand(cape):
@@ -64,7 +64,7 @@ def test_an_envelope_is_a_profile_and_says_that_it_is_one(cape):
 
 
 def test_the_worst_month_is_sought_at_each_height(cape):
-    height, speed = tv.worst_month(cape, 95.0)
+    height, speed = tv.winds.worst_month(cape, 95.0)
     every = np.array([month.speed(95.0) for month in cape])
     np.testing.assert_array_equal(speed, every.max(axis=0))
     known = dict(zip(height, speed.round(1), strict=True))
@@ -88,8 +88,8 @@ def test_bad_statistics_are_refused(tmp_path, cape):
     ):
         path.write_text(wrong)
         with pytest.raises(tv.InputError, match=said):
-            tv.read_range_reference(path)
+            tv.winds.read_range_reference(path)
     with pytest.raises(tv.InputError, match="percentile must be above 0 and below 100"):
         cape[0].speed(100.0)
     with pytest.raises(tv.InputError, match="months must be one or more"):
-        tv.worst_month([], 95.0)
+        tv.winds.worst_month([], 95.0)

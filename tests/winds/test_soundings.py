@@ -33,7 +33,7 @@ def jet(peak=69.4, azimuth=EAST):
 def climb(name, start=-20.0, stop=20.0):
     vehicle = tv.load_vehicle(name)
     time = vehicle.time
-    return tv.steady_climb(vehicle, height=11950.0, start=time + start, stop=time + stop)
+    return tv.winds.steady_climb(vehicle, height=11950.0, start=time + start, stop=time + stop)
 
 
 # --- signs ---------------------------------------------------------------------------------------
@@ -74,8 +74,8 @@ def test_the_four_winds_on_a_flight_to_the_east():
 )
 def test_the_95_percent_wind_of_the_worst_month_at_the_cape(name, angle_deg, trim_deg, tau_beta):
     """Eq (B1e) and Table I, by hand: V sin(gamma) = 379.9 and 374.1 m/s."""
-    cape = tv.read_range_reference(GOLDEN / "T1cap19.txt")
-    height, speed = tv.worst_month(cape, 95.0)
+    cape = tv.winds.read_range_reference(GOLDEN / "T1cap19.txt")
+    height, speed = tv.winds.worst_month(cape, 95.0)
     peak = float(speed[height == 12000.0][0])
     assert peak == pytest.approx(69.4, abs=0.05)
     wind = jet(peak).to_wind(climb(name), azimuth=EAST)
@@ -149,10 +149,10 @@ def test_the_wind_is_met_only_where_flight_and_profile_have_a_height_in_common()
 def test_from_a_file_to_a_boundary_and_what_the_triangle_costs():
     wind = tv.read_sounding(GOLDEN / "wyoming.txt").to_wind(climb(NAMES[0]), azimuth=EAST)
     plant = tv.Plant.from_vehicle(tv.load_vehicle(NAMES[0]), "fixed-path")
-    boundary, triangle = tv.boundary_limit(plant, wind), tv.equivalent_triangle(wind)
+    boundary, triangle = tv.boundary_limit(plant, wind), tv.winds.equivalent_triangle(wind)
     assert triangle.laplace(0.0) == pytest.approx(wind.laplace(0.0), rel=1e-12)
     cost = tv.boundary_limit(plant, triangle).deflection / boundary.deflection - 1.0
-    assert tv.triangle_error(plant, wind) == pytest.approx(cost, rel=1e-9)
+    assert tv.boundary.triangle_error(plant, wind) == pytest.approx(cost, rel=1e-9)
 
 
 def test_a_triangle_of_five_thousand_samples_has_the_boundary_of_the_triangle():
@@ -208,13 +208,13 @@ def test_other_bad_input_to_profiles_and_climbs_is_refused():
         (lambda: tv.WindProfile(height=[0], east=[1], north=[0]), "two or more levels"),
         (lambda: tv.WindProfile(height=[0, 1], east=[1, np.nan], north=[0, 0]), "east must be fin"),
         (lambda: tv.WindProfile(height=[0, 1], east=[1, 2e3], north=[0, 0]), "east must be betw"),
-        (lambda: tv.steady_climb(vehicle, height=0, start=2, stop=1), "stop must be after start"),
+        (lambda: tv.winds.steady_climb(vehicle, height=0, start=2, stop=1), "stop must be after start"),
         (
-            lambda: tv.steady_climb(vehicle.replace(attitude=0.0), height=0, start=0, stop=1),
+            lambda: tv.winds.steady_climb(vehicle.replace(attitude=0.0), height=0, start=0, stop=1),
             "vehicle must climb",
         ),
         (
-            lambda: tv.steady_climb(
+            lambda: tv.winds.steady_climb(
                 vehicle.replace(velocity=[5e2, 6e2]), height=0, start=0, stop=1
             ),
             "vehicle must be one vehicle; got a batch",
@@ -240,11 +240,11 @@ def test_smoothing_is_the_running_mean_of_the_straight_lines():
 
 def test_a_gust_on_a_calm_profile_is_a_layered_gust_in_time():
     calm = tv.WindProfile(height=[5e3, 20e3], east=[0.0, 0.0], north=[0.0, 0.0])
-    gusty = tv.add_gust(calm, base=12e3, amplitude=9.0, blend=300.0, thickness=2000.0, azimuth=EAST)
+    gusty = tv.winds.add_gust(calm, base=12e3, amplitude=9.0, blend=300.0, thickness=2000.0, azimuth=EAST)
     flight = climb(NAMES[0])
     rate = np.diff(flight.height)[0] / np.diff(flight.time)[0]
     peak = tv.angle_from_speed(9.0, flight.speed[0], flight.flight_path_angle[0])
-    whole = tv.LayeredGust(peak=peak, blend=300.0 / rate, plateau=2000.0 / rate)
+    whole = tv.winds.LayeredGust(peak=peak, blend=300.0 / rate, plateau=2000.0 / rate)
     shifted = whole.shift(66.0 + 50.0 / rate)
     times = np.linspace(65.0, 75.0, 1001)
     wind = gusty.to_wind(flight, azimuth=EAST)
@@ -254,7 +254,7 @@ def test_a_gust_on_a_calm_profile_is_a_layered_gust_in_time():
 
 def test_a_gust_leaves_the_wind_outside_it_as_it_was_and_must_fit():
     sizes = {"amplitude": 5.0, "blend": 100.0, "thickness": 200.0, "azimuth": 0.3}
-    gusty = tv.add_gust(jet(), base=10e3, **sizes)
+    gusty = tv.winds.add_gust(jet(), base=10e3, **sizes)
     east, north = gusty.at([9999.0, 10250.0, 10401.0])
     before_east, before_north = jet().at([9999.0, 10250.0, 10401.0])
     gust = np.array([0.0, 5.0, 0.0])
@@ -265,29 +265,29 @@ def test_a_gust_leaves_the_wind_outside_it_as_it_was_and_must_fit():
         ({"base": 10e3, "blend": 0.0}, "blend must be between 0.001"),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.add_gust(jet(), **{**sizes, **wrong})
+            tv.winds.add_gust(jet(), **{**sizes, **wrong})
 
 
 def test_shear_goes_with_the_seven_tenths_power_of_the_layer():
-    assert tv.power_law_shear(20.0, 1000.0) == 20.0
-    halves = tv.power_law_shear([[10.0], [20.0]], [200.0, 400.0])
+    assert tv.winds.power_law_shear(20.0, 1000.0) == 20.0
+    halves = tv.winds.power_law_shear([[10.0], [20.0]], [200.0, 400.0])
     np.testing.assert_allclose(halves[:, 1] / halves[:, 0], 2**0.7, rtol=1e-15)
     with pytest.raises(tv.InputError, match="thickness must be at most 1000 m"):
-        tv.power_law_shear(20.0, 1001.0)
+        tv.winds.power_law_shear(20.0, 1001.0)
 
 
 def test_a_synthetic_profile_touches_its_envelope_and_falls_by_the_shear():
     envelope = {"height": [0.0, 12e3, 20e3], "speed": [10.0, 70.0, 30.0]}
     shear = {"thickness": [500.0, 1000.0, 4000.0], "change": [20.0, 40.0, 80.0]}
-    profile = tv.synthetic_profile(**envelope, peak_height=12e3, **shear, azimuth=EAST)
+    profile = tv.winds.synthetic_profile(**envelope, peak_height=12e3, **shear, azimuth=EAST)
     # 70 m/s are lost after 1000 m and three quarters of the next 3000 m.
     away = np.array([-3250.0, -1000.0, -500.0, 0.0, 500.0, 1000.0, 3250.0])
     np.testing.assert_allclose(profile.height, 12e3 + away, rtol=1e-15)
     np.testing.assert_allclose(profile.east, [0, 30, 50, 70, 50, 30, 0], atol=1e-12)
-    lower = tv.synthetic_profile(**envelope, peak_height=6e3, **shear, azimuth=EAST)
+    lower = tv.winds.synthetic_profile(**envelope, peak_height=6e3, **shear, azimuth=EAST)
     assert lower.speed.max() == 40.0
     np.testing.assert_allclose(lower.height, [5e3, 5.5e3, 6e3, 6.5e3, 7e3])
-    short = tv.synthetic_profile(
+    short = tv.winds.synthetic_profile(
         **envelope, peak_height=12e3, thickness=[500.0], change=[20.0], azimuth=0.0
     )
     np.testing.assert_allclose(short.north, [50.0, 70.0, 50.0], rtol=1e-15)
@@ -297,6 +297,6 @@ def test_a_synthetic_profile_touches_its_envelope_and_falls_by_the_shear():
         ({"change": [20.0]}, "must be two lists of one length"),
     ):
         with pytest.raises(tv.InputError, match=said):
-            tv.synthetic_profile(
+            tv.winds.synthetic_profile(
                 **{**envelope, "peak_height": 12e3, **shear, "azimuth": EAST, **wrong}
             )

@@ -224,7 +224,7 @@ def test_slices_masks_and_profiles_hold_the_same_levels(tmp_path) -> None:
     found = read(
         tmp_path, *(Balloon(t, jet(40.0, top)) for t, top in zip(times, tops, strict=True))
     )
-    made = tv.Soundings.from_profiles(list(found)[::-1], found.times[::-1], found.station)
+    made = tv.winds.Soundings.from_profiles(list(found)[::-1], found.times[::-1], found.station)
 
     assert np.array_equal(made.height, found.height)
     assert np.array_equal(made.east, found.east)

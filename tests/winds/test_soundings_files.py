@@ -260,7 +260,7 @@ def mutated(draw):
 )
 def test_no_file_leads_to_anything_but_a_profile_or_a_sentence(tmp_path_factory, content, name):
     path = write(tmp_path_factory.getbasetemp(), content, "fuzzed.txt")
-    for read in (lambda: tv.read_sounding(path, name), lambda: tv.read_range_reference(path)):
+    for read in (lambda: tv.read_sounding(path, name), lambda: tv.winds.read_range_reference(path)):
         try:
             result = read()
         except tv.InputError as error:

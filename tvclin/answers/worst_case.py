@@ -178,7 +178,7 @@ def worst_case(
     --------
     >>> import numpy as np, tvclin as tv
     >>> vehicle = tv.load_vehicle("configuration-i")
-    >>> autopilot = tv.canonical_gains(tv.Coefficients.from_vehicle(vehicle), delay=0.02)
+    >>> autopilot = tv.control.canonical_gains(tv.Coefficients.from_vehicle(vehicle), delay=0.02)
     >>> box = {"thrust": (0.97 * vehicle.thrust, 1.03 * vehicle.thrust), "delay": (0.0, 0.04)}
     >>> found = tv.worst_case(vehicle, autopilot, box)
     >>> worst = found.margins["phase_margin_deg"]

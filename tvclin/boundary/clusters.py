@@ -106,8 +106,8 @@ class Cluster(Stop):
     --------
     >>> import tvclin as tv
     >>> places = (1, 1j, -1, -1j)
-    >>> fixed = tv.ClusterEngine(at=1, state="centred")
-    >>> three = tv.Cluster([fixed, *(tv.ClusterEngine(at=at) for at in places[1:])])
+    >>> fixed = tv.boundary.ClusterEngine(at=1, state="centred")
+    >>> three = tv.boundary.Cluster([fixed, *(tv.boundary.ClusterEngine(at=at) for at in places[1:])])
     >>> three.gauge([1, 1j]).round(4)
     array([1.3333, 1.4641])
     """

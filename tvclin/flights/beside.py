@@ -202,7 +202,7 @@ def fly_beside(
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
     >>> times = np.linspace(0, 10, 101)
-    >>> one = tv.fly_beside(vehicle, tv.ReportControl(), wind, times, deflection_limit=0.00126)
+    >>> one = tv.flights.fly_beside(vehicle, tv.flights.ReportControl(), wind, times, deflection_limit=0.00126)
     >>> one.survived, one.predicted, np.degrees(one.peaks("attitude")).round(2).tolist()
     (True, True, [0.43, 0.43])
     """

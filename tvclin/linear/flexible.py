@@ -124,7 +124,7 @@ class FlexiblePlant(Shown):
         Examples
         --------
         >>> import tvclin as tv
-        >>> tank = tv.SloshTank(mass=2400.0, station=19.94, damping=0.01, pendulum_length=2.1)
+        >>> tank = tv.vehicle.SloshTank(mass=2400.0, station=19.94, damping=0.01, pendulum_length=2.1)
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> plant = tv.FlexiblePlant.from_vehicle(vehicle, tv.Structure(slosh=(tank,)))
         >>> plant.poles.round(3)
@@ -371,7 +371,7 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
     --------
     >>> import tvclin as tv
     >>> booster = tv.load_vehicle("made-up-booster")
-    >>> type(tv.plant_of(booster)).__name__, type(tv.plant_of(booster.rigid)).__name__
+    >>> type(tv.linear.plant_of(booster)).__name__, type(tv.linear.plant_of(booster.rigid)).__name__
     ('FlexiblePlant', 'Plant')
     """
     if not isinstance(vehicle, LinearVehicle):

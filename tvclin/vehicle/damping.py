@@ -77,7 +77,7 @@ def aerodynamic_damping(
     --------
     >>> import tvclin as tv
     >>> air = {"dynamic_pressure": 4e4, "reference_area": 0.02, "velocity": 250.0}
-    >>> tv.aerodynamic_damping(-50.0, "qL/V", reference_length=0.16, **air)
+    >>> tv.vehicle.aerodynamic_damping(-50.0, "qL/V", reference_length=0.16, **air)
     4.096
     """
     C = finite("coefficient", coefficient)
@@ -125,7 +125,7 @@ def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLi
     Examples
     --------
     >>> import tvclin as tv
-    >>> tv.jet_damping(2.0, 1.5, inertia_rate=-0.5)
+    >>> tv.vehicle.jet_damping(2.0, 1.5, inertia_rate=-0.5)
     4.0
     """
     flow = nonnegative("mass_flow", mass_flow, "kg/s")

@@ -49,7 +49,7 @@ class Filter(Carded):
     Examples
     --------
     >>> import tvclin as tv
-    >>> notch = tv.Filter.notch(32.0, 0.06, 0.6)
+    >>> notch = tv.vehicle.Filter.notch(32.0, 0.06, 0.6)
     >>> abs(notch([0.0, 32j])).round(6)
     array([1. , 0.1])
     """

@@ -117,7 +117,7 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     Examples
     --------
     >>> import tvclin as tv
-    >>> tv.load_any_vehicle("configuration-i").weight
+    >>> tv.vehicle.load_any_vehicle("configuration-i").weight
     1480000.0
     """
     words, name = vehicle_text(source)

@@ -51,7 +51,7 @@ class PlaneWind:
     --------
     >>> import numpy as np, tvclin as tv
     >>> gust = tv.TriangularWind(peak=0.08, duration=7.5)
-    >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.radians(90) / 7.5)
+    >>> wind = tv.winds.PlaneWind.veering(gust, angle=0.0, rate=np.radians(90) / 7.5)
     >>> wind.peak.round(3), np.degrees(np.angle(wind(3.75))).round(3)
     (np.float64(0.08), np.float64(45.0))
     """

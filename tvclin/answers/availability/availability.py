@@ -109,7 +109,7 @@ def availability(
     >>> height = np.linspace(0.0, 32e3, 65)
     >>> jet = np.exp(-(((height - 11e3) / 4e3) ** 2))
     >>> winds = [tv.WindProfile(height=height, east=v * jet, north=0 * jet) for v in (30, 60)]
-    >>> soundings = tv.Soundings.from_profiles(winds, ["2024-02-01T00", "2024-02-01T12"])
+    >>> soundings = tv.winds.Soundings.from_profiles(winds, ["2024-02-01T00", "2024-02-01T12"])
     >>> found = tv.availability(flight, soundings, limit=np.radians(0.4), azimuth=np.radians(90))
     >>> print(found.part())
     1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones

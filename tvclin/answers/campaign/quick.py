@@ -182,7 +182,7 @@ def disperse_study(
     >>> nominal = tv.Study.from_vehicle(
     ...     tv.load_vehicle("configuration-i"), duration=7.5, peak=np.radians(5)
     ... )
-    >>> found = tv.disperse_study(nominal, cases=2000, seed=1)
+    >>> found = tv.answers.disperse_study(nominal, cases=2000, seed=1)
     >>> bool(found.required.upper > nominal.required_deflection)
     True
     """

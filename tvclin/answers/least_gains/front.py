@@ -84,7 +84,7 @@ def least_gains_front(
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
     >>> found = tv.least_deflection_gains(plant, wind, actuator=tv.Actuator(), delay=0.02)
-    >>> tv.least_gains_front(found, [0.8, 1.2]).relative.round(2)
+    >>> tv.answers.least_gains_front(found, [0.8, 1.2]).relative.round(2)
     array([1.03, 1.1 ])
     """
     instance("found", found, LeastGains, "see least_deflection_gains")

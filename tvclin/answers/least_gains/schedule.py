@@ -63,7 +63,7 @@ def least_gain_schedule(
     >>> import tvclin as tv
     >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])
     >>> wind = tv.TriangularWind(peak=0.05, duration=7.5)
-    >>> found = tv.least_gain_schedule(
+    >>> found = tv.answers.least_gain_schedule(
     ...     [40.0, 66.0], tv.Plant.from_coefficients(c), wind, actuator=tv.Actuator(), crossover=2.0
     ... )
     >>> [round(one.relative, 2) for one in found.each]

@@ -108,7 +108,7 @@ def read_table(
     >>> arms = {"gimbal_station_m": 2.95, "gravity_station": "xcg (m)", "pressure_station_m": 0.96}
     >>> forces = {"thrust": "T (kN)", "axial_force_N": 190.0, "normal_force_slope_N_per_rad": "N"}
     >>> path = {"velocity": "V (m/s)", "attitude_deg": 84.0}
-    >>> flight = tv.read_table("tests/schedules/table.csv", names | arms | forces | path)
+    >>> flight = tv.answers.read_table("tests/schedules/table.csv", names | arms | forces | path)
     >>> flight.span, round(flight.at(3.0).control_arm, 3)
     ((1.0, 5.0), 1.214)
     """

@@ -94,7 +94,7 @@ def read_openrocket(
     Examples
     --------
     >>> import tvclin as tv
-    >>> flight = tv.read_openrocket(
+    >>> flight = tv.answers.read_openrocket(
     ...     "tests/schedules/openrocket.csv",
     ...     gimbal_station=2.95, normal_force_coefficient_slope=2.0, ground=160.0,
     ... )

@@ -247,7 +247,7 @@ def total_deflection(
     --------
     >>> import numpy as np, tvclin as tv
     >>> booster = tv.load_vehicle("configuration-i")
-    >>> found = tv.total_deflection(booster, np.radians(0.35), thrust_offset=np.radians(0.25),
+    >>> found = tv.answers.total_deflection(booster, np.radians(0.35), thrust_offset=np.radians(0.25),
     ...     gravity_offset=0.05, reserve=0.2, limit=np.radians(1.0))
     >>> round(float(np.degrees(found.total)), 3), found.sufficient
     (0.626, True)

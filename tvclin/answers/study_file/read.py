@@ -75,7 +75,7 @@ def load_sizing(
     Examples
     --------
     >>> import tvclin as tv
-    >>> plan = tv.load_sizing("configuration-i")
+    >>> plan = tv.answers.load_sizing("configuration-i")
     >>> plan.sizing.times(plan)[[0, 1, -1]]
     array([ 44.75,  45.  , 112.25])
     """

@@ -114,7 +114,7 @@ def optimum_with_rate_limit(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=-0.1, duration=7.5)
-    >>> slow = tv.optimum_with_rate_limit(plant, wind, rate_limit=0.005)
+    >>> slow = tv.boundary.optimum_with_rate_limit(plant, wind, rate_limit=0.005)
     >>> round(slow.peak / tv.optimum_deflection(plant, wind).peak, 4)
     1.2836
     """

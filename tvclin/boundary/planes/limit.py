@@ -159,7 +159,7 @@ def plane_limit(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> gust = tv.TriangularWind(peak=np.radians(5), duration=7.5)
-    >>> found = tv.plane_limit(plant, tv.PlaneWind.towards(gust, np.radians(55)))
+    >>> found = tv.plane_limit(plant, tv.winds.PlaneWind.towards(gust, np.radians(55)))
     >>> np.degrees([found.deflection, found.pitch_alone]).round(3)
     array([0.351, 0.201])
     """

@@ -100,8 +100,8 @@ def plane_optimum(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> gust = tv.TriangularWind(peak=0.08, duration=7.5)
-    >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.pi / 7.5)
-    >>> round(tv.plane_optimum(plant, wind).limit, 4)
+    >>> wind = tv.winds.PlaneWind.veering(gust, angle=0.0, rate=np.pi / 7.5)
+    >>> round(tv.boundary.plane_optimum(plant, wind).limit, 4)
     0.3122
     """
     stop = CircularStop() if stop is None else stop

@@ -115,7 +115,7 @@ def margin_bounds(
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> nozzle = tv.Actuator(natural_frequency=25.13, damping=0.7)
-    >>> found = tv.margin_bounds(plant, actuator=nozzle, delay=0.02)
+    >>> found = tv.control.margin_bounds(plant, actuator=nozzle, delay=0.02)
     >>> round(found.disk_margin, 2), round(found.rule_disk_margin, 2)
     (1.73, 1.34)
     """

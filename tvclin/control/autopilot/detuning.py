@@ -163,11 +163,11 @@ def detuned(
     Examples
     --------
     >>> import tvclin as tv
-    >>> tank = tv.SloshTank(mass=2400.0, station=19.94, damping=0.01, pendulum_length=2.1)
+    >>> tank = tv.vehicle.SloshTank(mass=2400.0, station=19.94, damping=0.01, pendulum_length=2.1)
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> plant = tv.FlexiblePlant.from_vehicle(vehicle, tv.Structure(slosh=(tank,)))
     >>> autopilot = tv.Autopilot(attitude_gain=0.36, rate_gain=0.56, actuator=tv.Actuator())
-    >>> found = tv.detuned(autopilot, plant, factors=[0.8, 1.2])
+    >>> found = tv.control.detuned(autopilot, plant, factors=[0.8, 1.2])
     >>> found.changes
     ('nominal', 'slosh 1 x 0.8', 'slosh 1 x 1.2', 'slosh 1, half its damping')
     >>> found.margins.status.tolist(), found.first[0]

@@ -163,7 +163,7 @@ def half_relief_gains(coefficients: Coefficients, **options: Any) -> Autopilot:
     --------
     >>> import tvclin as tv
     >>> c = tv.Coefficients.from_beta(beta=0.5, B=0.1)
-    >>> gains = tv.half_relief_gains(c)
+    >>> gains = tv.control.half_relief_gains(c)
     >>> [round(float(gain), 3) for gain in (gains.attitude_gain, gains.rate_gain, gains.alpha_gain)]
     [0.288, 1.152, 0.388]
     >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)

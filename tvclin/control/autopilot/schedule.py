@@ -83,7 +83,7 @@ class GainSchedule:
         >>> import tvclin as tv
         >>> c = tv.Coefficients(mu_alpha=[0.1, 0.28, 0.2], mu_delta=[2.0, 2.6, 3.0])
         >>> rule = {"natural_frequency": 1.0, "damping": 0.7}
-        >>> schedule = tv.GainSchedule.design([40.0, 66.0, 90.0], c, tv.design_gains, **rule)
+        >>> schedule = tv.control.GainSchedule.design([40.0, 66.0, 90.0], c, tv.design_gains, **rule)
         >>> round(schedule.at(53.0).attitude_gain, 4)
         0.5212
         >>> schedule.margins(tv.Plant.from_coefficients(c)).stable.all().item()

@@ -94,8 +94,8 @@ def worst_duration(
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
-    >>> gains = tv.canonical_gains(plant.coefficients)
-    >>> worst = tv.worst_duration(
+    >>> gains = tv.control.canonical_gains(plant.coefficients)
+    >>> worst = tv.control.worst_duration(
     ...     plant, gains, peak=0.1, shortest=1, longest=60, shape=tv.TriangularWind
     ... )
     >>> round(worst.duration, 1), worst.at_the_end

@@ -173,7 +173,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
     >>> wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
-    >>> c = tv.compare_with_trim(plant, tv.canonical_gains(plant.coefficients), wind)
+    >>> c = tv.compare_with_trim(plant, tv.control.canonical_gains(plant.coefficients), wind)
     >>> round(c.relative, 3), round(c.boundaries[1.0] / c.trim_deflection, 3)
     (1.622, 0.654)
     """

@@ -42,8 +42,8 @@ class EstimatedLaw(Law):
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
-    >>> law = tv.SaturatedLaw(tv.half_relief_gains(plant.coefficients))
-    >>> blind = tv.EstimatedLaw(law, tv.WindEstimator(bandwidth=10.0), plant)
+    >>> law = tv.SaturatedLaw(tv.control.half_relief_gains(plant.coefficients))
+    >>> blind = tv.control.EstimatedLaw(law, tv.control.WindEstimator(bandwidth=10.0), plant)
     """
 
     law: Law

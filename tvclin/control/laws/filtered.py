@@ -38,8 +38,8 @@ class FilteredLaw(Law):
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
-    >>> notch = tv.Filter.notch(30.0, zero_damping=0.05, pole_damping=0.5)
-    >>> law = tv.FilteredLaw(tv.TrimLaw(plant), filters=(notch,))
+    >>> notch = tv.vehicle.Filter.notch(30.0, zero_damping=0.05, pole_damping=0.5)
+    >>> law = tv.control.FilteredLaw(tv.TrimLaw(plant), filters=(notch,))
     """
 
     law: Law

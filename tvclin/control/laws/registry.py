@@ -84,7 +84,7 @@ def design_law(name: str, plant: Plant, peak: float, **own: Any) -> Law:
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
-    >>> tv.design_law("dead-band", plant, peak=0.09, dead_band=0.8).dead_band
+    >>> tv.control.design_law("dead-band", plant, peak=0.09, dead_band=0.8).dead_band
     0.8
     """
     design = LAWS[one_of("law", name, LAWS)]

@@ -156,7 +156,7 @@ class Criteria:
         Examples
         --------
         >>> import tvclin as tv
-        >>> dispersed = tv.Criteria.own("dispersed", aero_margin_dB=3, phase_margin_deg=20)
+        >>> dispersed = tv.control.Criteria.own("dispersed", aero_margin_dB=3, phase_margin_deg=20)
         >>> [r.limit for r in dispersed.requirements]
         [3.0, 20.0]
         """

@@ -92,9 +92,9 @@ def boundary_map(
     --------
     >>> import tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
-    >>> law = tv.SaturatedLaw(tv.canonical_gains(plant.coefficients))
+    >>> law = tv.SaturatedLaw(tv.control.canonical_gains(plant.coefficients))
     >>> wind = tv.TriangularWind(peak=0.1, duration=8.0)
-    >>> found = tv.boundary_map(plant, law, wind, [1.0, 2.0, 4.0], [0.0, 0.3], sample_rate=25)
+    >>> found = tv.flights.boundary_map(plant, law, wind, [1.0, 2.0, 4.0], [0.0, 0.3], sample_rate=25)
     >>> found.limit.round(2).tolist()
     [[1.39, 1.58], [0.99, 1.05], [0.82, 0.83]]
     """

@@ -123,7 +123,7 @@ def flown_margins(
     >>> law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=1.88, rate_gain=1.59))
     >>> wind = tv.TriangularWind(peak=0.05, duration=8.0)
     >>> limit = 0.0083  # of 0.0087 for full trim
-    >>> m = tv.flown_margins(plant, law, wind, limit=limit, actuator=tv.Actuator())
+    >>> m = tv.flights.flown_margins(plant, law, wind, limit=limit, actuator=tv.Actuator())
     >>> round(m.spare, 2), round(m.effectiveness_fall.value, 2), m.effectiveness_fall.cause
     (1.23, 1.19, 'lost')
     >>> round(m.gain_fall.dB, 1), round(m.gain_fall.near_rest, 2)

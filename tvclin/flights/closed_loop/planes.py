@@ -154,8 +154,8 @@ def fly_planes(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
     >>> gust = tv.TriangularWind(peak=0.1, duration=8.0)
-    >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.radians(180) / 8.0)
-    >>> flown = tv.fly_planes(plant, tv.TrimLaw(plant), wind, sample_rate=100.0,
+    >>> wind = tv.winds.PlaneWind.veering(gust, angle=0.0, rate=np.radians(180) / 8.0)
+    >>> flown = tv.flights.fly_planes(plant, tv.TrimLaw(plant), wind, sample_rate=100.0,
     ...                       deflection_limit=np.array([0.66, 0.69]) * 0.01)
     >>> flown.status.tolist()
     ['lost', 'survived']
@@ -216,8 +216,8 @@ def flown_plane_limit(
     >>> import numpy as np, tvclin as tv
     >>> plant = tv.Plant.from_coefficients(tv.Coefficients.from_beta(beta=0.5, B=0.1))
     >>> gust = tv.TriangularWind(peak=0.1, duration=8.0)
-    >>> wind = tv.PlaneWind.veering(gust, angle=0.0, rate=np.radians(180) / 8.0)
-    >>> found = tv.flown_plane_limit(plant, tv.TrimLaw(plant), wind, sample_rate=50.0)
+    >>> wind = tv.winds.PlaneWind.veering(gust, angle=0.0, rate=np.radians(180) / 8.0)
+    >>> found = tv.flights.flown_plane_limit(plant, tv.TrimLaw(plant), wind, sample_rate=50.0)
     >>> round(found.limit, 2), round(tv.plane_limit(plant, wind).limit, 2)
     (0.68, 0.63)
     """

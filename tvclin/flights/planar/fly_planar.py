@@ -88,7 +88,7 @@ def fly_planar(
     >>> import numpy as np, tvclin as tv
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
-    >>> control = tv.ReportControl(dead_band=1.0)
+    >>> control = tv.flights.ReportControl(dead_band=1.0)
     >>> for limit in (0.00120, 0.00126):
     ...     flown = tv.fly_planar(vehicle, control, wind, [0, 15], deflection_limit=limit)
     ...     print(flown.outputs["attitude"][-1].round(3))

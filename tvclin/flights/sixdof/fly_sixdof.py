@@ -98,7 +98,7 @@ def fly_sixdof(
     >>> import numpy as np, tvclin as tv
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> wind = tv.TriangularWind(peak=np.radians(1), duration=7.5)
-    >>> above = {"control": tv.ReportControl(dead_band=1.0), "deflection_limit": 0.00126}
+    >>> above = {"control": tv.flights.ReportControl(dead_band=1.0), "deflection_limit": 0.00126}
     >>> tv.fly_sixdof(vehicle, wind=wind, timepts=[0, 15], **above).outputs["attitude"].round(3)
     array([0.   , 0.092])
     """

@@ -74,7 +74,7 @@ def steady_climb(vehicle: Vehicle, *, height: float, start: float, stop: float) 
     --------
     >>> import tvclin as tv
     >>> vehicle = tv.load_vehicle("configuration-i")
-    >>> tv.steady_climb(vehicle, height=11950.0, start=53.0, stop=79.0).height.round(1)
+    >>> tv.winds.steady_climb(vehicle, height=11950.0, start=53.0, stop=79.0).height.round(1)
     array([ 7011.8, 16888.2])
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
