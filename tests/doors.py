@@ -685,7 +685,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "SaturatedLaw": Door(tv.SaturatedLaw, {"autopilot": autopilot}),
         "SaturatedLaw.of": Door(tv.SaturatedLaw.of, {"autopilot": autopilot}),
         "ShapedWind": Door(
-            tv.ShapedWind, {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust}
+            tv.ShapedWind,
+            {"shape": "triangular", **pulse, "heading": 1.0, "gust": gust, "gust_at": 3.0},
         ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
         "ShapedWind.of_speed": Door(
@@ -739,6 +740,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "plane": "yaw",
                 "switch": "report",
                 "gust": gust,
+                "gust_at": 3.0,
                 "heading": 1.0,
                 "stop": ellipse,
             },

@@ -304,7 +304,7 @@ GUST = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0).shift(2.0)
 
 
 def test_a_gust_stays_as_far_from_the_middle_of_each_dispersed_wind() -> None:
-    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=GUST)
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=GUST, gust_at=3.0)
     spread = tv.Dispersions((tv.Dispersion("wind_duration", "uniform", 0.2),))
     vehicle = tv.load_vehicle("configuration-i")
     asked = tv.Campaign(vehicle=vehicle, wind=wind, dispersions=spread, cases=5, model="drift")

@@ -102,8 +102,8 @@ def test_what_is_doubtful_about_vehicle_and_plane_is_noted() -> None:
         )
         return " ".join(found.notes)
 
-    assert "head wind of 5 deg needs up to a fifth more" in notes(5.0)
-    assert notes(-3.0).endswith("--wind triangular --duration 7.5 --peak-deg -3")
+    assert "as a head wind it needs 0.433 deg, 18 percent more" in notes(5.0)
+    assert "as a tail wind it needs 0.320 deg, 13 percent less" in notes(-5.0)
     assert "head wind" not in notes(1.0) + notes(5.0, "yaw")
     assert "T/W 0.18" in notes(1.0, thrust=0.18 * vehicle.weight)
     assert "T/W" not in notes(1.0)

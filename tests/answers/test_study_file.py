@@ -67,10 +67,10 @@ def test_the_page_shows_a_flight(tmp_path: Path) -> None:
     (tmp_path / "balloon.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
     tables = tomllib.loads(text.replace("flight.csv", "configuration-i"))
     found = parse_study({"study": HEAD} | tables, tmp_path)
-    asked, gust = found.sizing, found.wind.gust
+    asked = found.sizing
 
     assert list(asked.winds(found)) == ["triangular wind of 60 m/s, 7.5 s", "15 February"]
-    assert (gust.onset, gust.end, asked.window) == (2.75, 4.75, 30.0)
+    assert (found.wind.gust.end, found.wind.gust_at, asked.window) == (2.0, 3.75, 30.0)
     assert asked.times(found).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
 
 
@@ -107,7 +107,9 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     assert (wider["times_s"], wider["plane"]) == ([70.0, 90.0], "yaw")
 
 
-def test_the_same_file_drives_the_study_and_its_gust_blows_in_the_middle(tmp_path: Path) -> None:
+def test_the_same_file_drives_the_study_and_its_gust_has_a_time_only_where_that_is_given(
+    tmp_path: Path,
+) -> None:
     file = tmp_path / "my.toml"
     file.write_text(FLIGHT)
     (tmp_path / "wyoming.txt").write_text((SOUNDINGS / "wyoming.txt").read_text())
@@ -121,10 +123,10 @@ def test_the_same_file_drives_the_study_and_its_gust_blows_in_the_middle(tmp_pat
     assert by_options.pop("questions")[0]["yes"] is by_options.pop("sufficient")
     by_file.pop("sufficient")
     assert by_file == by_options
-    late = plan(gust={"peak_deg": 1, "duration_s": 2, "peak_time_s": 6.0}).wind.gust
-    assert (late.onset, late.end) == (5.0, 7.0)
+    late = plan(gust={"peak_deg": 1, "duration_s": 2, "peak_time_s": 6.0}).wind
+    assert (late.placed_gust.onset, late.placed_gust.end) == (5.0, 7.0)
     drawn = parse_campaign(tomllib.loads(FLIGHT) | {"campaign": {"cases": 3}}, tmp_path)
-    assert (drawn.wind.gust.onset, drawn.wind.gust.end) == (2.75, 4.75)
+    assert (drawn.wind.placed_gust.onset, drawn.wind.placed_gust.end) == (2.75, 4.75)
 
 
 def test_a_flight_of_the_file_itself_and_of_its_vehicle(tmp_path: Path) -> None:

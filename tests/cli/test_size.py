@@ -222,14 +222,14 @@ def test_dispersions_are_those_of_the_study_at_the_worst_time() -> None:
 def test_dispersions_are_found_with_a_gust_and_in_both_planes(more) -> None:
     given = ("size", "configuration-i", "--from", "66", "--to", "66", "--dead-band", "1", *more)
     document = json.loads(run(*given, "--disperse", "--model", "fixed-path", "--json").stdout)
-    gust = tv.OneMinusCosineGust(peak=np.radians(1), duration=2.0).shift(2.75)
+    gust = tv.OneMinusCosineGust(peak=np.radians(1), duration=2.0)
     heading = {"heading": np.radians(220), "stop": "round"}
     nominal = tv.Study.from_vehicle(
         tv.load_schedule("configuration-i").at(66.0),
         duration=7.5,
         peak=np.radians(5),
         model="fixed-path",
-        **({"gust": gust} if more[0] == "--gust" else heading),
+        **({"gust": gust, "gust_at": 3.75} if more[0] == "--gust" else heading),
     )
     lines = {line["name"]: line["deflection_deg"] for line in document["total"]["lines"]}
     total = np.degrees(tv.answers.disperse_study(nominal).required.upper)
@@ -305,9 +305,11 @@ def test_the_figure_holds_the_worst_of_all_winds() -> None:
     assert curves.column("available limit") == pytest.approx([0.5, 0.5])
 
 
-def test_a_gust_on_top_of_the_wind_is_added_in_its_middle() -> None:
+def test_a_gust_on_top_of_the_wind_is_added_when_it_is_asked_for() -> None:
     document = json.loads(
-        run("study", "--gust", "1.5", "2", "--model", "fixed-path", "--json").output
+        run(
+            "study", "--gust", "1.5", "2", "--gust-at", "3.75", "--model", "fixed-path", "--json"
+        ).output
     )
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0).shift(2.75)
@@ -318,7 +320,7 @@ def test_a_gust_on_top_of_the_wind_is_added_in_its_middle() -> None:
     assert document["gust"]["peak_deg"] == pytest.approx(1.5)
     assert document["trim_deflection_deg"] == pytest.approx(6.5 * float(plant.coefficients.B))
     late = run("study", "--gust", "1.5", "2", "--gust-at", "6")
-    assert "with a gust of 1.5 deg and 2 s" in " ".join(late.output.split())
+    assert "with a gust of 1.5 deg and 2 s at 6 s" in " ".join(late.output.split())
 
 
 def test_a_gust_that_cannot_be_is_refused() -> None:

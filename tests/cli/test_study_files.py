@@ -27,6 +27,7 @@ azimuth_deg = 45
 [gust]
 peak_deg = 0.5
 duration_s = 1.0
+peak_time_s = 2.5
 [nozzle]
 limit_deg = 2.0
 rate_limit_deg_per_s = 20
@@ -53,7 +54,8 @@ CASE = tv.Case(
         np.radians(4.0),
         5.0,
         np.radians(205.0),
-        tv.OneMinusCosineGust(peak=np.radians(0.5), duration=1.0).shift(2.0),
+        tv.OneMinusCosineGust(peak=np.radians(0.5), duration=1.0),
+        2.5,
     ),
     nozzle=tv.Nozzle(
         limit=np.radians(2.0),
@@ -70,7 +72,7 @@ CASE = tv.Case(
 AS_OPTIONS = (
     *("configuration-i", "--plane", "yaw", "--wind", "rectangular", "--peak-deg", "4"),
     *("--duration", "5", "--wind-direction-deg", "250", "--azimuth-deg", "45"),
-    *("--gust", "0.5", "1"),
+    *("--gust", "0.5", "1", "--gust-at", "2.5"),
 )
 LOOP = (
     *("--natural-frequency", "1.2", "--actuator-frequency", "30", "--delay-ms", "10"),
@@ -138,7 +140,9 @@ def test_every_command_answers_for_the_case_of_the_study(file):
 
 def test_laws_of_a_study_file_are_those_of_the_study(file, tmp_path):
     calm = tmp_path / "calm.toml"
-    calm.write_text(STUDY.replace("[gust]\npeak_deg = 0.5\nduration_s = 1.0\n", ""))
+    calm.write_text(
+        STUDY.replace("[gust]\npeak_deg = 0.5\nduration_s = 1.0\npeak_time_s = 2.5\n", "")
+    )
     trials = find(tv.load_study(calm)).trials
     found = asked("laws", str(calm))
     assert found["sample_rate_Hz"] == 50

@@ -104,13 +104,27 @@ class Case:
 
         return plant_of(self.vehicle, self.loop_model, self.plane)
 
-    @property
+    @cached_property
     def blows(self) -> ShapedWind | WindEnsemble | History:
-        """The wind in the plane, with its gust."""
-        if not isinstance(self.wind, ShapedWind) or self.wind.heading is None:
-            return self.wind
-        whole = whole_vehicle(self.vehicle, "a wind with a direction")
-        return self.wind.in_plane(self.plane, float(np.asarray(whole.attitude)))
+        """The wind in the plane, its gust at its time, or else at the worst one with K = 1."""
+        return self.blows_at(1.0)
+
+    def blows_at(self, dead_band: float) -> ShapedWind | WindEnsemble | History:
+        """Return the same with the gust at the worst time for another dead band."""
+        wind = self.wind
+        if not isinstance(wind, ShapedWind):
+            return wind
+        if wind.heading is not None:
+            whole = whole_vehicle(self.vehicle, "a wind with a direction")
+            wind = wind.in_plane(self.plane, float(np.asarray(whole.attitude)))
+        if wind.gust is None:
+            return wind
+        from tvclin.answers.worst_gust import placed_worst
+        from tvclin.linear.plant import Plant
+
+        return placed_worst(
+            wind, Plant.from_vehicle(self.vehicle, self.model, self.plane), dead_band
+        )
 
     @property
     def history(self) -> History:

@@ -39,6 +39,7 @@ Told = Callable[[float, float], None]
 """Is told how much of a part is done, and how much there is."""
 Loop: TypeAlias = "Callable[[], tuple[Any, Autopilot]]"
 """Of the plant that flies and its autopilot."""
+_LATER = ("availability", "gust_at")
 MOST_CASES = 20_000
 """Dispersed cases of a page; more are for a campaign."""
 
@@ -105,11 +106,14 @@ class Findings:
     @property
     def seal(self) -> str:
         """SHA-256 of the inputs, in SI units and in one order."""
-        asked = asdict(self.plan)
+        asked = asdict(self.plan, dict_factory=_known)
         del asked["document"]  # no number depends on it
-        if asked["availability"] is None:
-            del asked["availability"]  # the seals of what could be asked before stay what they were
         return sha256(json.dumps(asked, sort_keys=True, default=_plain).encode()).hexdigest()
+
+
+def _known(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """What is given: the seals of what could be asked before stay what they were."""
+    return {key: value for key, value in pairs if value is not None or key not in _LATER}
 
 
 def _plain(value: Any) -> Any:

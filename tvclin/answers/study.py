@@ -15,9 +15,10 @@ from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.planes import PlanesNeeded, of_heading, words_of
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
 from tvclin.answers.study_notes import (
+    along_the_path,
     doubts,
     forecast_trusted,
-    head_wind,
+    gust_placed,
     left_out,
     slow_or_paired,
     undamped,
@@ -134,6 +135,7 @@ class Study(Shown):
         plane: str = "pitch",
         switch: str = "literal",
         gust: History | None = None,
+        gust_at: float | None = None,
         heading: float | None = None,
         stop: Stop | str | None = None,
     ) -> Self:
@@ -145,7 +147,7 @@ class Study(Shown):
             As of `Case`.
         wind : {"triangular", "rectangular"}
             Shape of the wind.
-        duration, peak, heading, gust
+        duration, peak, heading, gust, gust_at
             Of the wind [s, rad], as of `ShapedWind`.
         limit, stop
             As of `Nozzle`.
@@ -166,7 +168,7 @@ class Study(Shown):
         0.351
         """
         one_of("wind", wind, PULSES)
-        blows = ShapedWind(wind, peak, duration, heading, gust)
+        blows = ShapedWind(wind, peak, duration, heading, gust, gust_at)
         nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
         case = Case(vehicle=vehicle, model=model, plane=plane, wind=blows, nozzle=nozzle)
         return cls.of(case, dead_band, switch)
@@ -197,15 +199,16 @@ class Study(Shown):
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
         one_of("switch", switch, SWITCHES)
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
-        model, plane, blows = case.model, case.plane, pulse_of(case)
+        model, plane, wind = case.model, case.plane, pulse_of(case)
         coefficients = coefficients_of(case.vehicle, plane)
         single("vehicle", coefficients.batch)
         stop = None if case.nozzle.stop is None else stop_of(case.nozzle.stop)
-        planes = None
-        if blows.heading is not None:
+        blows, planes = case.blows_at(dead_band), None
+        assert isinstance(blows, ShapedWind)
+        if wind.heading is not None:
             whole = whole_vehicle(case.vehicle, "a wind with a direction")
-            planes = of_heading(whole, model, blows, stop, dead_band)
-            blows = blows.in_plane(plane, float(np.asarray(whole.attitude)))
+            placed = replace(wind, gust_at=blows.gust_at)
+            planes = of_heading(whole, model, placed, stop, dead_band)
         elif stop is not None:
             raise InputError(
                 "a stop of both planes needs a wind with a direction: give where it blows from,"
@@ -227,7 +230,8 @@ class Study(Shown):
             *forecast_trusted(required, dead_band, free),
             *undamped(plant, history, required, dead_band),
             *doubts(case.vehicle),
-            *head_wind(plane, alone, blows.shape),
+            *gust_placed(wind, blows),
+            *along_the_path(case, history, required, dead_band),
             *words_of(planes, plane, stop is not None),
         )
         limit = case.nozzle.limit
@@ -298,7 +302,7 @@ class Study(Shown):
     @property
     def gust(self) -> History | None:
         """What blows on top of the wind, in its time; its part in the plane."""
-        return self.blows.gust
+        return self.blows.placed_gust
 
     @property
     def history(self) -> History:

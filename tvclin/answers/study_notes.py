@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.answers.requirement import RequiredDeflection, required_deflection
+from tvclin.answers.case import Case
+from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
+from tvclin.base.errors import InputError
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -17,6 +19,8 @@ from tvclin.linear.modes import Modes
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.doubts import doubts as slips
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind
 
 _STRONG = radians(1.5)
 """Winds [rad] above this change the dynamic pressure by more than the boundary is good for."""
@@ -45,15 +49,44 @@ def doubts(vehicle: AnyVehicle) -> Iterator[str]:
         yield from slips(vehicle)
 
 
-def head_wind(plane: str, wind: Any, shape: str) -> Iterator[str]:
-    """Say where the wind is strong along the path, and which flight says how much it matters."""
-    peak = abs(float(wind.peak))
-    if plane == "pitch" and peak > _STRONG:
+def along_the_path(
+    case: Case, history: History, required: RequiredDeflection, dead_band: float
+) -> Iterator[str]:
+    """Say what head and tail need of a strong wind in the pitch plane, where the limit is short."""
+    if case.plane != "pitch" or abs(float(history.peak)) <= _STRONG:
+        return
+    from tvclin.answers.wind_sign import SIGNS, signed_needs
+
+    changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
+    try:
+        needs = signed_needs(case.vehicle, history, required, case.model, dead_band)
+    except InputError as error:
+        yield f"{changes}; what a head wind needs more is not known: {error}"
+        return
+    if getattr(case.wind, "heading", None) is not None:  # its sign is known
+        needs = {k: one for k, one in needs.items() if SIGNS[k] * float(history.peak) > 0.0}
+    if not needs:
+        return
+    frozen = abs(float(required.deflection))
+    words = [
+        f"as a {name} wind it needs {np.degrees(need):.3f} deg,"
+        f" {100.0 * abs(need / frozen - 1.0):.0f} percent {'more' if need >= frozen else 'less'}"
+        for name, need in needs.items()
+    ]
+    limit, short = case.nozzle.limit, ""
+    if limit is not None and case.nozzle.stop is None:
+        lacking = [name for name, need in needs.items() if not covers(limit, need)]
+        if lacking and covers(limit, frozen):
+            short = f"; the limit is NOT SUFFICIENT in the {' and the '.join(lacking)} wind"
+    yield f"{changes}: {', and '.join(words)}{short}"
+
+
+def gust_placed(asked: ShapedWind, blows: ShapedWind) -> Iterator[str]:
+    """Say when a gust comes whose time was not given."""
+    if asked.gust_at is None and blows.gust_at is not None:
         yield (
-            "a wind along the path also changes the dynamic pressure, which frozen parameters leave"
-            " out: a head wind of 5 deg needs up to a fifth more; this one, as a head wind, is"
-            f" flown by: tvclin fly VEHICLE --along-trajectory --boundary --wind {shape} --duration"
-            f" {float(wind.duration):g} --peak-deg {-np.degrees(peak):.6g}"
+            f"the gust comes when it asks for most, at {blows.gust_at:.4g} s (--gust-at, or"
+            " peak_time_s in [gust], gives another time)"
         )
 
 

@@ -163,7 +163,7 @@ def availability(
             stop=stop,
             model=model or USUAL_MODEL,
             persistence=_persistence(persistence_deg, persistence_hours),
-            gust=gust_of(gust, 0.0),
+            gust=gust_of(gust),
             known_to=known_to_m,
             confidence=confidence,
             progress=progress,

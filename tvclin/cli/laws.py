@@ -182,6 +182,6 @@ def _winds(
         met = case.history
         return float(met.peak), float(met.end - met.onset), {blows.name(case): met}
     every = standard_winds(pulse.peak, pulse.duration)
-    if pulse.gust is not None:
-        every = {name: one + pulse.gust for name, one in every.items()}
+    if (gust := pulse.placed_gust) is not None:
+        every = {name: one + gust for name, one in every.items()}
     return pulse.peak, pulse.duration, every

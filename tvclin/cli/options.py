@@ -79,7 +79,10 @@ Gust = Annotated[
 ]
 GustAt = Annotated[
     float | None,
-    typer.Option(help="When the gust peaks, in s.", show_default="the middle of the wind"),
+    typer.Option(
+        help="When the gust peaks, in s.",
+        show_default="when it asks for most; tvclin size: the middle of the wind",
+    ),
 ]
 
 

@@ -58,7 +58,7 @@ class PulseOptions:
         from tvclin.vehicle.linear_vehicle import whole_vehicle
         from tvclin.winds.shaped import PULSES
 
-        wind, shape, at = pulse_of(plan), getattr(self, "wind", None), self.gust_at
+        wind, shape = pulse_of(plan), getattr(self, "wind", None)
         lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
         wind = replace(
             wind,
@@ -66,12 +66,20 @@ class PulseOptions:
             duration=lasts,
             peak=wind.peak if self.peak_deg is None else float(np.radians(self.peak_deg)),
             heading=chosen(self._heading, wind.heading),
-            gust=chosen(gust_of(self.gust, 0.5 * lasts if at is None else at), wind.gust),
+            gust=chosen(gust_of(self.gust), wind.gust),
+            gust_at=wind.gust_at if self.gust is None else self._gust_at,
         )
         if self.peak_speed is not None:
             whole = whole_vehicle(plan.vehicle, "--peak-speed")
             wind = wind.of_speed(self.peak_speed, whole, plan.plane)
         return replace(plan, wind=wind)
+
+    @property
+    def _gust_at(self) -> float | None:
+        """When the gust comes [s]; None without --gust-at."""
+        from tvclin.base.errors import number
+
+        return None if self.gust_at is None else number("--gust-at", self.gust_at, unit="s")
 
     @property
     def _heading(self) -> float | None:
@@ -196,7 +204,7 @@ class BlowingOptions(PulseOptions):
             azimuth=azimuth,
             plane=plan.plane,
             window=length,
-            gust=chosen(gust_of(self.gust, 0.0), pulse_of(plan).gust),
+            gust=chosen(gust_of(self.gust), pulse_of(plan).gust),
         )
         placed = place(met, whole, time, "peak", length)
         if not placed.known or placed.calm:
@@ -217,8 +225,8 @@ class WindOptions(BlowingOptions, ShapedOptions):
     """A pulse or a sounding; `grouped` gives the options to a command."""
 
 
-def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | None":
-    """Return the 1 - cosine gust of a peak [deg] and a duration [s] that peaks at a time [s]."""
+def gust_of(given: tuple[float, float] | None) -> "History | None":
+    """Return the 1 - cosine gust of a peak [deg] and a duration [s]."""
     import numpy as np
 
     from tvclin.base.errors import nonzero, number, positive
@@ -227,8 +235,7 @@ def gust_of(given: tuple[float, float] | None, peak_time: float) -> "History | N
     if given is None:
         return None
     peak, duration = number("--gust", given[0], nonzero), number("--gust", given[1], positive)
-    found = OneMinusCosineGust(peak=np.radians(peak), duration=duration)
-    return found.shift(number("--gust-at", peak_time, unit="s") - 0.5 * duration)
+    return OneMinusCosineGust(peak=np.radians(peak), duration=duration)
 
 
 def wind_words(name: str, case: "Case") -> str:

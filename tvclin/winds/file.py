@@ -13,7 +13,6 @@ from tvclin.base.files import called, read_text
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
 from tvclin.winds.gusts import OneMinusCosineGust
-from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 _PULSE = {"peak": "angle", "duration": "time"}
@@ -107,8 +106,8 @@ def heading_of(
     return direction - azimuth
 
 
-def gust_of(document: Mapping[str, Any], wind: ShapedWind | WindEnsemble) -> History | None:
-    """Return the gust of [gust] in the time of a wind; None without it.
+def gust_of(document: Mapping[str, Any], wind: ShapedWind | WindEnsemble) -> dict[str, Any]:
+    """Return the gust of [gust] on top of a wind, by fields of `ShapedWind`; empty without it.
 
     Raises
     ------
@@ -116,13 +115,12 @@ def gust_of(document: Mapping[str, Any], wind: ShapedWind | WindEnsemble) -> His
         For a gust on top of a file of winds.
     """
     if "gust" not in document:
-        return None
+        return {}
     if isinstance(wind, WindEnsemble):
         raise InputError("[gust] is on top of a wind of one shape; the winds of a file have theirs")
     given = GUST_TABLE.read(GUST_TABLE.one(document))
-    at = given.pop("peak_time", 0.5 * wind.duration)
-    gust = OneMinusCosineGust(**given)
-    return gust.shift(at - 0.5 * float(gust.duration))
+    at = given.pop("peak_time", None)
+    return {"gust": OneMinusCosineGust(**given), "gust_at": at}
 
 
 def _read_winds(path: Path) -> tuple[Any, Any]:

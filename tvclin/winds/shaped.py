@@ -47,9 +47,11 @@ class ShapedWind:
         Direction [rad] from which it blows, clockwise from that of the flight: pi is a tail wind,
         pi/2 one from the right. With it the peak is the size of the vector of both planes.
     gust : History, optional
-        What blows on top of it, in its time and along it, such as `OneMinusCosineGust`; see
-        `History.shift`. Where peak and duration are dispersed it keeps its size, and its place from
-        the middle of the wind.
+        What blows on top of it and along it, such as `OneMinusCosineGust`. Where peak and duration
+        are dispersed it keeps its size, and its place from the middle of the wind.
+    gust_at : float, optional
+        When the middle of the gust comes [s]. Without it a `Case` takes the time at which most is
+        needed, and all else the middle of the wind.
 
     Raises
     ------
@@ -62,6 +64,7 @@ class ShapedWind:
     duration: float
     heading: float | None = None
     gust: History | None = None
+    gust_at: float | None = None
 
     count = 0
 
@@ -74,6 +77,8 @@ class ShapedWind:
         if self.heading is not None:
             number("heading of the wind", self.heading, directions, "rad")
         checked_gust(self.gust)
+        if self.gust_at is not None:
+            number("gust_at", self.gust_at, unit="s")
 
     def in_plane(self, plane: str, attitude: float) -> ShapedWind:
         """Return its part in a plane, without a heading; itself where it has none.
@@ -92,7 +97,7 @@ class ShapedWind:
                 " plane, or both"
             )
         gust = None if self.gust is None else self.gust * (peak / self.peak)
-        return ShapedWind(self.shape, peak, self.duration, gust=gust)
+        return replace(self, peak=peak, heading=None, gust=gust)
 
     def of_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
         """Return it with the peak angle that a vehicle meets at a wind speed [m/s], by eq (B1e).
@@ -130,10 +135,20 @@ class ShapedWind:
     @property
     def gust_words(self) -> str:
         """What is to be said of the gust; nothing where there is none."""
-        gust = self.gust
+        gust = self.placed_gust
         if gust is None:
             return ""
-        return f", with a gust of {np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
+        size = f"{np.degrees(gust.peak):.4g} deg and {gust.end - gust.onset:.4g} s"
+        return f", with a gust of {size} at {0.5 * (gust.onset + gust.end):.4g} s"
+
+    @property
+    def placed_gust(self) -> History | None:
+        """The gust in the time of the wind."""
+        gust = self.gust
+        if gust is None:
+            return None
+        at = 0.5 * self.duration if self.gust_at is None else self.gust_at
+        return gust.shift(at - 0.5 * float(gust.onset + gust.end))
 
     @property
     def nominal(self) -> dict[str, float]:
@@ -150,9 +165,9 @@ class ShapedWind:
         found = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
         duration = found["wind_duration"]
         made: History = SHAPES[self.shape](peak=found["wind_peak"], duration=duration)
-        if self.gust is None:
+        if (gust := self.placed_gust) is None:
             return made
-        return made + self.gust.shift(0.5 * (np.asarray(duration) - self.duration))
+        return made + gust.shift(0.5 * (np.asarray(duration) - self.duration))
 
 
 def part_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:

@@ -69,9 +69,8 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     outputs = OUTPUTS_TABLE.read(OUTPUTS_TABLE.one(document))
     CAMPAIGN_TABLE.need(head, ["cases"])
     wind = winds_of(document, folder)[0]
-    gust = recorded_gust(document) or gust_of(document, wind)
+    wind = replace(wind, **(recorded_gust(document) or gust_of(document, wind)))
     if isinstance(wind, ShapedWind):
-        wind = replace(wind, gust=gust)
         vehicle = subject["vehicle"]
         wind = wind.in_plane(subject.get("plane", "pitch"), float(np.mean(vehicle.attitude)))
     return Campaign(

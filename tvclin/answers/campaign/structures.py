@@ -20,7 +20,7 @@ from tvclin.linear.flexible import FlexiblePlant
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History, Piecewise
+from tvclin.winds.histories import Piecewise
 from tvclin.winds.shaped import ShapedWind, WindEnsemble
 
 FloatArray = NDArray[np.float64]
@@ -123,14 +123,16 @@ def gust_record(wind: ShapedWind | WindEnsemble) -> dict[str, Any]:
     pieces = wind.gust.pieces
     parts = {"coefficients": pieces.coefficients, "rates": pieces.rates}
     kept = {name: [np.real(one).tolist(), np.imag(one).tolist()] for name, one in parts.items()}
-    return {"gust": {"knots": pieces.knots.tolist(), **kept}}
+    placed = {} if wind.gust_at is None else {"gust_at": wind.gust_at}
+    return {"gust": {"knots": pieces.knots.tolist(), **kept, **placed}}
 
 
-def recorded_gust(document: Mapping[str, Any]) -> History | None:
-    """Return the gust that a manifest keeps; None of any other document."""
+def recorded_gust(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the gust that a manifest keeps, as `gust_of`; empty of any other document."""
     kept = document.get("gust", {})
     if "knots" not in kept:
-        return None
+        return {}
     parts = (np.array(kept[name]) for name in ("coefficients", "rates"))
     coefficients, rates = (real + 1j * imag if imag.any() else real for real, imag in parts)
-    return Piecewise(Pieces(np.array(kept["knots"]), coefficients, rates))
+    gust = Piecewise(Pieces(np.array(kept["knots"]), coefficients, rates))
+    return {"gust": gust, "gust_at": kept.get("gust_at")}

@@ -185,12 +185,19 @@ class SizingAsked:
         return self.count or f"K = {max(self.dead_bands):g}{VARYING if met else ''}"
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
-        """Return the winds whose peak meets each flight time, with the gust of the case."""
+        """Return the winds whose peak meets each flight time, with the gust of the case.
+
+        It comes at its time, and without one in the middle of each.
+        """
         instance("case", case, Case, "of a wind and a nozzle")
-        instance("wind of the case", case.wind, ShapedWind, "of one shape")
-        assert isinstance(case.wind, ShapedWind)
-        first = (case.wind,) if self.pulse else ()
-        return (*first, *(replace(one, gust=case.wind.gust) for one in self.others))
+        own = case.wind
+        instance("wind of the case", own, ShapedWind, "of one shape")
+        assert isinstance(own, ShapedWind)
+        gust, at = own.gust, own.gust_at
+        return tuple(
+            replace(one, gust=gust, gust_at=0.5 * one.duration if at is None else at)
+            for one in (*((own,) if self.pulse else ()), *self.others)
+        )
 
     def times(self, case: Case) -> NDArray[Any]:
         """Return flight times [s], the first and the last and even ones between; see `start`.

@@ -36,11 +36,10 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     if "dispersion" in document:
         given["dispersions"] = dispersions_of(document)
     wind: Any = winds_of(document, folder)[0]
-    gust = gust_of(document, wind)
     question = question_of(document)
     return StudyPlan(
         **subject,
-        wind=wind if gust is None else replace(wind, gust=gust),
+        wind=replace(wind, **gust_of(document, wind)),
         sizing=sizing_of(document, folder),
         availability=availability_of(document, folder),
         laws=LawsAsked(**LAWS_TABLE.read(document["laws"])) if "laws" in document else None,

@@ -1,0 +1,45 @@
+"""A gust comes when it asks for most."""
+
+import numpy as np
+import pytest
+
+import tvclin as tv
+
+GUST = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
+PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
+
+
+def study(configuration_i, **given):
+    return tv.Study.from_vehicle(
+        configuration_i, duration=7.5, peak=np.radians(5), **({"gust": GUST} | given)
+    )
+
+
+@pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
+@pytest.mark.parametrize("shape", PULSES)
+def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> None:
+    """The limit is that of eq (4b) at each time; the time is known to 1e-4 of the duration."""
+    found = study(configuration_i, wind=shape, model=model)
+    times = np.linspace(0.0, 7.5, 61)
+    wind = PULSES[shape](peak=np.radians(5), duration=7.5) + GUST.shift(times - 1.0)
+    plant = tv.Plant.from_vehicle(configuration_i, model)
+    scanned = np.abs(tv.boundary_limit(plant, wind, switch="literal").deflection)
+    middle = study(configuration_i, wind=shape, model=model, gust_at=3.75)
+
+    assert scanned.max() <= found.required_deflection * (1.0 + 1e-4)
+    assert abs(times[scanned.argmax()] - found.blows.gust_at) <= times[1]
+    assert middle.required_deflection < found.required_deflection
+    assert any("when it asks for most" in note for note in found.notes)
+    assert not any("when it asks for most" in note for note in middle.notes)
+
+
+def test_a_gust_against_the_wind_stays_in_its_middle(configuration_i) -> None:
+    found = study(configuration_i, gust=-0.2 * GUST, model="fixed-path")
+    assert (found.blows.gust_at, found.gust.onset, found.gust.end) == (None, 2.75, 4.75)
+
+
+def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> None:
+    nominal = study(configuration_i, model="fixed-path")
+    fixed = study(configuration_i, model="fixed-path", gust_at=nominal.blows.gust_at)
+    one, other = (tv.answers.disperse_study(each, cases=20) for each in (nominal, fixed))
+    np.testing.assert_array_equal(one.deflection, other.deflection)
