@@ -334,12 +334,12 @@ def test_what_is_only_printed_needs_neither_control_nor_pyplot(tmp_path: Path) -
     assert loaded_by(commands, tmp_path) == set()
 
 
-def test_a_study_of_a_fixed_path_loads_neither_flights_nor_other_commands() -> None:
-    """With drift the trim law is flown, and flights are loaded for it."""
+def test_a_study_of_a_fixed_path_in_a_weak_wind_loads_neither_flights_nor_other_commands() -> None:
+    """With drift the trim law is flown, and a strong head wind changes the parameters."""
     code = (
         "import sys\n"
         "from tvclin.cli.app import main\n"
-        "sys.argv[1:] = 'study configuration-i --model fixed-path'.split()\n"
+        "sys.argv[1:] = 'study configuration-i --model fixed-path --peak-deg 1'.split()\n"
         "try: main()\n"
         "except SystemExit: pass\n"
         "print(*[m for m in sys.modules if m.startswith('tvclin')], file=sys.stderr)"
