@@ -73,7 +73,7 @@ _OF_THE_RIGID: dict[str, str] = {
     "report": "boundaries and sizes on the page",
     "autopilot": "boundaries and minimum",
     "campaign": "all but margins and flights",
-    "nozzle": "angle over rate",
+    "nozzle": "angles over rates",
     **dict.fromkeys(
         ("respond", "optimum", "boundary", "poles", "size", "availability"),
         _HERE,

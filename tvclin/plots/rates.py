@@ -45,4 +45,6 @@ def rate_chart(front: RateFront, title: str = "Least deflection over rate") -> "
     title : str
         Stands above the figure.
     """
-    return draw(rate_curves(front), Look(title, "deflection [deg]", _STYLES))
+    plot = draw(rate_curves(front), Look(title, "deflection [deg]", _STYLES))
+    plot.axes.flat[0].set_xlim(0.0, 1.03 * float(np.degrees(front.rates.max())))
+    return plot
