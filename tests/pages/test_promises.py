@@ -13,7 +13,7 @@ from types import ModuleType
 import pytest
 
 import tvclin
-from tests.doors import public
+from tests.doors import ANSWERS, INSIDE, public
 from tvclin.base.doors import CHAPTERS
 from tvclin.linear.models import USUAL_MODEL
 
@@ -101,6 +101,15 @@ def test_what_stands_after_the_dot_fits_on_a_screen() -> None:
 
     assert len(tvclin.__all__) <= 66
     assert set(shown) == {*tvclin.__all__, *CHAPTERS}
+
+
+@pytest.mark.parametrize("chapter", [one for one in CHAPTERS if one != "plots"])
+def test_the_page_of_a_chapter_names_what_can_be_called(chapter: str) -> None:
+    door = getattr(tvclin, chapter)
+    named = set(re.findall(r"`(?:\w+\.)*(\w+)`", door.__doc__))
+
+    assert named <= {*public(), "margins"}
+    assert set(door.__all__) - ANSWERS - INSIDE <= named | {"LeftOver", "Stop"}
 
 
 @pytest.mark.parametrize(

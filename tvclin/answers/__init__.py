@@ -1,4 +1,20 @@
-"""What is asked of the whole: requirement, study, sizing, campaign, and the files that ask."""
+"""What is asked of the whole: requirement, study, sizing, campaign, and the files that ask.
+
+- One wind: `is_sufficient`, `required_deflection`, `survivable_peak`; of a `Case` with its `Nozzle`
+  a `Study`, or with dispersions `disperse_study`.
+- Files: `load_study`, `load_sizing`, `load_schedule`, `load_campaign`; as records `StudyPlan`,
+  `SizingAsked`, `SoundingAsked`, `AvailabilityAsked`, `LawsAsked`, `Document`.
+- A flight: `FlightSchedule`, from other tools `read_openrocket`, `read_rasaero`,
+  `schedule_from_rocketpy`, `read_table`; its `size`, the `MeasuredWind` of `fly_through`, and the
+  `DeflectionTotal` of `total_deflection`, `worst_total`.
+- Days of an archive: `tvclin.availability`; what the wind may become: `PairGrowth`, `WindGrowth`.
+- Many cases: `Campaign` of `Dispersion` and `Dispersions`; `run_campaign`, `open_campaign`,
+  `resume_campaign`.
+- Gains for the least nozzle: `least_deflection_gains`, `least_gain_schedule`, `least_gains_front`;
+  the worst case in a box: `tvclin.worst_case`.
+- Laws in the standard winds: `law_trials`, `standard_laws`, `standard_winds`.
+- What a motion asks of the nozzle: `nozzle_card`, with torque by `NozzleData`.
+"""
 
 from tvclin.base.doors import door
 

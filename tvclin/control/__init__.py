@@ -1,4 +1,14 @@
-"""What commands the deflection: autopilot, margins, laws, and how they compare with trim."""
+"""What commands the deflection: autopilot, margins, laws, and how they compare with trim.
+
+- A loop: `Autopilot`, its `Actuator`; over flight times `GainSchedule`.
+- Gains: `design_gains`, `canonical_gains`, `half_relief_gains`, `relief_gains`,
+  `drift_minimum_gains`, `load_minimum_gains`, `lqr_gains`; by a rule of a file `AutopilotDesign`.
+- Margins: `Autopilot.margins`, `loop_margins` of any `Loop`, their `margin_bounds`, with modes
+  `detuned`; what is asked of them: `Criteria`, `CRITERIA`.
+- Laws for flights: `TrimLaw`, `DeadBandLaw`, `RecoverableAttitudeLaw`, `SaturatedLaw`, and around
+  them `FilteredLaw`, `EstimatedLaw` with a `WindEstimator`; by name `design_law`; your own: `Law`.
+- Beside trim: `compare_with_trim`, `worst_duration`.
+"""
 
 from tvclin.base.doors import door
 

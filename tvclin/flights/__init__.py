@@ -1,11 +1,11 @@
 """Flights of laws with limits, and flights that the linear theory is checked against.
 
-`closed_loop/` flies the linear models; `planar/` the report's own equations in one plane, and
-`sixdof/` in JSBSim. For these two `atmosphere`, `condition` (what a flight needs beyond a vehicle)
-and `trajectory` (the nominal flight) say where a vehicle flies, `checks` what both refuse, `answer`
-what both give back, `control` what can turn the nozzle, and `flown_boundary` finds the least
-deflection limit of any engine that says which flights are lost, as `falls` does. `beside` puts the
-linear theory beside a flight.
+- Linear, by samples: `fly`, `fly_many`; in both planes `fly_planes`. What a law needs:
+  `closed_loop_boundary`, `flown_plane_limit`, over gains and delays `boundary_map`; the margins
+  that its limit leaves: `flown_margins`.
+- With the report's own equations: `fly_planar`; in JSBSim: `fly_sixdof` on its `Earth`. What turns
+  the nozzle there: `ReportControl`. The theory beside a flight: `fly_beside`; the least limit of
+  any engine: `tvclin.flown_boundary`.
 """
 
 from tvclin.base.doors import door

@@ -1,4 +1,13 @@
-"""The linear models: plant, modes, verdict, deflections, the exact response and what it loads."""
+"""The linear models: plant, modes, verdict, deflections, the exact response and what it loads.
+
+- A plant: `Plant`; with a structure `FlexiblePlant`; `plant_of` takes what a vehicle has.
+  `available_models` says which of the four are known.
+- Its poles and residues: `unstable_modes`, `all_modes`, `residues`.
+- Stability in a wind, by eq (4b): `is_stable`, `judge`.
+- Deflections: `trim_deflection`, `trim_then_hold`, `HeldDeflection`, `BangBang`.
+- Responses, exact also on the boundary: `attitude_response`, `attitude_responses`; what they load:
+  `wind_loads`.
+"""
 
 from tvclin.base.doors import door
 

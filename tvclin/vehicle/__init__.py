@@ -1,4 +1,12 @@
-"""A vehicle, its files, and the coefficients of its motion."""
+"""A vehicle, its files, and the coefficients of its motion.
+
+- A vehicle: `load_vehicle` by name or from a file, `list_vehicles`, or by hand `Vehicle`.
+- Where only coefficients are known: `LinearVehicle`; `load_any_vehicle` takes both kinds of files.
+- Of its motion: `Coefficients`.
+- What bends, sloshes and swings: a `Structure` of `BendingMode`, `SloshTank` and `Engine`.
+- A damping from what tables give: `aerodynamic_damping`, `jet_damping`.
+- Of sensors and commands: `Filter`.
+"""
 
 from tvclin.base.doors import door
 

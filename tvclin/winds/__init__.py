@@ -1,7 +1,18 @@
 """Winds: histories of the wind angle of attack alpha_w.
 
 A positive wind angle lowers the angle of attack (alpha = theta - gamma - alpha_w): it is a tail
-wind, or the downwind part of a cross wind.
+wind, or the downwind part of a cross wind. Every wind is a `History`: it has a value at a time, a
+transform, a sum with others and a shift.
+
+- Pulses: `TriangularWind`, `RectangularWind`, `AsymmetricTriangularWind`, `TrapezoidalWind`; by a
+  name with gust and direction `ShapedWind`. `equivalent_triangle` of any pulse.
+- Gusts: `OneMinusCosineGust`, `LayeredGust`.
+- From samples: `SampledWind`; many at once: `WindEnsemble`; in both planes: `PlaneWind`.
+- From a speed: `angle_from_speed`.
+- Measured over height: `read_sounding`, `WindProfile`; archives: `read_soundings`, `Soundings`; of
+  a range: `read_range_reference`, `worst_month`.
+- Made up over height: `synthetic_profile`, `power_law_shear`, `add_gust`.
+- Met in a steady climb: `steady_climb`, `Climb`.
 """
 
 from tvclin.base.doors import door
