@@ -13,23 +13,30 @@ ask for. Speed and path of the vehicle itself hardly change within a wind.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.answers.requirement import RequiredDeflection
-from tvclin.answers.sizing.growing import GrowingMode
-from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.varying import varying_need
+from tvclin.answers.case import Case
 from tvclin.base.errors import InputError
-from tvclin.boundary.limit import BOUNDARY
-from tvclin.vehicle.linear_vehicle import AnyVehicle, whole_vehicle
+from tvclin.boundary.limit import boundary_limit
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
+from tvclin.winds.shaped import ShapedWind, part_in
 
 FloatArray = NDArray[np.float64]
 
 SIGNS = {"head": -1.0, "tail": 1.0}
 """Of the wind angle in the pitch plane."""
+FROZEN = "frozen"
+"""The dynamic pressure of calm air, for either sign."""
+_CLOSE, _TRIES = 1e-5, 12
+"""Of the logarithm of a factor on the wind, and of evaluations that find it."""
 _ROWS = 33
 """Times of a wind at which the parameters are tabulated, beside its knots."""
 _JUMP = 1e-6
@@ -54,60 +61,131 @@ def pressure_ratio(vehicle: Vehicle, angle: FloatArray) -> FloatArray:
     return np.asarray((np.cos(path) - wind) ** 2 + np.sin(path) ** 2)
 
 
-def signed_needs(
-    vehicle: AnyVehicle, wind: History, required: RequiredDeflection, model: str, dead_band: float
+def sign_factors(
+    case: Case, wind: History, dead_band: float, sign: str | None = None, size: float = 1.0
 ) -> dict[str, float]:
-    """Return what a wind in the pitch plane needs as a head and as a tail wind [rad], by `SIGNS`.
+    """Return what a wind needs by its sign along the path, over what it needs in calm air's.
 
-    That is what is required with parameters frozen, times what the condition (4b) asks for more or
-    less with its sign; nothing where none is required, or none is enough.
+    Parameters
+    ----------
+    case : Case
+        One vehicle; with a stop of both planes the factor is the larger one of the planes.
+    wind : History
+        The wind of the case in its plane, with its gust.
+    dead_band : float
+        K.
+    sign : {"head", "tail", "frozen"}, optional
+        The one that counts; frozen: none. A wind with a direction has its own.
+    size : float
+        Factor on the wind.
+
+    Returns
+    -------
+    dict of str to float
+        By `SIGNS`; empty for a wind across the path, and where nothing helps or is needed.
 
     Raises
     ------
     InputError
-        As `signed_need`, and for a vehicle of which speed and attitude are not known.
+        For a sign of a wind whose direction says it, as `signed_need`, and for a vehicle of which
+        speed and attitude are not known.
     """
-    frozen = abs(float(required.needs[BOUNDARY]))
-    if frozen == 0.0 or np.isinf(frozen):
+    if sign == FROZEN:
         return {}
-    whole = whole_vehicle(vehicle, "the sign of a wind").rigid
-    per = abs(float(required.deflection)) / frozen
-    size = wind * np.sign(float(wind.peak))
-    return {
-        name: per * signed_need(whole, size * sign, model, dead_band)
-        for name, sign in SIGNS.items()
-    }
+    heading = getattr(case.wind, "heading", None)
+    winds, along = {case.plane: wind}, wind
+    if heading is not None:
+        assert isinstance(case.wind, ShapedWind)
+        if sign is not None:
+            raise InputError("a wind with a direction is a head or a tail wind by that; leave sign")
+        peaks = case.wind.peaks(float(np.asarray(case.vehicle.attitude)))
+        placed = replace(case.wind, gust_at=case.blows_at(dead_band).gust_at)
+        parts = {plane: part_in(placed, peaks, plane) for plane in PLANES if peaks[plane]}
+        if "pitch" not in parts:
+            return {}
+        along = parts["pitch"]
+        winds = winds if case.nozzle.stop is None else parts
+    elif case.plane != "pitch":
+        return {}
+    given = float(np.sign(along.peak))
+    found: dict[str, float] = {}
+    for name in SIGNS if sign is None else (sign,):
+        turn = SIGNS[name] * given
+        if heading is not None and turn < 0.0:
+            continue
+        each = []
+        for plane, blows in winds.items():
+            plant = Plant.from_vehicle(case.vehicle, case.model, plane)
+            frozen = abs(float(boundary_limit(plant, blows, dead_band, "literal").deflection))
+            if frozen == 0.0 or np.isinf(frozen):
+                return {}
+            whole = whole_vehicle(case.vehicle, "the sign of a wind").rigid
+            factor = turn * size
+            need = signed_need(
+                whole, blows * factor, case.model, dead_band, plane=plane, along=along * factor
+            )
+            each.append(need / (frozen * size))
+        found[name] = max(each)
+    return found
 
 
-def signed_need(vehicle: Vehicle, wind: History, model: str, dead_band: float) -> float:
-    """Return what a control needs [rad] in a wind in the pitch plane, with its sign, as a size.
+def survived_size(limit: float, need: Callable[[float], float]) -> float:
+    """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
+    from scipy.optimize import root_scalar
+
+    def over(x: float) -> float:
+        return float(np.log(need(float(np.exp(x))) / limit))
+
+    first = -over(0.0)
+    if abs(first) < _CLOSE:
+        return 1.0
+    found = root_scalar(over, method="secant", x0=0.0, x1=first, xtol=_CLOSE, maxiter=_TRIES)
+    return float(np.exp(found.root)) if found.converged else float("nan")
+
+
+def signed_need(
+    vehicle: Vehicle,
+    wind: History,
+    model: str,
+    dead_band: float,
+    *,
+    plane: str = "pitch",
+    along: History | None = None,
+) -> float:
+    """Return what a control needs [rad] in a wind with its sign along the path, as a size.
 
     Parameters
     ----------
     vehicle : Vehicle
         One vehicle, with a real unstable pole.
     wind : History
-        Wind angle of attack of one sign, positive from behind.
-    model : str
+        Wind angle of attack of one sign, in the pitch plane positive from behind.
+    model, plane : str
         As of `Plant`.
     dead_band : float
         K, which trim leaves, as in a flight.
+    along : History, optional
+        The same wind in the pitch plane, for one in yaw.
 
     Raises
     ------
     InputError
         As `pressure_ratio` and `varying_need`.
     """
+    from tvclin.answers.sizing.growing import GrowingMode
+    from tvclin.answers.sizing.schedule import FlightSchedule
+    from tvclin.answers.sizing.varying import varying_need
+
     begin, end = float(wind.onset), float(wind.end)
     knots = wind.knots[(wind.knots > begin) & (wind.knots <= end)]
     before = knots - _JUMP * (end - begin)
     jumps = np.abs(wind(knots) - wind(before)) > np.sqrt(_JUMP) * abs(float(wind.peak))
     times = np.unique(np.concatenate([np.linspace(begin, end, _ROWS), knots, before[jumps]]))
-    ratio = pressure_ratio(vehicle, wind(times))
+    ratio = pressure_ratio(vehicle, (wind if along is None else along)(times))
     met = vehicle.replace(
         normal_force_slope=vehicle.normal_force_slope * ratio,
         axial_force=vehicle.axial_force * ratio,
         time=times,
     )
-    mode = GrowingMode(FlightSchedule(met), model, "pitch", (begin, end))
+    mode = GrowingMode(FlightSchedule(met), model, plane, (begin, end))
     return float(varying_need(mode, wind, np.array([dead_band])).required[0])
