@@ -253,7 +253,8 @@ class Study(Shown):
         modes = {name: unstable_modes(each) for name, each in plants.items()}
         needed = _needed(shown, history, dead_bands, switch)
         free = needed["forecast_free"].get(plant.model)
-        factors, unknown = _factors(case, history, dead_band, sign)
+        needs = float(required.deflection)
+        factors, unknown = _factors(case, history, needs, dead_band, sign)
         notes = (
             *slow_or_paired(plant, history, required, dead_band),
             *left_out(plant, modes),
@@ -479,9 +480,11 @@ def _needed(
 
 
 def _factors(
-    case: Case, history: History, dead_band: float, sign: str | None
+    case: Case, history: History, needed: float, dead_band: float, sign: str | None
 ) -> tuple[dict[str, float], str]:
     """What the sign of a wind changes, and why it is not known; what is asked for must be."""
+    if not np.isfinite(needed):
+        return {}, ""
     try:
         return sign_factors(case, history, dead_band, sign), ""
     except InputError as error:

@@ -117,13 +117,15 @@ def sign_factors(
         for plane, blows in winds.items():
             plant = Plant.from_vehicle(case.vehicle, case.model, plane)
             frozen = abs(float(boundary_limit(plant, blows, dead_band, "literal").deflection))
-            if frozen == 0.0 or np.isinf(frozen):
+            if frozen == 0.0 or not np.isfinite(frozen):
                 return {}
             whole = whole_vehicle(case.vehicle, "the sign of a wind").rigid
             factor = turn * size
             need = signed_need(
                 whole, blows * factor, case.model, dead_band, plane=plane, along=along * factor
             )
+            if not np.isfinite(need):
+                raise InputError("with this dead band no limit is enough")
             each.append(need / (frozen * size))
         found[name] = max(each)
     return found
