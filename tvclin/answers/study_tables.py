@@ -172,7 +172,9 @@ def _survived(s: Study, limit: float) -> list[float]:
     ]
     needs = [needs.get(s.model, np.nan) for needs in s.needs.values()]
     peak, counts = abs(float(s.history.peak)), s.counts[0]
-    survived = [np.nan if name != counts else abs(s.survivable_peak or 0.0) for name in s.sign_needs]
+    survived = [
+        np.nan if name != counts else abs(s.survivable_peak or 0.0) for name in s.sign_needs
+    ]
     with np.errstate(divide="ignore"):
         linear = [float(peak * limit / np.float64(row)) for row in (s.trim_deflection, *rows)]
         return [*linear, *survived, *(float(peak * limit / np.float64(row)) for row in needs)]

@@ -133,16 +133,24 @@ def sign_factors(
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:
     """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
-    from scipy.optimize import root_scalar
+    from scipy.optimize import brentq, root_scalar
 
     def over(x: float) -> float:
-        return float(np.log(need(float(np.exp(x))) / limit))
+        try:
+            return float(np.log(need(float(np.exp(x))) / limit))
+        except InputError:  # no wind turns the path so far
+            return 1.0
 
     first = -over(0.0)
     if abs(first) < _CLOSE:
         return 1.0
     found = root_scalar(over, method="secant", x0=0.0, x1=first, xtol=_CLOSE, maxiter=_TRIES)
-    return float(np.exp(found.root)) if found.converged else float("nan")
+    x = found.root
+    if not (found.converged and x * first > 0.0 and abs(x) < 2.0 * abs(first)):
+        ends = sorted((0.0, 2.0 * first))
+        inside = over(ends[0]) * over(ends[1]) < 0.0
+        x = brentq(over, *ends, xtol=_CLOSE) if inside else min(first, 2.0 * first)
+    return float(np.exp(x))
 
 
 def signed_need(

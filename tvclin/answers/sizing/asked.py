@@ -296,12 +296,14 @@ class SizingAsked:
     def _met_in_head_winds(self, case: Case, found: Sizing, name: str) -> NDArray[np.float64]:
         """What the dynamic pressure of a head wind adds to pulses in pitch, as a part of them.
 
-        Zero where it is no dead band that counts or a sounding, where it is not known, and at
-        times that cannot be the worst: it grows by less than the square of that pressure.
+        Zero where it is no dead band that counts or a sounding, where another sign is asked for or
+        it is not known, and at times that cannot be the worst: it grows by less than the square of
+        that pressure.
         """
         adds, pulses = np.zeros(found.times.shape), self.pulses(case)
         bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
-        if found.plane != "pitch" or name not in bands:
+        head = getattr(case, "sign", None) in (None, "head")
+        if found.plane != "pitch" or name not in bands or not head:
             return adds
         needs, most = found.at_times(name), 0.0
         for i in np.argsort(-np.nan_to_num(needs)).tolist():
@@ -312,7 +314,9 @@ class SizingAsked:
                 at = self.at(case, float(found.times[i]), pulses[j])
                 size = -abs(at.history.peak)
                 if needs[i] * pressure_ratio(at.vehicle.rigid, size) ** 2 > most:
-                    adds[i] = max(0.0, sign_factors(at, at.history, bands[name], "head")["head"] - 1.0)
+                    adds[i] = max(
+                        0.0, sign_factors(at, at.history, bands[name], "head")["head"] - 1.0
+                    )
             most = max(most, needs[i] * (1.0 + adds[i]))
         return adds
 
