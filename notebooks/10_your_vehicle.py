@@ -111,7 +111,7 @@ worst = np.degrees(study.required_deflection)
 enough = "enough" if study.sufficient else "not enough"
 answer = (
     f"{vehicle.name} needs {np.degrees(full):.2f} deg with trim in {speed:g} m/s of wind within "
-    f"{duration:g} s ({full / B:.2f} of full trim), and {worst:.2f} deg where it is a head wind, so "
-    f"{np.degrees(limit):g} deg are {enough}."
+    f"{duration:g} s ({full / B:.2f} of full trim), and {worst:.2f} deg where it is a head "
+    f"wind, so {np.degrees(limit):g} deg are {enough}."
 )
 print(answer)

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.answers.wind_sign import pressure_ratio, signed_need
+from tvclin.answers.sizing.wind_sign import pressure_ratio, signed_need
 from tvclin.flights.condition import load_flight_condition
 
 PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}

@@ -14,6 +14,7 @@ from tvclin.answers.case import Case
 from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.planes import PlanesNeeded, of_heading, words_of
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors, survived_size
 from tvclin.answers.study_notes import (
     along_the_path,
     doubts,
@@ -23,7 +24,6 @@ from tvclin.answers.study_notes import (
     slow_or_paired,
     undamped,
 )
-from tvclin.answers.wind_sign import FROZEN, SIGNS, sign_factors, survived_size
 from tvclin.base.cards import Shown
 from tvclin.base.documents import picked
 from tvclin.base.errors import (
@@ -219,9 +219,9 @@ class Study(Shown):
         Raises
         ------
         InputError
-            For a sign where what it changes is not known, for a stop without a heading, a wind that does nothing in the plane, and
-            for a batch of vehicles or gusts, a wind and gust whose sum changes its sign, a wind of
-            another shape, and a dead band out of range.
+            For a sign where what it changes is not known, a stop without a heading, a wind that
+            does nothing in the plane, and for a batch of vehicles or gusts, a wind and gust whose
+            sum changes its sign, a wind of another shape, and a dead band out of range.
         """
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
         one_of("switch", switch, SWITCHES)

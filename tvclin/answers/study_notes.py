@@ -10,8 +10,7 @@ import numpy as np
 
 from tvclin.answers.case import Case
 from tvclin.answers.requirement import RequiredDeflection, required_deflection
-from tvclin.answers.wind_sign import FROZEN
-from tvclin.base.errors import InputError
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity

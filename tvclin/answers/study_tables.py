@@ -171,10 +171,8 @@ def _survived(s: Study, limit: float) -> list[float]:
         for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
     ]
     needs = [needs.get(s.model, np.nan) for needs in s.needs.values()]
-    peak, counts = abs(float(s.history.peak)), s.counts[0]
-    survived = [
-        np.nan if name != counts else abs(s.survivable_peak or 0.0) for name in s.sign_needs
-    ]
+    peak, met = abs(float(s.history.peak)), {s.counts[0]: abs(s.survivable_peak or 0.0)}
+    survived = [met.get(sign, np.nan) for sign in s.sign_needs]
     with np.errstate(divide="ignore"):
         linear = [float(peak * limit / np.float64(row)) for row in (s.trim_deflection, *rows)]
         return [*linear, *survived, *(float(peak * limit / np.float64(row)) for row in needs)]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.requirement import required_deflection
-from tvclin.answers.wind_sign import FROZEN
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.boundary.closed_forms import (
     rectangular_limit,

@@ -18,7 +18,7 @@ from tvclin.answers.sizing.record import VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
-from tvclin.answers.wind_sign import pressure_ratio, sign_factors
+from tvclin.answers.sizing.wind_sign import pressure_ratio, sign_factors
 from tvclin.base.errors import (
     InputError,
     bearing,
@@ -311,12 +311,11 @@ class SizingAsked:
             if not needs[i] > 0.0 or j >= len(pulses):
                 continue
             with suppress(InputError):  # no sign at this path, no real pole: frozen as it stands
-                at = self.at(case, float(found.times[i]), pulses[j])
-                size = -abs(at.history.peak)
-                if needs[i] * pressure_ratio(at.vehicle.rigid, size) ** 2 > most:
-                    adds[i] = max(
-                        0.0, sign_factors(at, at.history, bands[name], "head")["head"] - 1.0
-                    )
+                at = self.at(case, time := float(found.times[i]), pulses[j])
+                ratio = pressure_ratio(self.schedule.at(time), -np.abs(at.history.peak))
+                if needs[i] * ratio**2 > most:
+                    factors = sign_factors(at, at.history, bands[name], "head")
+                    adds[i] = max(0.0, factors["head"] - 1.0)
             most = max(most, needs[i] * (1.0 + adds[i]))
         return adds
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.answers.study import Study, pulse_of
-from tvclin.answers.wind_sign import FROZEN, SIGNS
 from tvclin.base.errors import (
     InputError,
     between,

@@ -14,7 +14,6 @@ ask for. Speed and path of the vehicle itself hardly change within a wind.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,7 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import whole_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
-from tvclin.winds.shaped import ShapedWind, part_in
+from tvclin.winds.shaped import part_in
 
 FloatArray = NDArray[np.float64]
 
@@ -92,43 +91,45 @@ def sign_factors(
     """
     if sign == FROZEN:
         return {}
-    heading = getattr(case.wind, "heading", None)
-    winds, along = {case.plane: wind}, wind
-    if heading is not None:
-        assert isinstance(case.wind, ShapedWind)
-        if sign is not None:
-            raise InputError("a wind with a direction is a head or a tail wind by that; leave sign")
-        peaks = case.wind.peaks(float(np.asarray(case.vehicle.attitude)))
-        placed = replace(case.wind, gust_at=case.blows_at(dead_band).gust_at)
-        parts = {plane: part_in(placed, peaks, plane) for plane in PLANES if peaks[plane]}
-        if "pitch" not in parts:
-            return {}
-        along = parts["pitch"]
-        winds = winds if case.nozzle.stop is None else parts
-    elif case.plane != "pitch":
+    along, winds = _met(case, wind, dead_band)
+    if along is None:
         return {}
-    given = float(np.sign(along.peak))
-    found: dict[str, float] = {}
+    given, found = float(np.sign(along.peak)), {}
     for name in SIGNS if sign is None else (sign,):
         turn = SIGNS[name] * given
-        if heading is not None and turn < 0.0:
-            continue
-        each = []
-        for plane, blows in winds.items():
-            plant = Plant.from_vehicle(case.vehicle, case.model, plane)
-            frozen = abs(float(boundary_limit(plant, blows, dead_band, "literal").deflection))
-            if frozen == 0.0 or not np.isfinite(frozen):
-                return {}
-            whole = whole_vehicle(case.vehicle, "the sign of a wind").rigid
-            factor = turn * size
-            need = signed_need(
-                whole, blows * factor, case.model, dead_band, plane=plane, along=along * factor
-            )
-            if not np.isfinite(need):
-                raise InputError("with this dead band no limit is enough")
-            each.append(need / (frozen * size))
-        found[name] = max(each)
-    return found
+        if case.heading is None or turn > 0.0:
+            met = [(plane, one, along) for plane, one in winds]
+            found[name] = max(_factor(case, *one, dead_band, turn * size) for one in met)
+    return {} if 0.0 in found.values() else found
+
+
+def _met(
+    case: Case, wind: History, dead_band: float
+) -> tuple[History | None, list[tuple[str, History]]]:
+    """The wind along the path in pitch, if there is one, and that in each plane that is judged."""
+    if case.heading is None:
+        return (wind if case.plane == "pitch" else None), [(case.plane, wind)]
+    blows = case.wind_at(dead_band)
+    whole = whole_vehicle(case.vehicle, "a wind with a direction")
+    peaks = blows.peaks(float(np.asarray(whole.attitude)))
+    parts = {plane: part_in(blows, peaks, plane) for plane in PLANES if peaks[plane]}
+    judged = [(case.plane, wind)] if case.nozzle.stop is None else list(parts.items())
+    return parts.get("pitch"), judged
+
+
+def _factor(
+    case: Case, plane: str, wind: History, along: History, dead_band: float, size: float
+) -> float:
+    """The factor of one plane in so many times its wind and that along; zero where none counts."""
+    vehicle = whole_vehicle(case.vehicle, "the sign of a wind").rigid
+    plant = Plant.from_vehicle(vehicle, case.model, plane)
+    frozen = abs(float(boundary_limit(plant, wind, dead_band, "literal").deflection))
+    if frozen == 0.0 or not np.isfinite(frozen):
+        return 0.0
+    need = signed_need(vehicle, wind * size, case.model, dead_band, plane=plane, along=along * size)
+    if not np.isfinite(need):
+        raise InputError("with this dead band no limit is enough")
+    return need / (frozen * abs(size))
 
 
 def survived_size(limit: float, need: Callable[[float], float]) -> float:
