@@ -91,6 +91,8 @@ def sign_factors(
     """
     if sign == FROZEN:
         return {}
+    if sign is not None and case.heading is not None:
+        raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
     along, winds = _met(case, wind, dead_band)
     if along is None:
         return {}
