@@ -9,7 +9,7 @@ EXTRAS ?= fast,campaign,sixdof
 .PHONY: study test suite thorough test-all other-processor coverage lint bench notebooks docs packages clean help
 
 study: $(VENV)/.installed  ## set everything up and size configuration I
-	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.4
+	$(BIN)/tvclin study configuration-i --wind triangular --duration 7.5 --peak-deg 5 --limit-deg 0.45
 
 # Bytecode is kept whatever the environment says: workers, notebooks and commands begin many times.
 test: export PYTHONDONTWRITEBYTECODE =

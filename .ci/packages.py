@@ -22,7 +22,7 @@ EXTRAS = [name for name in PROJECT["project"]["optional-dependencies"] if name !
 ALWAYS = (
     "--version",
     "doctor",
-    "study configuration-i --limit-deg 0.4",
+    "study configuration-i --limit-deg 0.45",
     "size configuration-i --every 20",
     "fly configuration-i",
     "campaign init my.toml",

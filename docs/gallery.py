@@ -53,7 +53,7 @@ def of_the_package() -> list[Figure]:
     gains = tv.design_gains(c, natural_frequency=1.5, damping=0.7)
     servo = tv.Actuator(natural_frequency=25.1, damping=0.7)
     autopilot = replace(gains, actuator=servo, delay=0.02)
-    study = tv.Study.from_vehicle(vehicle, duration=DURATION, peak=PEAK, limit=np.radians(0.4))
+    study = tv.Study.from_vehicle(vehicle, duration=DURATION, peak=PEAK, limit=np.radians(0.45))
     return [
         Figure(
             "study",

@@ -26,7 +26,8 @@ import numpy as np
 import tvclin as tv
 
 # %% [markdown]
-# The first answer takes seconds, with dispersions that are assumed.
+# The first answer takes seconds, with dispersions that are assumed. It is for a head wind, which
+# raises the dynamic pressure; a campaign below leaves that out.
 
 # %%
 vehicle = tv.load_vehicle("configuration-i")

@@ -70,6 +70,8 @@ study
 # %%
 for note in study.notes:
     print(note)
+for sign, need in study.sign_needs.items():
+    print(f"{sign} wind: {np.degrees(need):.3f} deg, with the dynamic pressure met in it")
 
 # %%
 print("dead band  ", study.dead_bands)
@@ -105,9 +107,11 @@ except tv.InputError as error:
 B = abs(float(study.coefficients.B * study.wind.peak))
 with_drift = study.boundaries[study.model]
 full = float(np.abs(with_drift.deflection)[study.dead_bands == 1.0][0])
+worst = np.degrees(study.required_deflection)
 enough = "enough" if study.sufficient else "not enough"
 answer = (
     f"{vehicle.name} needs {np.degrees(full):.2f} deg with trim in {speed:g} m/s of wind within "
-    f"{duration:g} s ({full / B:.2f} of full trim), so {np.degrees(limit):g} deg are {enough}."
+    f"{duration:g} s ({full / B:.2f} of full trim), and {worst:.2f} deg where it is a head "
+    f"wind, so {np.degrees(limit):g} deg are {enough}."
 )
 print(answer)

@@ -29,7 +29,7 @@ def booster() -> tv.Vehicle:
 
 def test_a_tail_wind_asks_for_the_same_to_the_last_bit(booster) -> None:
     options = {"duration": 7.5, "peak": 0.08, "limit": 0.006}
-    plain = tv.Study.from_vehicle(booster, **options)
+    plain = tv.Study.from_vehicle(booster, **options, sign="frozen")
     for stop in (None, "round", "square"):
         tail = tv.Study.from_vehicle(booster, **options, heading=np.pi, stop=stop)
         assert tail.required_deflection == plain.required_deflection
@@ -132,7 +132,7 @@ def test_what_has_no_direction_is_told_so(booster) -> None:
 
 
 SLANTING = {
-    "study": {"vehicle": "configuration-i", "model": "fixed-path"},
+    "study": {"vehicle": "configuration-i", "model": "fixed-path", "sign": "frozen"},
     "nozzle": {"stop": "round", "limit_deg": 0.45},
     "wind": {"peak_deg": 5.0, "duration_s": 7.5, "direction_deg": 270.0, "azimuth_deg": 340.0},
 }

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tvclin as tv
-from tvclin.answers.wind_sign import pressure_ratio, signed_need
+from tvclin.answers.sizing.wind_sign import pressure_ratio, signed_need
 from tvclin.flights.condition import load_flight_condition
 
 PULSES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -76,3 +76,78 @@ def test_the_dynamic_pressure_is_that_of_the_air_met(configuration_i) -> None:
     assert head > 1.0 > tail
     with pytest.raises(tv.InputError, match="no horizontal wind turns it so far"):
         pressure_ratio(configuration_i.replace(attitude=np.radians(3.0)), angles)
+
+
+def of_peak(deg: float, **options) -> tv.Study:
+    """The usual triangle of configuration I, of another peak."""
+    vehicle = tv.load_vehicle("configuration-i")
+    return tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(deg), **options)
+
+
+def test_the_verdict_counts_the_worst_of_head_tail_and_calm_air() -> None:
+    """0.3508 deg in calm air's dynamic pressure, 0.4116 against the flight, 0.3062 from behind."""
+    short, enough = (of_peak(5.0, limit=np.radians(x)) for x in (0.411, 0.413))
+    assert (short.sufficient, enough.sufficient) == (False, True)
+    assert short.governs == "the dynamic pressure in a head wind"
+    asked = {name: of_peak(5.0, sign=name) for name in ("head", "tail", "frozen")}
+    needs = {name: np.degrees(one.required_deflection) for name, one in asked.items()}
+    assert needs == pytest.approx({"head": 0.4116, "tail": 0.3062, "frozen": 0.3508}, abs=1e-4)
+    assert short.required_deflection == asked["head"].required_deflection
+    assert asked["frozen"].governs == "the boundary of the control"
+
+
+@pytest.mark.parametrize("sign", ["head", "tail", "frozen", None])
+def test_a_limit_is_what_the_peak_that_it_survives_requires(sign: str | None) -> None:
+    for limit in np.radians([0.1, 0.4, 0.7]):
+        peak = np.degrees(of_peak(5.0, limit=limit, sign=sign).survivable_peak)
+        assert of_peak(peak, sign=sign).required_deflection == pytest.approx(limit, rel=1e-4)
+
+
+def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
+    """Against the flight like a head wind, from behind as frozen, from the side neither."""
+
+    def blown(heading: float, **options) -> tv.Study:
+        return of_peak(5.0, heading=np.radians(heading), **options)
+
+    assert blown(0.0).required_deflection == pytest.approx(of_peak(5.0).required_deflection)
+    assert list(blown(0.0).sign_factors) == ["head"]
+    assert list(blown(180.0).sign_factors) == ["tail"]
+    assert blown(180.0).required_deflection == abs(blown(180.0).requirement.deflection)
+    assert blown(90.0, plane="yaw").sign_factors == {}
+    with pytest.raises(tv.InputError, match="leave sign"):
+        blown(0.0, sign="head")
+    both = blown(30.0, stop="round")
+    assert 1.0 < both.sign_factors["head"] < of_peak(5.0).sign_factors["head"]
+    assert both.required_deflection == both.planes.deflection * both.sign_factors["head"]
+
+
+def test_across_the_path_and_without_a_speed_nothing_is_changed(configuration_i) -> None:
+    assert of_peak(5.0, plane="yaw").sign_factors == {}
+    c = tv.Coefficients.from_vehicle(configuration_i)
+    bare = tv.vehicle.LinearVehicle(coefficients=c, name="bare")
+    found = tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5))
+    assert found.sign_factors == {}
+    assert any("what a head wind needs more is not known" in note for note in found.notes)
+    with pytest.raises(tv.InputError):
+        tv.Study.from_vehicle(bare, duration=7.5, peak=np.radians(5), sign="head")
+
+
+def test_dispersed_cases_have_the_factor_of_their_wind() -> None:
+    """Interpolated between five sizes, to a part in a thousand."""
+    nominal = of_peak(5.0)
+    sizes = np.array([0.6, 0.77, 1.0, 1.21, 1.4])
+    alone = [of_peak(5.0 * size).counts[1] for size in sizes.tolist()]
+    np.testing.assert_allclose(nominal.factors_at(sizes), alone, rtol=1e-3)
+
+
+def test_the_total_of_a_flight_has_what_a_head_wind_adds() -> None:
+    """The worst of all flight times, of which those that cannot be it are passed over."""
+    plan = tv.answers.load_sizing("configuration-i")
+    asked = plan.sizing
+    found = asked.sizing(plan)
+    total = asked.total(plan, found)
+    (pulse,) = asked.pulses(plan)
+    all_times = [tv.Study.of(asked.at(plan, t, pulse)).required_deflection for t in found.times]
+    lines = {one.name: one.deflection for one in total.lines}
+    assert lines["wind"] + lines["head wind"] == pytest.approx(max(all_times), rel=1e-9)
+    assert total.time == found.times[int(np.argmax(all_times))]

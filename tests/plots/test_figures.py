@@ -354,7 +354,7 @@ def test_charts_are_titled_with_the_name_of_the_vehicle(configuration_i):
 
 def test_study_chart_and_pole_map_are_control_plots(configuration_i):
     study = tv.Study.from_vehicle(
-        configuration_i, duration=7.5, peak=0.08, limit=0.006, model="fixed-path"
+        configuration_i, duration=7.5, peak=0.08, limit=0.006, model="fixed-path", sign="frozen"
     )
     drawn = plots.study_chart(study)
     poles = plots.pole_map(study.coefficients)

@@ -21,7 +21,10 @@ DESIGN = tv.AutopilotDesign(design="poles", natural_frequency=2.0, damping=0.8)
 def found_for(limit_deg: float | None, **changes: object) -> Findings:
     limit = None if limit_deg is None else float(np.radians(limit_deg))
     plan = tv.answers.StudyPlan(
-        vehicle=tv.load_vehicle("configuration-i"), nozzle=tv.Nozzle(limit=limit), cases=400
+        vehicle=tv.load_vehicle("configuration-i"),
+        nozzle=tv.Nozzle(limit=limit),
+        cases=400,
+        sign="frozen",
     )
     return find(replace(plan, **changes))
 
@@ -109,7 +112,7 @@ def test_margins_that_are_not_met_are_no_with_or_without_a_limit() -> None:
 
 def test_what_has_no_answer_is_no_yes() -> None:
     stable = tv.load_vehicle("configuration-i").replace(aerodynamic_arm=-2.0)
-    found = found_for(0.4, vehicle=stable, design=tv.AutopilotDesign(), criteria=LOOSE)
+    found = found_for(0.4, vehicle=stable, sign=None, design=tv.AutopilotDesign(), criteria=LOOSE)
     assert answers(found) == {"wind": True, "autopilot": None, "margins": None}
     assert headline(found).startswith("Not shown to be enough: ")
 

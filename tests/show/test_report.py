@@ -92,11 +92,11 @@ def sawtooth(peak: float, duration: float) -> tv.winds.AsymmetricTriangularWind:
 
 @pytest.fixture(scope="module")
 def plan() -> tv.answers.StudyPlan:
-    """Return the example, with fewer laws, samples and cases."""
+    """Return the example in calm air's dynamic pressure, with fewer laws, samples and cases."""
     whole = parse_study(tomllib.loads(example()))
     laws = tv.answers.LawsAsked(names=("trim", "autopilot"), sample_rate=20.0)
     flight = replace(whole.sizing, start=60.0, stop=90.0)
-    return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight)
+    return replace(whole, model="fixed-path", laws=laws, cases=300, sizing=flight, sign="frozen")
 
 
 @pytest.fixture(scope="module")
@@ -607,7 +607,7 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
 ) -> None:
     once = replace(plan.sizing, start=60.0, stop=60.0)
     fixed = tv.answers.StudyPlan(
-        vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once
+        vehicle=plan.vehicle, model="fixed-path", nozzle=plan.nozzle, sizing=once, sign="frozen"
     )
     short = find(fixed)
     wide = np.radians(0.9)
@@ -674,8 +674,8 @@ def test_what_no_page_can_hold_is_replaced() -> None:
 @pytest.mark.parametrize(
     ("limit", "said"),
     [
-        (0.3, "Not enough: the limit of 0.300 deg is 0.051 deg (14.5 %) short of the 0.351 deg"),
-        (None, "This wind needs 0.351 deg of deflection."),
+        (0.3, "Not enough: the limit of 0.300 deg is 0.112 deg (27.1 %) short of the 0.412 deg"),
+        (None, "This wind needs 0.412 deg of deflection."),
     ],
 )
 def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
@@ -760,10 +760,25 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.answers.StudyPlan) -> 
     found = find(long)
     told = words(basis.assumptions(found))
 
-    assert len(found.study.notes) == 3
+    assert len(found.study.notes) == 2
     assert all(as_sentence(note) in told for note in found.study.notes)
     beside = "".join(one for one in verdict.basis(found) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside
+
+
+@pytest.mark.usefixtures("few_durations")
+def test_the_page_has_what_a_head_and_a_tail_wind_need() -> None:
+    vehicle = tv.load_vehicle("configuration-i")
+    limit = tv.Nozzle(limit=np.radians(0.4))
+    page = Page(tv.report_html(tv.answers.StudyPlan(vehicle=vehicle, nozzle=limit)))
+    study = tv.Study.of(tv.Case(vehicle=vehicle, nozzle=limit))
+    needs = {name: np.degrees(one) for name, one in study.sign_needs.items()}
+
+    shown = {name: page.numbers[f"{name}.drift-exact_deg"][0] for name in needs}
+    assert shown == pytest.approx(needs, rel=1e-12)
+    assert page.numbers["facts.required_deg"][0] == pytest.approx(needs["head"], rel=1e-12)
+    assert page.numbers["facts.survivable_peak_deg"][0] == pytest.approx(4.879, abs=5e-4)
+    assert any("the dynamic pressure in a head wind" in one for one in page.texts)
 
 
 def test_a_notebook_shows_a_short_table() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -103,6 +103,18 @@ class Case:
         from tvclin.linear.flexible import plant_of
 
         return plant_of(self.vehicle, self.loop_model, self.plane)
+
+    @property
+    def heading(self) -> float | None:
+        """The heading of the wind [rad], where it has one."""
+        return getattr(self.wind, "heading", None)
+
+    def wind_at(self, dead_band: float) -> ShapedWind:
+        """Return a wind of one shape, its gust at its time, or at the worst for a dead band."""
+        blows = self.blows_at(dead_band)
+        assert isinstance(self.wind, ShapedWind)
+        assert isinstance(blows, ShapedWind)
+        return replace(self.wind, gust_at=blows.gust_at)
 
     @cached_property
     def blows(self) -> ShapedWind | WindEnsemble | History:

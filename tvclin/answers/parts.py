@@ -20,7 +20,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "structure": ("--rigid",),
     "damping": (),
     "gust": ("--gust", "--gust-at"),
-    "head wind": ("--peak-deg", "--peak-speed"),
+    "head wind": ("--peak-deg", "--peak-speed", "--sign"),
     "heading": ("--wind-direction-deg",),
     "shape of the stop": ("--stop",),
     "measured wind": ("--winds", "--winds-time", "--window"),

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.case import Case
 from tvclin.answers.nozzle import Nozzle
 from tvclin.answers.planes import PlanesNeeded, of_heading, words_of
 from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS, sign_factors, survived_size
 from tvclin.answers.study_notes import (
     along_the_path,
     doubts,
@@ -49,8 +50,12 @@ from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import PULSES, ShapedWind
 
+_SIZES = 5
+"""Sizes of a wind at which what its sign changes is computed for dispersed winds."""
 DEAD_BANDS = (1.0, 0.75, 0.5, 0.25, 0.0)
-STUDY_TABLE = FileTable("[study]", words=("vehicle", "model", "plane", "dead_band", "switch"))
+STUDY_TABLE = FileTable(
+    "[study]", words=("vehicle", "model", "plane", "dead_band", "switch", "sign")
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +73,9 @@ class Study(Shown):
     switch : str
         What leaves the dead band of the boundaries shown, as in `trim_then_hold`. The verdict is
         always that of a flight, whose trim itself leaves it.
+    sign : {"head", "tail", "frozen"} or None
+        The sign of the wind along the path that counts; frozen: the dynamic pressure of calm air;
+        None: the worst of these.
     modes : dict of str to Modes
         Unstable poles of every model.
     trim_deflection : float
@@ -79,7 +87,11 @@ class Study(Shown):
     dead_band : float
         K of the verdict.
     requirement : RequiredDeflection
-        What a limit must be at `model` and `dead_band`, and what governs it.
+        What a limit must be at `model` and `dead_band`, and what governs it, in the dynamic
+        pressure of calm air.
+    sign_factors : dict of str to float
+        What is required of a head and of a tail wind, over that; empty where the wind blows across
+        the path, or what its sign changes is not known.
     sufficient : bool or None
         Whether the limit is at or above what is required.
     survivable_peak : float or None
@@ -101,12 +113,14 @@ class Study(Shown):
     coefficients: Coefficients
     wind: Any
     switch: str
+    sign: str | None
     modes: dict[str, Modes]
     trim_deflection: float
     boundaries: dict[str, BoundaryLimit]
     dead_bands: NDArray[np.float64]
     dead_band: float
     requirement: RequiredDeflection
+    sign_factors: dict[str, float]
     sufficient: bool | None
     survivable_peak: float | None
     forecast_free: dict[str, ForecastFreeLimit]
@@ -134,6 +148,7 @@ class Study(Shown):
         model: str | None = None,
         plane: str = "pitch",
         switch: str = "literal",
+        sign: str | None = None,
         gust: History | None = None,
         gust_at: float | None = None,
         heading: float | None = None,
@@ -151,7 +166,7 @@ class Study(Shown):
             Of the wind [s, rad], as of `ShapedWind`.
         limit, stop
             As of `Nozzle`.
-        dead_band, switch
+        dead_band, switch, sign
             As of `of`.
 
         Raises
@@ -164,17 +179,25 @@ class Study(Shown):
         >>> import numpy as np, tvclin as tv
         >>> vehicle = tv.load_vehicle("configuration-i")
         >>> result = tv.Study.from_vehicle(vehicle, duration=7.5, peak=np.radians(5))
-        >>> round(float(np.degrees(result.required_deflection)), 3)
-        0.351
+        >>> round(float(np.degrees(result.requirement.deflection)), 3)
+        -0.351
+        >>> round(float(np.degrees(result.required_deflection)), 3), result.governs
+        (0.412, 'the dynamic pressure in a head wind')
         """
         one_of("wind", wind, PULSES)
         blows = ShapedWind(wind, peak, duration, heading, gust, gust_at)
         nozzle, model = Nozzle(limit=limit, stop=stop), "" if model is None else model
         case = Case(vehicle=vehicle, model=model, plane=plane, wind=blows, nozzle=nozzle)
-        return cls.of(case, dead_band, switch)
+        return cls.of(case, dead_band, switch, sign)
 
     @classmethod
-    def of(cls, case: Case, dead_band: float = 1.0, switch: str = "literal") -> Self:
+    def of(
+        cls,
+        case: Case,
+        dead_band: float = 1.0,
+        switch: str = "literal",
+        sign: str | None = None,
+    ) -> Self:
         """Return the boundaries of a case, and the verdict on the limit of its nozzle.
 
         With a stop of both planes the verdict is on both. Of a wind with a direction the boundaries
@@ -188,16 +211,22 @@ class Study(Shown):
             K of the verdict, in [0, 1].
         switch : {"literal", "report"}
             What leaves the dead band of the boundaries shown, as in `trim_then_hold`.
+        sign : {"head", "tail", "frozen"}, optional
+            Which sign of a wind along the path the verdict counts, with the dynamic pressure that
+            the vehicle meets in it; frozen: that of calm air, as in the report. Without it the
+            worst of these; a wind with a direction has its own.
 
         Raises
         ------
         InputError
-            For a stop without a heading, a wind that does nothing in the plane, and
-            for a batch of vehicles or gusts, a wind and gust whose sum changes its sign, a wind of
-            another shape, and a dead band out of range.
+            For a sign where what it changes is not known, a stop without a heading, a wind that
+            does nothing in the plane, and for a batch of vehicles or gusts, a wind and gust whose
+            sum changes its sign, a wind of another shape, and a dead band out of range.
         """
         instance("case", case, Case, "of a vehicle, a wind and a nozzle")
         one_of("switch", switch, SWITCHES)
+        if sign is not None:
+            one_of("sign", sign, (*SIGNS, FROZEN))
         dead_band = number("dead_band", dead_band, between(0.0, 1.0))
         model, plane, wind = case.model, case.plane, pulse_of(case)
         coefficients = coefficients_of(case.vehicle, plane)
@@ -224,6 +253,8 @@ class Study(Shown):
         modes = {name: unstable_modes(each) for name, each in plants.items()}
         needed = _needed(shown, history, dead_bands, switch)
         free = needed["forecast_free"].get(plant.model)
+        needs = float(required.deflection)
+        factors, unknown = _factors(case, history, needs, dead_band, sign)
         notes = (
             *slow_or_paired(plant, history, required, dead_band),
             *left_out(plant, modes),
@@ -231,30 +262,29 @@ class Study(Shown):
             *undamped(plant, history, required, dead_band),
             *doubts(case.vehicle),
             *gust_placed(wind, blows),
-            *along_the_path(case, history, required, dead_band),
+            *along_the_path(case, history, sign, unknown),
             *words_of(planes, plane, stop is not None),
         )
-        limit = case.nozzle.limit
-        if planes is not None and stop is not None:
-            judged = _judged(planes.deflection, planes.peak, limit)
-        else:
-            judged = _judged(abs(float(required.deflection)), float(history.peak), limit)
-        return cls(
+        found = cls(
             case=case,
             coefficients=coefficients,
             wind=alone,
             switch=switch,
+            sign=sign,
             modes=modes,
             trim_deflection=abs(float(coefficients.B * history.peak)),
             dead_bands=dead_bands,
             dead_band=dead_band,
             requirement=required,
+            sign_factors=factors,
+            sufficient=None,
+            survivable_peak=None,
             notes=notes,
             blows=blows,
             planes=planes,
             **needed,
-            **judged,
         )
+        return found if found.limit is None else replace(found, **found._judged(found.limit))
 
     @property
     def vehicle(self) -> AnyVehicle:
@@ -295,9 +325,59 @@ class Study(Shown):
     @property
     def required_deflection(self) -> float:
         """The deflection [rad] that is required at the verdict's model and dead band, a size."""
+        return self.frozen_deflection * self.counts[1]
+
+    @property
+    def frozen_deflection(self) -> float:
+        """The same [rad] in the dynamic pressure of calm air."""
         if self.planes is not None and self.in_both:
             return self.planes.deflection
         return abs(float(self.requirement.deflection))
+
+    @property
+    def sign_needs(self) -> dict[str, float]:
+        """What is required [rad] of a head and of a tail wind, by `sign_factors`."""
+        return {name: self.frozen_deflection * one for name, one in self.sign_factors.items()}
+
+    @property
+    def counts(self) -> tuple[str, float]:
+        """Which sign of the wind counts, and its factor on `frozen_deflection`."""
+        if self.sign in self.sign_factors:
+            return str(self.sign), self.sign_factors[str(self.sign)]
+        every = {FROZEN: 1.0} | self.sign_factors
+        name = max(every, key=lambda one: every[one])
+        return name, every[name]
+
+    def factors_at(self, sizes: ArrayLike) -> NDArray[np.float64]:
+        """Return the factor of the sign that counts in winds of so many times this size.
+
+        Between a few sizes it is interpolated.
+        """
+        wanted, (name, factor) = np.asarray(sizes, dtype=float), self.counts
+        if name == FROZEN or np.all(wanted == 1.0):
+            return np.full(wanted.shape, factor)
+        nodes = np.linspace(wanted.min(), wanted.max(), _SIZES)
+        found = [self._factor_at(float(size)) for size in nodes]
+        return np.asarray(np.interp(wanted, nodes, found))
+
+    def _factor_at(self, size: float) -> float:
+        """The same of one size."""
+        name = self.counts[0]
+        if name == FROZEN:
+            return 1.0
+        asked = None if self.slanting is not None else name
+        return sign_factors(self.case, self.history, self.dead_band, asked, size)[name]
+
+    def _judged(self, limit: float) -> dict[str, Any]:
+        """Whether a limit is enough, and what peak it survives."""
+        needed = self.required_deflection
+        peak = self.planes.peak if self.planes is not None and self.in_both else self.history.peak
+        size = limit / needed if needed else np.inf
+        if self.counts[0] != FROZEN and 0.0 < size < np.inf:
+            size = survived_size(
+                limit, lambda size: size * self.frozen_deflection * self._factor_at(size)
+            )
+        return {"sufficient": bool(covers(limit, needed)), "survivable_peak": float(peak) * size}
 
     @property
     def gust(self) -> History | None:
@@ -317,6 +397,9 @@ class Study(Shown):
     @property
     def governs(self) -> str:
         """What the required deflection is governed by, in words."""
+        name = self.counts[0]
+        if name != FROZEN:
+            return f"the dynamic pressure in a {name} wind"
         if self.planes is not None and self.in_both:
             return self.planes.governs
         return self.requirement.governs
@@ -367,7 +450,8 @@ class Study(Shown):
             "verdict": picked(
                 self,
                 "model dead_band required_deflection_deg governed_by=governs"
-                " requirements_deg=requirement.needs limit_deg sufficient"
+                " requirements_deg=requirement.needs frozen_deflection_deg sign_factors limit_deg"
+                " sufficient"
                 " survivable_peak_deg=|survivable_peak| survivable_peak_of=peak_of",
             ),
         }
@@ -395,12 +479,18 @@ def _needed(
     }
 
 
-def _judged(needed: float, peak: float, limit: float | None) -> dict[str, Any]:
-    """Whether a limit is enough, and what it survives; None without one."""
-    if limit is None:
-        return {"sufficient": None, "survivable_peak": None}
-    survived = peak * limit / needed if needed else np.inf
-    return {"sufficient": bool(covers(limit, needed)), "survivable_peak": survived}
+def _factors(
+    case: Case, history: History, needed: float, dead_band: float, sign: str | None
+) -> tuple[dict[str, float], str]:
+    """What the sign of a wind changes, and why it is not known; what is asked for must be."""
+    if not np.isfinite(needed):
+        return {}, ""
+    try:
+        return sign_factors(case, history, dead_band, sign), ""
+    except InputError as error:
+        if sign is not None:
+            raise
+        return {}, str(error)
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:

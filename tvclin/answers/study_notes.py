@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tvclin.answers.case import Case
-from tvclin.answers.requirement import RequiredDeflection, covers, required_deflection
-from tvclin.base.errors import InputError
+from tvclin.answers.requirement import RequiredDeflection, required_deflection
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.boundary.forecast_free import ForecastFreeLimit
 from tvclin.boundary.limit import BOUNDARY, PAIR, ROUNDING
 from tvclin.boundary.optimum.two_poles import single_pole_validity
@@ -49,36 +49,15 @@ def doubts(vehicle: AnyVehicle) -> Iterator[str]:
         yield from slips(vehicle)
 
 
-def along_the_path(
-    case: Case, history: History, required: RequiredDeflection, dead_band: float
-) -> Iterator[str]:
-    """Say what head and tail need of a strong wind in the pitch plane, where the limit is short."""
+def along_the_path(case: Case, history: History, sign: str | None, why: str) -> Iterator[str]:
+    """Say of a strong wind in the pitch plane that its dynamic pressure is frozen, and why."""
     if case.plane != "pitch" or abs(float(history.peak)) <= _STRONG:
         return
-    from tvclin.answers.wind_sign import SIGNS, signed_needs
-
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
-    try:
-        needs = signed_needs(case.vehicle, history, required, case.model, dead_band)
-    except InputError as error:
-        yield f"{changes}; what a head wind needs more is not known: {error}"
-        return
-    if getattr(case.wind, "heading", None) is not None:  # its sign is known
-        needs = {k: one for k, one in needs.items() if SIGNS[k] * float(history.peak) > 0.0}
-    if not needs:
-        return
-    frozen = abs(float(required.deflection))
-    words = [
-        f"as a {name} wind it needs {np.degrees(need):.3f} deg,"
-        f" {100.0 * abs(need / frozen - 1.0):.0f} percent {'more' if need >= frozen else 'less'}"
-        for name, need in needs.items()
-    ]
-    limit, short = case.nozzle.limit, ""
-    if limit is not None and case.nozzle.stop is None:
-        lacking = [name for name, need in needs.items() if not covers(limit, need)]
-        if lacking and covers(limit, frozen):
-            short = f"; the limit is NOT SUFFICIENT in the {' and the '.join(lacking)} wind"
-    yield f"{changes}: {', and '.join(words)}{short}"
+    if sign == FROZEN:
+        yield f"{changes}, as asked: a head wind needs more"
+    elif why:
+        yield f"{changes}; what a head wind needs more is not known: {why}"
 
 
 def gust_placed(asked: ShapedWind, blows: ShapedWind) -> Iterator[str]:

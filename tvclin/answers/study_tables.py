@@ -102,6 +102,12 @@ def boundaries(s: Study) -> Table:
             row.append(least(number(f"{key}.limit", one.limit[i])))
             row.append(least(degrees(key, abs(one.deflection[i]))))
         rows.append(tuple(row))
+    if s.model in names and not s.in_both:
+        of_the_verdict = f"K = {s.dead_band:g}"
+        rows += [
+            ((f"{of_the_verdict} as a {sign} wind",), *_parts(s, sign, {s.model: need}))
+            for sign, need in s.sign_needs.items()
+        ]
     rows += [((LEAST[key],), *_parts(s, key, needs)) for key, needs in s.needs.items()]
     head = ("control", *(h for name in names for h in (f"{name}: over trim", f"{name} [deg]")))
     if s.limit is not None and not s.in_both and s.model in s.boundaries:
@@ -161,13 +167,15 @@ def _survived(s: Study, limit: float) -> list[float]:
     """Which peak [rad] a limit survives, for each row, with the model of the verdict."""
     undercut = s.minima.get(s.model, 0.0)
     rows = [
-        s.required_deflection if s.dead_band == K else max(abs(float(each)), undercut)
+        s.frozen_deflection if s.dead_band == K else max(abs(float(each)), undercut)
         for K, each in zip(s.dead_bands, s.boundaries[s.model].deflection, strict=True)
     ]
-    rows += [needs.get(s.model, np.nan) for needs in s.needs.values()]
-    peak = abs(float(s.history.peak))
+    needs = [needs.get(s.model, np.nan) for needs in s.needs.values()]
+    peak, met = abs(float(s.history.peak)), {s.counts[0]: abs(s.survivable_peak or 0.0)}
+    survived = [met.get(sign, np.nan) for sign in s.sign_needs]
     with np.errstate(divide="ignore"):
-        return [float(peak * limit / np.float64(row)) for row in (s.trim_deflection, *rows)]
+        linear = [float(peak * limit / np.float64(row)) for row in (s.trim_deflection, *rows)]
+        return [*linear, *survived, *(float(peak * limit / np.float64(row)) for row in needs)]
 
 
 def _governed(s: Study) -> str:

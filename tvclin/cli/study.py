@@ -53,6 +53,14 @@ def study(
             show_default="literal",
         ),
     ] = None,
+    sign: Annotated[
+        str | None,
+        typer.Option(
+            help="Which sign of a wind along the path counts, with the dynamic pressure met in it:"
+            " head, tail, or frozen, that of calm air.",
+            show_default="the worst of these",
+        ),
+    ] = None,
     disperse: Annotated[
         bool,
         typer.Option(
@@ -99,6 +107,7 @@ def study(
         plan,
         dead_band=chosen(dead_band, plan.dead_band),
         switch=chosen(switch, plan.switch),
+        sign=chosen(sign, plan.sign),
         cases=chosen(cases, plan.cases),
         seed=chosen(seed, plan.seed),
     )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tvclin.answers.requirement import required_deflection
+from tvclin.answers.sizing.wind_sign import FROZEN
 from tvclin.answers.study import Study
 from tvclin.boundary.closed_forms import (
     rectangular_limit,
@@ -163,7 +164,9 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
         look |= {"ls": ("-", "--")[model], "markevery": max(x.size // 10, 1)}
         lines += axes.plot(x, column.values, lw=1.6, label=column.label, **look)
     axes.axvline(chosen, color=INK, lw=1.0)
-    axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label="required")
+    sign = study.counts[0]
+    needs = "required" if sign == FROZEN else f"required, {sign} wind"
+    axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label=needs)
     trim = float(np.degrees(study.trim_deflection))
     axes.axhline(trim, color="0.4", lw=1.0, ls=":", label="trim, no drift")
     if study.limit is not None:

@@ -54,7 +54,8 @@ class DispersedStudy(Shown):
         Dispersed parameters [SI], ``(n,)`` each.
     deflection : ndarray
         Required deflection [rad] of each case at the model and dead band of the study, ``(n,)``;
-        of both planes where the study judges both; NaN where there is none.
+        of both planes where the study judges both; NaN where there is none. With the factor that
+        the sign which counts has for the nominal vehicle in a wind of the size of the case.
     status : ndarray of str
         Of each case: "ok", "no unstable pole" (nothing is needed), or why there is no answer.
     required : Quantile
@@ -190,7 +191,9 @@ def disperse_study(
     for name, part in (("probability", probability), ("confidence", confidence)):
         fraction(name, part)
     found = evaluate(campaign, 0, cases)
-    deflection = found[required_name(study.dead_band)] * study.of_both
+    sizes = found["wind_peak"] / study.blows.peak if "wind_peak" in found else np.ones(cases)
+    factors = study.factors_at(sizes)
+    deflection = found[required_name(study.dead_band)] * study.of_both * factors
     good = ~np.isnan(deflection)
     if not np.any(good):
         raise InputError(f"no case has an answer; the first is: {found['status'][0]}")

@@ -4,6 +4,7 @@ Model, planes, limit and stop are those of the case, and so is the first of its 
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -17,6 +18,7 @@ from tvclin.answers.sizing.record import VARYING, Sizing
 from tvclin.answers.sizing.schedule import FlightSchedule
 from tvclin.answers.sizing.size import WORDS, size
 from tvclin.answers.sizing.total import DeflectionTotal, worst_total
+from tvclin.answers.sizing.wind_sign import pressure_ratio, sign_factors
 from tvclin.base.errors import (
     InputError,
     bearing,
@@ -279,15 +281,43 @@ class SizingAsked:
         """Return the worst total of a sizing; raise `InputError` as `worst_total`."""
         instance("case", case, Case, "of a wind and a nozzle")
         instance("found", found, Sizing, "see sizing()")
+        name = one_of("count", self.counted, found.required)
         return worst_total(
             found,
-            one_of("count", self.counted, found.required),
+            name,
+            sign=self._met_in_head_winds(case, found, name),
             dispersion=self.dispersion,
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
             reserve=self.reserve,
             limit=case.nozzle.limit,
         )
+
+    def _met_in_head_winds(self, case: Case, found: Sizing, name: str) -> NDArray[np.float64]:
+        """What the dynamic pressure of a head wind adds to pulses in pitch, as a part of them.
+
+        Zero where it is no dead band that counts or a sounding, where another sign is asked for or
+        it is not known, and at times that cannot be the worst: it grows by less than the square of
+        that pressure.
+        """
+        adds, pulses = np.zeros(found.times.shape), self.pulses(case)
+        bands = {f"K = {K:g}": float(K) for K in found.dead_bands}
+        head = getattr(case, "sign", None) in (None, "head")
+        if found.plane != "pitch" or name not in bands or not head:
+            return adds
+        needs, most = found.at_times(name), 0.0
+        for i in np.argsort(-np.nan_to_num(needs)).tolist():
+            j = int(np.argmax(np.nan_to_num(found.required[name][i])))
+            if not needs[i] > 0.0 or j >= len(pulses):
+                continue
+            with suppress(InputError):  # no sign at this path, no real pole: frozen as it stands
+                at = self.at(case, time := float(found.times[i]), pulses[j])
+                ratio = pressure_ratio(self.schedule.at(time), -np.abs(at.history.peak))
+                if needs[i] * ratio**2 > most:
+                    factors = sign_factors(at, at.history, bands[name], "head")
+                    adds[i] = max(0.0, factors["head"] - 1.0)
+            most = max(most, needs[i] * (1.0 + adds[i]))
+        return adds
 
     @property
     def warnings(self) -> list[str]:

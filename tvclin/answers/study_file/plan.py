@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from tvclin.answers.case import DEFAULT_WIND, Case
 from tvclin.answers.document import Document
+from tvclin.answers.sizing.wind_sign import FROZEN, SIGNS
 from tvclin.answers.study import Study, pulse_of
 from tvclin.base.errors import (
     InputError,
@@ -40,8 +41,8 @@ class StudyPlan(Case):
     ----------
     dead_band : float
         K of the verdict.
-    switch : str
-        As of `Study.from_vehicle`.
+    switch, sign : str
+        As of `Study.of`.
     laws : LawsAsked, optional
         Laws to be flown.
     criteria : Criteria, optional
@@ -68,6 +69,7 @@ class StudyPlan(Case):
     wind: ShapedWind | History = DEFAULT_WIND
     dead_band: float = 1.0
     switch: str = "literal"
+    sign: str | None = None
     laws: LawsAsked | None = None
     criteria: Criteria | None = None
     dispersions: Dispersions | None = None
@@ -84,6 +86,8 @@ class StudyPlan(Case):
         if not isinstance(self.wind, History):
             pulse_of(self)
         one_of("switch", self.switch, SWITCHES)
+        if self.sign is not None:
+            one_of("sign", self.sign, (*SIGNS, FROZEN))
         number("dead_band", self.dead_band, between(0.0, 1.0))
         self._check_parts()
         for name in ("cases", "seed"):
@@ -138,8 +142,9 @@ class StudyPlan(Case):
         """Return the plan of a study that has been made."""
         instance("study", study, Study, "see Study.from_vehicle")
         case: Any = {one.name: getattr(study.case, one.name) for one in fields(Case)}
-        return cls(**case, dead_band=study.dead_band, switch=study.switch)
+        asked: Any = {name: getattr(study, name) for name in ("dead_band", "switch", "sign")}
+        return cls(**case, **asked)
 
     def study(self) -> Study:
         """Return the study; raise `InputError` as `Study.of`."""
-        return Study.of(self, self.dead_band, self.switch)
+        return Study.of(self, self.dead_band, self.switch, self.sign)

@@ -17,6 +17,11 @@ _HELD = (
     "the report's control holds the limit for ever, and a limit above the boundary then turns"
     " the vehicle over to the other side; a law lets go of it"
 )
+_CALM = (
+    "the dynamic pressure is that of calm air; tvclin study counts the more that a head wind needs"
+)
+_STRONG = float(np.radians(1.5))
+"""Winds [rad] above this change it by more than a few percent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +83,8 @@ def answer(choices: Choices, most: int | None = None) -> Answer:
     notes = [note for part in (*curve, point, motion, margins) for note in part.notes]
     if c.law == REPORT and required is not None and c.limit > required > 0.0:
         notes.append(_HELD)
+    if c.plane == "pitch" and abs(c.peak) > _STRONG and required:
+        notes.append(_CALM)
     return Answer(
         choices=c,
         durations=np.concatenate([[], *known]),

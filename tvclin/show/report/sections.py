@@ -25,6 +25,12 @@ if TYPE_CHECKING:
 
 _TO_SHOW, _POINTS = 2.0, 401
 """A response is shown for so many durations of the wind, at so many points."""
+_SIGNS = {
+    None: "of calm air, and met in a head and a tail wind: the worst counts",
+    "head": "that met in a head wind",
+    "tail": "that met in a tail wind",
+    "frozen": "that of calm air",
+}
 _SWITCHES = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 _ABOVE = 1.1
 """Without a limit in question, the response is that to so many times what is needed."""
@@ -45,6 +51,8 @@ def inputs(found: Findings) -> Section:
     if wind.heading is not None:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         case.insert(4, ("it blows from, off the flight", heading))
+    if s.sign_factors or s.sign is not None:
+        case.append(("dynamic pressure", (_SIGNS[s.sign],)))
     if s.gust is not None:
         case += [
             ("gust on top: peak", _typed("gust.peak_deg", s.gust.peak)),

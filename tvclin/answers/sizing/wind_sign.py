@@ -1,0 +1,204 @@
+"""What the sign of a wind along the path changes: the dynamic pressure that the vehicle meets.
+
+A head wind raises the speed through the air, and with it normal and axial force; a tail wind lowers
+it. Seen from the ground the vehicle has the speed V at the angle Theta_n above the horizontal, and
+the horizontal wind that turns the path by alpha_w is
+
+    w = V sin(alpha_w)/sin(Theta_n + alpha_w),
+    q/q_n = ((V cos Theta_n - w)^2 + (V sin Theta_n)^2)/V^2.
+
+All else is held, so that the condition of varying parameters (`sizing.varying`) says what the two
+ask for. Speed and path of the vehicle itself hardly change within a wind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tvclin.answers.case import Case
+from tvclin.base.errors import InputError
+from tvclin.boundary.limit import boundary_limit
+from tvclin.linear.plant import Plant
+from tvclin.vehicle.coefficients import PLANES
+from tvclin.vehicle.linear_vehicle import whole_vehicle
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.histories import History
+from tvclin.winds.shaped import part_in
+
+FloatArray = NDArray[np.float64]
+
+SIGNS = {"head": -1.0, "tail": 1.0}
+"""Of the wind angle in the pitch plane."""
+FROZEN = "frozen"
+"""The dynamic pressure of calm air, for either sign."""
+_CLOSE, _TRIES = 1e-5, 12
+"""Of the logarithm of a factor on the wind, and of evaluations that find it."""
+_ROWS = 33
+"""Times of a wind at which the parameters are tabulated, beside its knots."""
+_JUMP = 1e-6
+"""A jump of the wind is a slope over this part of its duration."""
+
+
+def pressure_ratio(vehicle: Vehicle, angle: FloatArray) -> FloatArray:
+    """Return the dynamic pressure in winds along the path of angles [rad], over that in calm air.
+
+    Raises
+    ------
+    InputError
+        Where no horizontal wind turns the path so far: it would be level.
+    """
+    path = float(np.asarray(vehicle.attitude))
+    if np.any(np.sin(path + angle) <= 0.0) or np.sin(path) <= 0.0:
+        raise InputError(
+            f"a wind of {np.degrees(np.abs(angle).max()):.4g} deg along the path has no sign for a"
+            f" flight at {np.degrees(path):.4g} deg: no horizontal wind turns it so far"
+        )
+    wind = np.sin(angle) / np.sin(path + angle)  # over V
+    return np.asarray((np.cos(path) - wind) ** 2 + np.sin(path) ** 2)
+
+
+def sign_factors(
+    case: Case, wind: History, dead_band: float, sign: str | None = None, size: float = 1.0
+) -> dict[str, float]:
+    """Return what a wind needs by its sign along the path, over what it needs in calm air's.
+
+    Parameters
+    ----------
+    case : Case
+        One vehicle; with a stop of both planes the factor is the larger one of the planes.
+    wind : History
+        The wind of the case in its plane, with its gust.
+    dead_band : float
+        K.
+    sign : {"head", "tail", "frozen"}, optional
+        The one that counts; frozen: none. A wind with a direction has its own.
+    size : float
+        Factor on the wind.
+
+    Returns
+    -------
+    dict of str to float
+        By `SIGNS`; empty for a wind across the path, and where nothing helps or is needed.
+
+    Raises
+    ------
+    InputError
+        For a sign of a wind whose direction says it, as `signed_need`, and for a vehicle of which
+        speed and attitude are not known.
+    """
+    if sign == FROZEN:
+        return {}
+    if sign is not None and case.heading is not None:
+        raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
+    along, winds = _met(case, wind, dead_band)
+    if along is None:
+        return {}
+    given, found = float(np.sign(along.peak)), {}
+    for name in SIGNS if sign is None else (sign,):
+        turn = SIGNS[name] * given
+        if case.heading is None or turn > 0.0:
+            met = [(plane, one, along) for plane, one in winds]
+            found[name] = max(_factor(case, *one, dead_band, turn * size) for one in met)
+    return {} if 0.0 in found.values() else found
+
+
+def _met(
+    case: Case, wind: History, dead_band: float
+) -> tuple[History | None, list[tuple[str, History]]]:
+    """The wind along the path in pitch, if there is one, and that in each plane that is judged."""
+    if case.heading is None:
+        return (wind if case.plane == "pitch" else None), [(case.plane, wind)]
+    blows = case.wind_at(dead_band)
+    whole = whole_vehicle(case.vehicle, "a wind with a direction")
+    peaks = blows.peaks(float(np.asarray(whole.attitude)))
+    parts = {plane: part_in(blows, peaks, plane) for plane in PLANES if peaks[plane]}
+    judged = [(case.plane, wind)] if case.nozzle.stop is None else list(parts.items())
+    return parts.get("pitch"), judged
+
+
+def _factor(
+    case: Case, plane: str, wind: History, along: History, dead_band: float, size: float
+) -> float:
+    """The factor of one plane in so many times its wind and that along; zero where none counts."""
+    vehicle = whole_vehicle(case.vehicle, "the sign of a wind").rigid
+    plant = Plant.from_vehicle(vehicle, case.model, plane)
+    frozen = abs(float(boundary_limit(plant, wind, dead_band, "literal").deflection))
+    if frozen == 0.0 or not np.isfinite(frozen):
+        return 0.0
+    need = signed_need(vehicle, wind * size, case.model, dead_band, plane=plane, along=along * size)
+    if not np.isfinite(need):
+        raise InputError("with this dead band no limit is enough")
+    return need / (frozen * abs(size))
+
+
+def survived_size(limit: float, need: Callable[[float], float]) -> float:
+    """Return the factor on a wind at which its need, which is no multiple of it, is the limit."""
+    from scipy.optimize import brentq, root_scalar
+
+    def over(x: float) -> float:
+        try:
+            return float(np.log(need(float(np.exp(x))) / limit))
+        except InputError:  # no wind turns the path so far
+            return 1.0
+
+    first = -over(0.0)
+    if abs(first) < _CLOSE:
+        return 1.0
+    found = root_scalar(over, method="secant", x0=0.0, x1=first, xtol=_CLOSE, maxiter=_TRIES)
+    x = found.root
+    if not (found.converged and x * first > 0.0 and abs(x) < 2.0 * abs(first)):
+        ends = sorted((0.0, 2.0 * first))
+        inside = over(ends[0]) * over(ends[1]) < 0.0
+        x = brentq(over, *ends, xtol=_CLOSE) if inside else min(first, 2.0 * first)
+    return float(np.exp(x))
+
+
+def signed_need(
+    vehicle: Vehicle,
+    wind: History,
+    model: str,
+    dead_band: float,
+    *,
+    plane: str = "pitch",
+    along: History | None = None,
+) -> float:
+    """Return what a control needs [rad] in a wind with its sign along the path, as a size.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        One vehicle, with a real unstable pole.
+    wind : History
+        Wind angle of attack of one sign, in the pitch plane positive from behind.
+    model, plane : str
+        As of `Plant`.
+    dead_band : float
+        K, which trim leaves, as in a flight.
+    along : History, optional
+        The same wind in the pitch plane, for one in yaw.
+
+    Raises
+    ------
+    InputError
+        As `pressure_ratio` and `varying_need`.
+    """
+    from tvclin.answers.sizing.growing import GrowingMode
+    from tvclin.answers.sizing.schedule import FlightSchedule
+    from tvclin.answers.sizing.varying import varying_need
+
+    begin, end = float(wind.onset), float(wind.end)
+    knots = wind.knots[(wind.knots > begin) & (wind.knots <= end)]
+    before = knots - _JUMP * (end - begin)
+    jumps = np.abs(wind(knots) - wind(before)) > np.sqrt(_JUMP) * abs(float(wind.peak))
+    times = np.unique(np.concatenate([np.linspace(begin, end, _ROWS), knots, before[jumps]]))
+    ratio = pressure_ratio(vehicle, (wind if along is None else along)(times))
+    met = vehicle.replace(
+        normal_force_slope=vehicle.normal_force_slope * ratio,
+        axial_force=vehicle.axial_force * ratio,
+        time=times,
+    )
+    mode = GrowingMode(FlightSchedule(met), model, plane, (begin, end))
+    return float(varying_need(mode, wind, np.array([dead_band])).required[0])
