@@ -178,8 +178,8 @@ def _sized(
     """The sizing in one plane, without its notes."""
     schedule, bands, model, plane = asked.schedule, asked.dead_bands, asked.model, asked.plane
     needs = [
-        [told(_frozen(Plant.from_vehicle(v, model, plane), w, bands, asked.law)) for w in row]
-        for v, row in zip(vehicles, placed, strict=True)
+        [told(_frozen(schedule.plants(t, model, plane), w, bands, asked.law)) for w in row]
+        for t, row in zip(asked.times, placed, strict=True)
     ]
     required = _frozen_columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)

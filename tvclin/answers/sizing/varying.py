@@ -152,7 +152,7 @@ def _drifts_fast(mode: GrowingMode, times: FloatArray) -> bool:
 
 def _held(mode: GrowingMode, times: FloatArray) -> Plant:
     """The plants with the parameters of these times."""
-    return Plant.from_vehicle(mode.schedule.held(times), mode.model, mode.plane)
+    return mode.schedule.plants(times, mode.model, mode.plane)
 
 
 def _boundary(
