@@ -8,6 +8,7 @@ import tvclin as tv
 from tests.small_launcher import sounding, write
 from tvclin.answers.sizing.flown import flight_steps, trim_law_lost
 from tvclin.answers.sizing.growing import GrowingMode
+from tvclin.answers.study_file.parse import parse_study
 
 EAST = np.radians(90.0)
 
@@ -177,3 +178,10 @@ def test_files_without_a_date_can_be_taken_in_their_order(tmp_path) -> None:
     found = tv.read_soundings(tmp_path, in_order=True)
     assert [str(one)[:10] for one in found.times] == ["2000-01-01", "2000-01-02", "2000-01-03"]
     assert "3 files without a date" in found.notes[0]
+    document = {
+        "study": {"vehicle": "configuration-i"},
+        "wind": {"peak_deg": 5.0, "duration_s": 7.5},
+        "availability": {"archive": ".", "azimuth_deg": 90, "in_order": True},
+    }
+    asked = parse_study(document, tmp_path).availability
+    assert np.array_equal(asked.soundings.times, found.times)

@@ -216,6 +216,7 @@ def _print(found: "Availability", launch: "tuple[Today, ...]", source: str) -> N
     say(f"Limit {np.degrees(found.limit):.3f} deg, from {begin:.4g} to {end:.4g} s of the flight")
     for azimuth, part in zip(azimuths, found.part(), strict=True):
         say(f"towards {azimuth} deg: {part}")
+    say(answer_tables.interval(found))
     typer.echo()
     print_tables(answer_tables.by_month(found), answer_tables.placard(found))
     say(
