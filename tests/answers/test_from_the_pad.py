@@ -121,6 +121,9 @@ def test_stable_parts_of_a_flight_are_judged_by_themselves(flight, name) -> None
     assert [np.all(np.diff(np.sign(p.vehicle.aerodynamic_arm[1:-1])) == 0) for p in turned.parts]
     assert found.need[0] == pytest.approx(max(each), rel=1e-9)
     assert "turns the vehicle to the other side" in " ".join(found.notes)
+    met = tv.fly_through(sounding(), turned, azimuth=EAST)
+    sized = tv.size(turned, met, times=[60.0], varying=True).required["K = 1, varying"]
+    assert sized == pytest.approx(found.need[0], rel=1e-3)
     mode = GrowingMode(turned, "drift-exact", "pitch", turned.span)
     steps = flight_steps(mode)
     wind = tv.fly_through(sounding(), turned, azimuth=EAST).wind(steps)

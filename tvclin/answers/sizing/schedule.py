@@ -192,7 +192,7 @@ class FlightSchedule(Shown):
     def parts(self) -> tuple[FlightSchedule, ...]:
         """The flight in parts, in each of which the air turns the vehicle to one side alone."""
         arm = np.broadcast_to(np.asarray(self.vehicle.aerodynamic_arm), self.times.shape)
-        times, turned = self.times, np.flatnonzero(arm)
+        times, turned = self.times, np.flatnonzero(np.abs(arm) > _LEAST_B * np.abs(arm).max())
         at = turned[:-1][arm[turned[:-1]] * arm[turned[1:]] < 0.0]
         turns = times[at] + arm[at] / (arm[at] - arm[at + 1]) * (times[at + 1] - times[at])
         ends = [None, *turns.tolist(), None]

@@ -31,7 +31,7 @@ from tvclin.answers.sizing.record import (
     beyond_one_pole,
 )
 from tvclin.answers.sizing.schedule import FlightSchedule
-from tvclin.answers.sizing.varying import VaryingNeed, varying_need
+from tvclin.answers.sizing.varying import VaryingNeed, need_in_parts, varying_need
 from tvclin.base.errors import InputError, callable_for, finite, flag, instance, one_of, within
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.boundary.stops import Stop, stop_of
@@ -289,7 +289,11 @@ def _varying_columns(
         both = (wind.in_flight, *([wind.whole] if wind.whole else []))
         key = b"".join(one.knots.tobytes() + one.pieces.coefficients.tobytes() for one in both)
         if key not in along:
-            along[key] = varying_need(mode, wind.in_flight, bands, wind.whole)
+            found = varying_need(mode, wind.in_flight, bands, wind.whole)
+            if np.any(np.isnan(found.required)) and len(mode.schedule.parts) > 1:
+                parts = need_in_parts(mode, wind.in_flight, bands, wind.whole)
+                found = replace(found, required=parts)
+            along[key] = found
         return along[key]
 
     needs = [
